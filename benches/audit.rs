@@ -1,6 +1,6 @@
 //! Throughput of the audit: states per second of each oracle, of the product, and of all checks of a state, on one core.
 //!
-//! `taskset -c 3 cargo bench --bench audit` prints a table, `python3 scripts/measure.py audit` writes it into docs/audit.md. Times are
+//! `taskset -c 3 cargo bench --bench audit` prints a table, `python3 scripts/measure.py audit` writes it into docs/explanation/audit.md. Times are
 //! the least of rounds that take turns; that each oracle answers, and that all checks pass, is asserted. The command's own time is that
 //! of `pintle audit`.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
@@ -8,11 +8,12 @@
 #[path = "hand/commit.rs"]
 mod commit;
 
-use pintle::audit::oracle::{Narrow, Oracle, remainders};
-use pintle::audit::sample::{Draw, Region, draw_case};
-use pintle::audit::truth::Truth;
-use pintle::audit::{Bound, Case, Entries, Quantity, Settings, audit_case, product};
-use pintle::catalog::TABLE;
+use pintle_audit::oracles::oracle::{Narrow, Oracle, remainders};
+use pintle_audit::oracles::truth::Truth;
+use pintle_audit::sampling::{Region, draw_case};
+use pintle_audit::{Bound, Case, Entries, Quantity, Settings, audit_case, product};
+use pintle_kinematics::catalog::TABLE;
+use pintle_kinematics::draw::Draw;
 use std::hint::black_box;
 use std::time::Instant;
 

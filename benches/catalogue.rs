@@ -4,12 +4,12 @@
 //! one run: `cargo bench -- TRANSLATOR` times one type.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use pintle::audit::case::exact_state;
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::Wide;
-use pintle::so3;
+use pintle_audit::case::exact_state;
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::so3;
 use std::hint::black_box;
 
 /// States per sample, all different, so that branches are not learnt by heart.

@@ -8,9 +8,9 @@
 #[path = "hand/commit.rs"]
 mod commit;
 
-use pintle::connector::{Mask, Output, Request, Tally};
-use pintle::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence};
-use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
+use pintle_kinematics::connector::{Mask, Output, Request, Tally};
+use pintle_model::evaluate::{Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence};
+use pintle_scene::{Label, NodeMotion, Rotation, Scene, State};
 use std::convert::Infallible;
 use std::fmt::Write;
 use std::hint::black_box;

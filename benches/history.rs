@@ -12,9 +12,9 @@ mod chain;
 mod commit;
 
 use peak_alloc::PeakAlloc;
-use pintle::connector::{Output, Request};
-use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
-use pintle::scene::{Diagnostic, Label, NodeMotion, Rotation, Scene, State, StateStream};
+use pintle_kinematics::connector::{Output, Request};
+use pintle_model::evaluate::{Item, Model, Plan, Selection, Sequence};
+use pintle_scene::{Diagnostic, Label, NodeMotion, Rotation, Scene, State, StateStream};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};

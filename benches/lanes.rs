@@ -10,16 +10,16 @@ mod commit;
 #[cfg(target_arch = "x86_64")]
 mod hand;
 
-use pintle::audit::case::exact_state;
-use pintle::audit::sample::Draw;
-use pintle::batch::{Batch, HessianRow, History, Row, Section, Tile};
-use pintle::bench::worse;
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Branch, Connector, Definition, Increment, Output, Request, State, Tally};
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::Wide;
-use pintle::scalar::elementary::norm;
-use pintle::vector;
+use pintle_audit::case::exact_state;
+use pintle_bench::worse;
+use pintle_kinematics::batch::{Batch, HessianRow, History, Row, Section, Tile};
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Output, Request, State, Tally};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;

@@ -27,12 +27,12 @@ use hand::peer::serve;
 use hand::types::TYPES;
 use hand::{naive, over_lanes};
 use num_dual::{Dual2SVec, DualSVec};
-use pintle::batch::{COLUMNS, LANES};
-use pintle::bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles, worse};
-use pintle::catalog::ConnectionType;
-use pintle::node::DOFS;
-use pintle::report::bench as report;
-use pintle::scalar::Seeded;
+use pintle_bench::{Cause, Method, Order, Prepared, Report, Rows, Session, Subject, Tiles, worse};
+use pintle_kinematics::batch::{COLUMNS, LANES};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::scalar::Seeded;
+use pintle_report::bench as report;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 

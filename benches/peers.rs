@@ -16,15 +16,15 @@ mod hand {
 use hand::clock::{BATCHES, time};
 use hand::peer::{numbers, serve};
 use hand::types::TYPES;
-use pintle::audit::case::exact_state;
-use pintle::audit::sample::Draw;
-use pintle::batch::{Batch, History, Row, Section, Tile};
-use pintle::bench::worse;
-use pintle::catalog::ConnectionType;
-use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::Wide;
-use pintle::vector;
+use pintle_audit::case::exact_state;
+use pintle_bench::worse;
+use pintle_kinematics::batch::{Batch, History, Row, Section, Tile};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::vector;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 

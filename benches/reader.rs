@@ -7,7 +7,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use peak_alloc::PeakAlloc;
-use pintle::scene::{Label, Scene, StateFile};
+use pintle_scene::{Label, Scene, StateFile};
 use std::fmt::Write;
 use std::hint::black_box;
 use std::io::BufRead;

@@ -11,11 +11,13 @@ mod chain;
 mod commit;
 
 use peak_alloc::PeakAlloc;
-use pintle::catalog::Orientation;
-use pintle::connector::{Output, Request};
-use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
-use pintle::report::{Block, Format, Kind, Subject, csv::Csv, json::Json, matrix_market};
-use pintle::scene::{Diagnostic, NodeMotion, Rotation, Scene, State, StateStream};
+use pintle_kinematics::catalog::Orientation;
+use pintle_kinematics::connector::{Output, Request};
+use pintle_model::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
+use pintle_report::csv::Csv;
+use pintle_report::json::Json;
+use pintle_report::{Block, BlockKind, Format, Subject, matrix_market};
+use pintle_scene::{Diagnostic, NodeMotion, Rotation, Scene, State, StateStream};
 use std::convert::Infallible;
 use std::fs::File;
 use std::hint::black_box;
@@ -136,7 +138,7 @@ fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut 
     };
     let put = |text: &mut Vec<u8>| {
         count += 1;
-        format.rendered(Kind::Connector, text)
+        format.rendered(BlockKind::Connector, text)
     };
     sequence.visit_digested(state, &mut Vec::new(), digest, put).unwrap();
     format.end_state().unwrap();

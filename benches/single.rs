@@ -7,7 +7,7 @@
 #[path = "hand/commit.rs"]
 mod commit;
 mod hand {
-    #[path = "../../src/scalar/coefficients.rs"]
+    #[path = "../../src/kinematics/scalar/coefficients.rs"]
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
     pub(crate) mod scalar;
@@ -16,13 +16,15 @@ mod hand {
 
 use hand::scalar::{self, Row};
 use hand::types::TYPES;
-use pintle::batch::{Batch, COLUMNS};
-use pintle::bench::worse;
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Branch, Connector, Definition, Increment, Linear, Output, Request, State, Tally};
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Differentiable, Wide};
-use pintle::{so3, vector};
+use pintle_bench::worse;
+use pintle_kinematics::batch::{Batch, COLUMNS};
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{
+    Branch, Connector, Definition, Increment, Linear, Output, Request, State, Tally,
+};
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::{Differentiable, Wide};
+use pintle_kinematics::{so3, vector};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 

@@ -9,10 +9,11 @@ mod chain;
 #[path = "hand/commit.rs"]
 mod commit;
 
-use pintle::connector::{Output, Request};
-use pintle::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
-use pintle::report::{Block, Format, Kind, Subject, csv::Csv};
-use pintle::scene::{Scene, State};
+use pintle_kinematics::connector::{Output, Request};
+use pintle_model::evaluate::{Fixed, Item, Jacobian, Model, Plan, Selection, Sequence};
+use pintle_report::csv::Csv;
+use pintle_report::{Block, BlockKind, Format, Subject};
+use pintle_scene::{Scene, State};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::convert::Infallible;
 use std::io::{self, Write};
@@ -101,7 +102,7 @@ fn written<'w>(scene: &'w Scene, model: &'w Model, plan: &'w Plan) -> Work<'w> {
             text.clear();
             render(&Block::of_connector(model, &plan.request, result), text).unwrap();
         };
-        let put = |text: &mut Vec<u8>| format.rendered(Kind::Connector, text);
+        let put = |text: &mut Vec<u8>| format.rendered(BlockKind::Connector, text);
         sequence.visit_digested(state, &mut texts, digest, put).unwrap();
         format.end().unwrap();
         drop(format);

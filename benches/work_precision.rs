@@ -10,7 +10,7 @@
 #[path = "hand/commit.rs"]
 mod commit;
 mod hand {
-    #[path = "../../src/scalar/coefficients.rs"]
+    #[path = "../../src/kinematics/scalar/coefficients.rs"]
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
     pub(crate) mod common;
@@ -34,9 +34,9 @@ use hand::common::{flat, is_written, settings, spread, untimed};
 use hand::peer::serve;
 use hand::types::TYPES;
 use hand::{scalar, values};
-use pintle::bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
-use pintle::catalog::ConnectionType;
-use pintle::report::bench as report;
+use pintle_bench::{Cause, Method, Order, Prepared, Report, Session, Settings, Subject, Way};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_report::bench as report;
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 
@@ -155,8 +155,8 @@ impl<T: Computed> Prepared for ByHand<'_, T> {
 mod by_hand {
     use super::*;
     use crate::hand::sweep::Sweep;
-    use pintle::batch::{Four, LANES};
-    use pintle::bench::{Rows, Tiles};
+    use pintle_bench::{Rows, Tiles};
+    use pintle_kinematics::batch::{Four, LANES};
     use pulp::x86::V3;
 
     pub(super) struct HandLanes(pub(super) Order);

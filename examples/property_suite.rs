@@ -2,7 +2,8 @@
 //!
 //! `cargo run --example property_suite --features proptest`
 
-use pintle::audit::{Candidate, strategies};
+use pintle::audit::strategies;
+use pintle::audit::{AssertOk, Candidate};
 use pintle::catalog::ConnectionType;
 use pintle::connector::{Definition, State};
 use pintle::node::{Node, Pair};

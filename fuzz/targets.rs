@@ -1,10 +1,10 @@
-//! A fuzz target: a body of `verify/fuzzing.rs`, and mutations by lines beside those by bytes.
+//! A fuzz target: a body of `verify/scene/fuzzing.rs`, and mutations by lines beside those by bytes.
 
 use libfuzzer_sys::fuzzer_mutate;
 use std::path::Path;
 use std::sync::LazyLock;
 
-#[path = "../verify/fuzzing.rs"]
+#[path = "../verify/scene/fuzzing.rs"]
 #[expect(dead_code, reason = "each target uses one body")]
 pub mod bodies;
 

@@ -23,16 +23,23 @@ import pathlib
 import platform
 import re
 import resource
+import shutil
 import subprocess
 import sys
+import tempfile
 import time
 import venv
 
+import house
 import peer_rules
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "target" / "peers"
-DOCUMENTS = ("README.md", "docs/audit.md", "docs/performance.md")
+EXPLANATION = ROOT / "docs" / "explanation"
+DOCUMENTS = (
+    "README.md",
+    *(f"docs/explanation/{page}.md" for page in ("assembly", "audit", "build", "other-checkers", "performance", "scale", "stress", "time-against-error")),
+)
 OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
 OURS = "pintle"
 # What those pay who hold the rows of 27 numbers that the peers read, and make tiles of them in every call; and who want dense rows back too.
@@ -370,7 +377,7 @@ def summary(least, errors, of_commit):
     worst = max(errors[OURS].values())
     return (
         f"Values and Jacobians of a batch of 4096, geometric means of five types, on one core: the speed of {', '.join(parts)},\n"
-        f"to within {worst:.0e} of the largest entry of a row at the thousand states that are timed\n({stamp(of_commit)}; [docs/performance.md](docs/performance.md))."
+        f"to within {worst:.0e} of the largest entry of a row at the thousand states that are timed\n({stamp(of_commit)}; [docs/explanation/performance.md](docs/explanation/performance.md))."
     )
 
 
@@ -410,7 +417,7 @@ def work_precision(arguments):
         versions |= peer.greeting.get("versions", {})
     report |= {"points": points, "untimed": untimed, "rounds": arguments.rounds}
     merged.write_text(json.dumps(report))
-    folder = ROOT / "docs" / "work-precision"
+    folder = EXPLANATION / "work-precision"
     for figure in folder.glob("*.svg"):
         figure.unlink()
     text = run(program, "--draw", merged, folder).rstrip()
@@ -459,7 +466,7 @@ def lanes(arguments):
     return blocks | {
         "lanes-summary": f"Batches of four connectors reach {means[0]} % of the speed of rows differentiated by hand for the same vector unit"
         f" ({min(first)} to {max(first)} %),\nwith second derivatives {means[1]} %, with errors of at most {max(errors):.1e} of the largest entry"
-        f" of a row at the states that are timed there\n({told}; [docs/performance.md](docs/performance.md))."
+        f" of a row at the states that are timed there\n({told}; [docs/explanation/performance.md](docs/explanation/performance.md))."
     }
 
 
@@ -534,6 +541,70 @@ def of_peer_rules(arguments):
     return {peer_rules.BLOCK: f"{stamp(of_commit)}.\n\n{peer_rules.measured(program)}"}
 
 
+# What b4e184f, one crate, took on such a machine.
+BEFORE = {
+    "clean clone → first output of `cargo run --release -- eval`": "8 min 40 s",
+    "… processor time": "14 min 48 s",
+    "… memory of the largest process": "3.5 GB",
+    "program": "44 MB",
+    "one line changed in a report → the release program is there again": "some 6 min",
+    "`bash scripts/test.sh` from a clean clone": "36 min 49 s",
+    "lines under `src`": "95,400",
+    "files under `src`": "377",
+    "import circles of more than three files": "16 (counted otherwise)",
+    "folders of more than fifteen files": "8, the largest of 46",
+    "pages: % of sentences over 30 words": "36",
+    "pages: sentences over 40 words": "131",
+    "doc comments: sentences over 40 words": "120",
+    "CHANGELOG: words": "6,659",
+}
+
+
+def duration(seconds):
+    return f"{seconds:.0f} s" if seconds < 90 else f"{int(seconds) // 60} min {seconds % 60:.0f} s"
+
+
+def timed(command, folder):
+    """Seconds of time and of processor that a command takes until its output ends, and the most memory of one process so far (bytes)."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("CARGO")}
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    subprocess.run(command, cwd=folder, env=clean, check=True, stdout=subprocess.DEVNULL)
+    elapsed, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return elapsed, spent, after.ru_maxrss * 1024
+
+
+def build(arguments):
+    """The house itself: a clean clone built, a line of it changed, all its tests; lines, circles, folders, sentences."""
+    of_commit = checked_out()
+    with tempfile.TemporaryDirectory() as folder:
+        clone = pathlib.Path(folder) / "pintle"
+        run("git", "clone", "--quiet", str(ROOT), str(clone))
+        say("build: a clean clone")
+        run("cargo", "fetch", "--quiet", "--locked", "--manifest-path", str(clone / "Cargo.toml"))
+        elapsed, spent, memory = timed(["cargo", "run", "--release", "--quiet", "--locked", "--", "eval"], clone)
+        size = (clone / "target/release/pintle").stat().st_size
+        say("build: a line changed")
+        with (clone / "src/report/words.rs").open("a") as file:
+            file.write("// A line.\n")
+        changed, _, _ = timed(["cargo", "build", "--release", "--quiet"], clone)
+        run("git", "-C", str(clone), "checkout", "--quiet", ".")
+        found = {
+            "clean clone → first output of `cargo run --release -- eval`": duration(elapsed),
+            "… processor time": duration(spent),
+            "… memory of the largest process": f"{memory / 1e9:.1f} GB",
+            "program": f"{size / 1e6:.1f} MB",
+            "one line changed in a report → the release program is there again": duration(changed),
+        }
+        if not arguments.quick:
+            say("build: all tests of the clone")
+            shutil.rmtree(clone / "target")
+            found["`bash scripts/test.sh` from a clean clone"] = duration(timed(["bash", "scripts/test.sh"], clone)[0])
+    found |= {what: f"{number:,}" for what, number, _, _ in house.figures()}
+    lines = [[what, before, found.get(what, "not measured")] for what, before in BEFORE.items()]
+    return {"build": f"{stamp(of_commit)}, {os.cpu_count()} cores, packages fetched before.\n\n{table(['what', 'before', 'now'], lines)}"}
+
+
 # The blocks that each measurement writes.
 MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
@@ -546,10 +617,11 @@ MEASUREMENTS = {
     printed("scale"): ("scale",),
     printed("history", is_pinned=False): ("history",),
     printed("threads", is_pinned=False): ("threads",),
-    printed("stress", "--picture", str(ROOT / "docs" / "stress.svg")): ("stress",),
+    printed("stress", "--picture", str(EXPLANATION / "stress.svg")): ("stress",),
     proof: ("proof",),
     printed("assembly"): ("assembly",),
     of_peer_rules: (peer_rules.BLOCK,),
+    build: ("build",),
 }
 
 
@@ -561,7 +633,7 @@ def marks(text):
 
 
 def documents():
-    return [*sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("*.md"))]
+    return [*sorted((ROOT / "docs").rglob("*.md")), *sorted(ROOT.glob("*.md"))]
 
 
 def lack(block):

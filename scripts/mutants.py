@@ -81,7 +81,7 @@ pub fn on(k: u32) -> bool {
 GROUPS = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, float("inf")]
 
 # Tests that compile other programs: without the switches (`cargo`), or of text that other tests compare byte by byte (C, Fortran).
-ELSEWHERE = ["export::", "handover::"]
+ELSEWHERE = ["commands::export::", "commands::handover::"]
 
 # What a test may need of memory at most: a mutant may ask for any amount.
 MEMORY = 6 << 30

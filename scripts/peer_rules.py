@@ -1,4 +1,4 @@
-"""What the default rules of other derivative checkers notice: the table in docs/audit.md, which `scripts/measure.py peer-rules` rewrites.
+"""What the default rules of other derivative checkers notice: the table in docs/explanation/other-checkers.md, which `scripts/measure.py peer-rules` rewrites.
 
 Usage: python3 scripts/peer_rules.py --check     (needs cargo)
 
@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "audit.md"
+PAGE = ROOT / "docs" / "explanation" / "other-checkers.md"
 BLOCK = "peer-rules"
 BEGIN, END = f"<!-- measured: {BLOCK} -->", f"<!-- end: {BLOCK} -->"
 

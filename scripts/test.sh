@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up what the tests need and runs all of them: the Rust tests and doc tests, then the Python witnesses, which
-# recompute their reference values live and compare them with the committed ones.
+# Sets up what the tests need and runs them: the Rust tests and doc tests, then the Python witnesses, which recompute their reference
+# values live and compare them with the committed ones. With --all, the SymPy proofs too, which take minutes and prove a release.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,10 +32,12 @@ if ! cmp -s scripts/requirements.txt .venv/installed.txt; then
 fi
 
 # After the environment: the tests run exported Python programs in it.
-cargo test --all-features
+cargo test --workspace --all-features
 
+proofs=scripts/proof/prove.py
 passed=0
-for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py); do
+for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py scripts/*/*.py); do
+    [ "$witness" = "$proofs" ] && [ "${1:-}" != --all ] && continue
     echo "$witness --check"
     .venv/bin/python "$witness" --check
     passed=$((passed + 1))

@@ -6,9 +6,10 @@
 mod linkages;
 mod singular;
 
-use pintle::audit::assembly::{Assembly, Holds, analyse, analyse_steps};
-use pintle::evaluate::Model;
-use pintle::scene::{Code, NodeMotion, Rotation, Scene, State};
+use pintle_assembly::{Assembly, Holds, analyse, analyse_steps};
+use pintle_audit::model::{Levels, audit_model};
+use pintle_model::evaluate::Model;
+use pintle_scene::{Code, NodeMotion, Rotation, Scene, State};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -120,7 +121,6 @@ fn is(assembly: &Assembly, gruebler: i64, mobility: usize, redundant: usize, hol
         Holds::Rigid,
         Holds::Here,
         Holds::Isolated,
-        Holds::Loop,
         Holds::Large,
         Holds::Unjudged,
     ]
@@ -356,7 +356,7 @@ fn rods_in_line() {
     let assembly = deck.analyse();
     is(&assembly, -3, 1, 4, &[(Holds::Rigid, 3), (Holds::Isolated, 1)]);
     // What holds out of the plane has nothing to do with the position.
-    let isolated = |one: &&pintle::audit::assembly::Redundant| one.holds == Holds::Isolated;
+    let isolated = |one: &&pintle_assembly::Redundant| one.holds == Holds::Isolated;
     let named: Vec<_> =
         assembly.redundant.iter().filter(isolated).map(|one| &one.constraint.component).collect();
     assert!(["u1", "u2", "u3"].contains(&named[0].as_str()), "{named:?}");
@@ -471,7 +471,7 @@ fn what_is_neither_zero_nor_not_is_undecided() {
     let assembly = deck.analyse();
     assert!(!assembly.positions[0].decided, "{:?}", assembly.positions[0]);
     let scene = Scene::parse("off.inp", &deck.text()).unwrap();
-    let report = pintle::audit::model::audit_model(&scene, &[], &Default::default());
+    let report = audit_model(&scene, &[], &Levels::default());
     assert!(report.findings.iter().any(|finding| finding.code() == Code::AssemblyUndecided));
 }
 
@@ -528,7 +528,7 @@ fn an_uncertain_rank_states_nothing_as_a_fact() {
     assert!(assembly.redundant.iter().all(|one| one.holds == Holds::Unjudged && !one.decided));
     assert!(assembly.modes.iter().all(|mode| !mode.decided));
     let scene = Scene::parse("far.inp", &deck.text()).unwrap();
-    let report = pintle::audit::model::audit_model(&scene, &[], &Default::default());
+    let report = audit_model(&scene, &[], &Levels::default());
     let of = |code: Code| report.findings.iter().filter(move |finding| finding.code() == code);
     for fact in [Code::AssemblyRedundant, Code::AssemblyRedundantHere, Code::AssemblyMechanism] {
         assert_eq!(of(fact).count(), 0, "{fact}");
@@ -554,7 +554,7 @@ fn motions_are_told_apart() {
     deck.joint("WELD", b, deck.nodes.len(), Z);
     let text = deck.text().replace("WELD", "BEAM");
     let scene = Scene::parse("free.inp", &text).unwrap();
-    let report = pintle::audit::model::audit_model(&scene, &[], &Default::default());
+    let report = audit_model(&scene, &[], &Levels::default());
     let finding = report.findings.iter().find(|one| one.code() == Code::AssemblyMechanism).unwrap();
     let message = finding.message();
     let words: Vec<&str> = message.split_once("by degree of freedom ").unwrap().1.split("; ").collect();
@@ -617,7 +617,7 @@ fn motions_at_a_flat_state_are_named() {
         assert!(position.dependent.iter().all(|one| !one.from.is_empty()));
     }
     assert!(assembly.positions.iter().filter(|one| !one.differs).all(|one| one.modes.is_empty()));
-    let report = pintle::audit::model::audit_model(&scene, &states, &Default::default());
+    let report = audit_model(&scene, &states, &Levels::default());
     let message = |code: Code, with: &str| {
         report.findings.iter().any(|one| one.code() == code && one.message().contains(with))
     };
@@ -629,10 +629,10 @@ fn motions_at_a_flat_state_are_named() {
     let here = |states: &str| message(Code::AssemblyRedundantHere, &format!("at {states}, "));
     assert!(here("states 4, 9") || (here("state 4") && here("state 9")));
     let mut text = Vec::new();
-    let settings = pintle::audit::Settings::default();
-    let mut page = pintle::audit::audit_scenes(&settings, &[], &|_| {});
+    let settings = pintle_audit::Settings::default();
+    let mut page = pintle_audit::audit_scenes(&settings, &[], &|_| {});
     page.models.push(report.clone());
-    pintle::report::audit::human(&mut text, &page, 200, false).unwrap();
+    pintle_report::audit::human(&mut text, &page, 200, false).unwrap();
     let text = String::from_utf8(text).unwrap();
     for line in ["at states 0, 1, 5: rank 35, mobility 1", "at states 4, 9: rank 34, mobility 2"] {
         assert!(text.contains(line), "{text}");
@@ -694,7 +694,7 @@ fn later_steps_have_their_own_conditions() {
         (3, 8, Some(0), 1, vec![None, Some(3), Some(4)]),
     ];
     assert_eq!(found, expected);
-    let report = pintle::audit::model::audit_model(&scene, &states, &Default::default());
+    let report = audit_model(&scene, &states, &Levels::default());
     assert_eq!((report.assembly.as_ref(), report.later_steps.as_slice()), (Some(&steps[0]), &steps[1..]));
     let told = |code: Code, begin: &str| {
         report.findings.iter().filter(|one| one.code() == code && one.message().starts_with(begin)).count()
@@ -711,4 +711,48 @@ fn later_steps_have_their_own_conditions() {
     let timeless: Vec<State> = states.iter().map(|state| State { time: None, ..state.clone() }).collect();
     let steps = analyse_steps(&scene, &model, &timeless).unwrap();
     assert_eq!([steps[0].positions.len(), steps[1].positions.len()], [6, 1]);
+}
+
+/// A part whose elimination would take more than 1e9 operations is undecided, and the finding says why and what to do; what else there is, is found.
+#[test]
+fn what_would_take_too_long_is_undecided() {
+    const NODES: usize = 1_500;
+    let mut text = String::from("*NODE\n");
+    for i in 1..=NODES {
+        // Residues of a prime.
+        let [x, y, z] = [i * 617, i * i * 389, i * i * i * 211].map(|number| (number % 1_511) as f64 / 64.0);
+        writeln!(text, "{i}, {x:?}, {y:?}, {z:?}").unwrap();
+    }
+    let mut random = 1_u64;
+    let mut joints = std::collections::BTreeSet::new();
+    for i in 0..NODES {
+        for _ in 0..6 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let j = (random >> 33) as usize % NODES;
+            if i != j {
+                joints.insert([i.min(j) + 1, i.max(j) + 1]);
+            }
+        }
+    }
+    assert!(joints.len() > 4 * NODES, "{}", joints.len());
+    text += "2001, -5., 0., 0.\n2002, -6., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=L\n";
+    for (number, [a, b]) in (1..).zip(&joints) {
+        writeln!(text, "{number}, {a}, {b}").unwrap();
+    }
+    text += "*ELEMENT, TYPE=CONN3D2, ELSET=B\n9001, 2001, 2002\n9002, 2001, 2002\n\
+             *ORIENTATION, NAME=Z\n0., 0., 1., 1., 0., 0.\n*CONNECTOR SECTION, ELSET=L\nJOIN\nZ,\n*CONNECTOR SECTION, ELSET=B\nBEAM\n*BOUNDARY\n2001, 1, 6\n";
+    let scene = Scene::parse("dense.inp", &text).unwrap();
+    let report = audit_model(&scene, &[], &Levels::default());
+    let assembly = report.assembly.as_ref().unwrap();
+    assert_eq!((assembly.parts, assembly.skipped.len(), assembly.is_decided()), (2, 1, false));
+    assert_eq!((assembly.skipped[0].connectors, assembly.positions[0].rank), (joints.len(), None));
+    assert_eq!((assembly.redundant.len(), assembly.redundant[0].holds), (6, Holds::Rigid));
+    let found = |code: Code| report.findings.iter().find(|finding| finding.code() == code).unwrap();
+    let undecided = found(Code::AssemblyUndecided);
+    let message = undecided.message();
+    assert!(message.contains("more than 1e9 operations"), "{message}");
+    assert!(
+        undecided.reason().contains("joined so densely") && undecided.remedy().contains("smaller pieces")
+    );
+    assert!(found(Code::AssemblyRedundant).message().contains("element 9002"));
 }

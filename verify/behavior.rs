@@ -9,15 +9,15 @@ mod tangents; // consistent tangents
 
 use crate::tolerance::{BEHAVIOR_JAX, BEHAVIOR_SLOPE, BELT_BALANCE, WIDE};
 use num_dual::DualSVec64;
-use pintle::behavior::state::{Behavior, Velocities};
-use pintle::behavior::{Conditions, Motion};
-use pintle::connector::{Components, Flag, Request, State, StopStatus, Tally};
-use pintle::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
-use pintle::force::Want;
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Real, Scalar, Seeded, Wide};
-use pintle::scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State as SceneState};
-use pintle::{so3, vector};
+use pintle_kinematics::connector::{Components, Flag, Request, State, StopStatus, Tally};
+use pintle_kinematics::force::Want;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::{Real, Scalar, Seeded, Wide};
+use pintle_kinematics::{so3, vector};
+use pintle_model::behavior::state::{Behavior, Velocities};
+use pintle_model::behavior::{Conditions, Motion};
+use pintle_model::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
+use pintle_scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State as SceneState};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -1,19 +1,20 @@
 //! Why a matrix is wrong: every mistake of the catalogue is named as what it is, conventions too, and noise is not named at all.
 
 mod candidates;
-mod sheets;
+mod tables;
 
 use crate::audit::{judged, named, spoiled};
-use pintle::audit::diagnosis::{Cause, Diagnosis, Symptoms, diagnose};
-use pintle::audit::mutant::{Mistake, Scene, mutants};
-use pintle::audit::sample::{Draw, Region, draw_case};
-use pintle::audit::{Bound, Case, Entries, Numbers, Quantity};
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::NodalRow;
-use pintle::measure::Unit;
-use pintle::node::DOFS;
-use pintle::scene::Code;
-use pintle::vector::{apply_transposed, cross};
+use pintle_audit::mutants::diagnosis::{Cause, Diagnosis, Symptoms, diagnose};
+use pintle_audit::mutants::mutant::{Mistake, Scene, mutants};
+use pintle_audit::sampling::{Region, draw_case};
+use pintle_audit::{Bound, Case, Entries, Numbers, Quantity};
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::NodalRow;
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::measure::Unit;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::vector::{apply_transposed, cross};
+use pintle_scene::Code;
 
 /// A state at which both nodes are turned and moved, with its numbers and tolerances.
 fn drawn(connection: &ConnectionType, region: Region) -> (Case, Numbers<f64>, Bound) {
@@ -34,7 +35,7 @@ fn every_mutant_is_diagnosed_as_itself() {
     for connection in TABLE {
         let regions = [Region::Misaligned, Region::ManyTurns(7.0)];
         for region in regions {
-            if !Region::of(connection, pintle::audit::sample::extent(connection)).contains(&region) {
+            if !Region::of(connection, pintle_audit::sampling::extent(connection)).contains(&region) {
                 continue;
             }
             let (case, want, bound) = drawn(connection, region);
@@ -193,7 +194,7 @@ fn nothing_matches_noise() {
 /// A candidate's report says why, in every form.
 #[test]
 fn a_wrong_candidate_is_told_why() {
-    let turn = |state: &pintle::connector::State<f64>, rows: &mut [Option<NodalRow<f64>>; 6]| {
+    let turn = |state: &pintle_kinematics::connector::State<f64>, rows: &mut [Option<NodalRow<f64>>; 6]| {
         for row in rows.iter_mut().flatten() {
             local(row, 3, &state.pair.a.triad);
         }
@@ -201,15 +202,15 @@ fn a_wrong_candidate_is_told_why() {
     let report = spoiled("UNIVERSAL", turn);
     let sentence = "equal Aᵀ × expected: rotation degrees of freedom taken as local";
     let mut human = Vec::new();
-    pintle::report::audit::human(&mut human, &report, 300, false).unwrap();
+    pintle_report::audit::human(&mut human, &report, 300, false).unwrap();
     let human = anstream_free(&String::from_utf8(human).unwrap());
     assert!(human.contains(sentence) && human.contains("diagnosis::rotation-as-local"), "{human}");
     for write in [
-        pintle::report::audit::json
-            as fn(&mut dyn std::io::Write, &pintle::audit::Report) -> std::io::Result<()>,
-        pintle::report::audit::junit,
-        pintle::report::audit::markdown,
-        |out, report| pintle::report::audit::html(out, report, &Default::default()),
+        pintle_report::audit::json
+            as fn(&mut dyn std::io::Write, &pintle_audit::Report) -> std::io::Result<()>,
+        pintle_report::audit::junit,
+        pintle_report::audit::markdown,
+        |out, report| pintle_report::audit::html(out, report, &Default::default()),
     ] {
         let mut page = Vec::new();
         write(&mut page, &report).unwrap();

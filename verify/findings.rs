@@ -4,8 +4,8 @@
 //! of the message, and a part of the remedy. Its neighbour, `NAME.near.inp`, says what it lacks (`** lacks: CODE`). The
 //! states of either are in the file `.csv` of the same name.
 
-use pintle::audit::model::{Finding, Levels, ModelReport, audit_model};
-use pintle::scene::{Code, Scene, Severity, StateFile};
+use pintle_audit::model::{Finding, Levels, ModelReport, audit_model};
+use pintle_scene::{Code, Scene, Severity, StateFile};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -135,7 +135,7 @@ fn findings_have_a_place_in_every_form() {
     {
         let path = folder.join(format!("stop-violated.{form}"));
         let deck = directory().join("stop-violated.inp");
-        crate::cli::pintle(&["convert", deck.to_str().unwrap(), "-o", path.to_str().unwrap()])
+        crate::commands::cli::pintle(&["convert", deck.to_str().unwrap(), "-o", path.to_str().unwrap()])
             .assert()
             .success();
         let scene = Scene::read(&path).unwrap_or_else(|error| panic!("{}", error.render(110, false)));

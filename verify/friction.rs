@@ -12,15 +12,15 @@ mod tangents; // consistent tangents against differences
 mod users; // frictions that a deck defines
 
 use crate::states::Draw;
-use pintle::behavior::friction::Context;
-use pintle::behavior::friction::{
+use pintle_kinematics::catalog::{Contact, TABLE};
+use pintle_kinematics::scalar::{Real, Wide};
+use pintle_model::behavior::friction::Context;
+use pintle_model::behavior::friction::{
     Coefficient, Contribution, Criterion, Derived, DerivedPart, Form, Friction, Input, Internal, Potential,
     Pressing, State, StickStiffness, Tangential,
 };
-use pintle::behavior::table::Table;
-use pintle::catalog::{Contact, TABLE};
-use pintle::scalar::{Real, Wide};
-use pintle::scene::{Basis, Extrapolation, Operator, PotentialFunction, PotentialOperator};
+use pintle_model::behavior::table::Table;
+use pintle_scene::{Basis, Extrapolation, Operator, PotentialFunction, PotentialOperator};
 
 /// u = 2⁻⁵³.
 pub(crate) const U: f64 = f64::EPSILON / 2.0;
@@ -65,7 +65,7 @@ fn criterion(tangential: Tangential, pressing: Pressing, internal: Internal) -> 
 fn scales() -> Table {
     let row = |x: f64, y: f64| {
         let factor = 1.0 + 0.3 * x - 0.2 * y;
-        pintle::scene::Row { values: [factor, 2.0 * factor, x, y].map(Some).to_vec(), ..Default::default() }
+        pintle_scene::Row { values: [factor, 2.0 * factor, x, y].map(Some).to_vec(), ..Default::default() }
     };
     let grid = [-1.0, 0.2, 1.1].iter().flat_map(|y| [-1.0, 0.4, 1.2].map(|x| row(x, *y)));
     Table::new(&grid.collect::<Vec<_>>(), 2, &["u1", "u2"], Extrapolation::Linear).unwrap()
@@ -218,7 +218,7 @@ pub(crate) fn users() -> Vec<(&'static str, Criterion)> {
 
 /// Coefficients of every kind, by name.
 pub(crate) fn coefficients() -> Vec<(&'static str, Coefficient)> {
-    let row = |mu: f64, rate: f64, force: f64| pintle::scene::Row {
+    let row = |mu: f64, rate: f64, force: f64| pintle_scene::Row {
         values: [mu, rate, force].map(Some).to_vec(),
         ..Default::default()
     };

@@ -1,4 +1,4 @@
-//! What another language computes by other formulas: `verify/golden/jax.json`, written by `scripts/reference.py`.
+//! What another language computes by other formulas: `src/audit/oracles/golden/jax.json`, written by `scripts/reference/reference.py`.
 //!
 //! Each case is walked along its history, so that turns are counted here and there apart. The file states the error of each of
 //! its numbers, which includes two roundings of the natural size of the quantity; agreement is judged in units of that.
@@ -7,14 +7,15 @@ mod forces; // nodal forces and geometric stiffness
 
 use crate::states::Draw;
 use crate::tolerance::GOLDEN;
-use pintle::catalog::{ConnectionType, Slot, TABLE};
-use pintle::connector::{
+use pintle_kinematics::catalog::{ConnectionType, Slot, TABLE};
+use pintle_kinematics::connector::{
     Components, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns,
 };
-use pintle::mpc::{self, Constraint, Turning};
-use pintle::node::{DOFS, Node, Pair};
-use pintle::so3;
-use pintle::vector::{Matrix, Vector, product, scale, sub};
+use pintle_kinematics::mpc;
+use pintle_kinematics::mpc::{Constraint, Turning};
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Matrix, Vector, product, scale, sub};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -88,7 +89,7 @@ struct Errors {
 }
 
 fn file() -> File {
-    let text = include_str!("golden/jax.json");
+    let text = include_str!("../src/audit/oracles/golden/jax.json");
     let file: File = serde_json::from_str(text).expect("the golden file can be read");
     assert_eq!(file.schema, "pintle-jax/1");
     file
@@ -268,7 +269,7 @@ fn every_type_is_in_the_file() {
     let file = file();
     let here: BTreeSet<&str> = TABLE.iter().map(|entry| &*entry.name).collect();
     let there: BTreeSet<&str> = file.cases.iter().map(|case| &*case.r#type).collect();
-    assert_eq!(here, there, "the catalogue and scripts/reference.py do not know the same types");
+    assert_eq!(here, there, "the catalogue and scripts/reference/reference.py do not know the same types");
     for name in here {
         let of = || file.cases.iter().filter(move |case| case.r#type == name);
         for kind in ["random", "tiny", "near-pi", "past-2pi", "right-angle", "far", "millimetre", "kilometre"]

@@ -1,10 +1,10 @@
-//! Multi-point constraints against JAX: other formulas, another language (`scripts/reference_mpc.py`, `verify/golden/mpc.json`).
+//! Multi-point constraints against JAX: other formulas, another language (`scripts/reference/reference_mpc.py`, `verify/golden/mpc.json`).
 
 use crate::tolerance::GOLDEN_MPC;
-use pintle::connector::{Request, Tally, Turns};
-use pintle::mpc::{Body, Constraint, DOFS, Dofs, Kind, State, Turning};
-use pintle::so3;
-use pintle::vector::Vector;
+use pintle_kinematics::connector::{Request, Tally, Turns};
+use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Kind, State, Turning};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::Vector;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

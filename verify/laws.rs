@@ -1,8 +1,13 @@
 //! What holds for every connection type, whatever it is: properties over the whole table and every free pair.
 //!
-//! Errors are in units u = 2⁻⁵³ of a *conditioned scale*: what one rounding of each input already forces. With s_j the size of
-//! degree of freedom j (1 rad, or the connector's length), F = |f| + Σ|∂f/∂q_j| s_j and F₂ = F + Σ|∂²f/∂q_j∂q_k| s_j s_k:
-//! F for a value, F/s_j + Σ_k |∂²f/∂q_j∂q_k| s_k for a first derivative, F₂/(s_j s_k) for a second.
+//! Errors are in units u = 2⁻⁵³ of a *conditioned scale*: what one rounding of each input already forces. s_j is the size of degree of
+//! freedom j: 1 rad, or the connector's length.
+//!
+//! | of | conditioned scale |
+//! |---|---|
+//! | a value | F = |f| + Σ_j |∂f/∂q_j| s_j |
+//! | a first derivative | F/s_j + Σ_k |∂²f/∂q_j∂q_k| s_k |
+//! | a second derivative | (F + Σ_jk |∂²f/∂q_j∂q_k| s_j s_k)/(s_j s_k) |
 
 mod derivatives; // derivatives are those of the functions, on 237-bit numbers
 mod forces; // nodal forces are transposed rows times component forces
@@ -14,9 +19,9 @@ mod mpc_forces; // what they transmit, and what they leave to be solved for
 mod requests; // a part is part of the whole, and nothing else is computed
 
 use crate::tolerance::{LAWS, Law};
-use pintle::connector::{Components, Evaluation, NodalRow};
-use pintle::node::DOFS;
-use pintle::scalar::{Real, Wide};
+use pintle_kinematics::connector::{Components, Evaluation, NodalRow};
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::scalar::{Real, Wide};
 use std::fmt::Display;
 
 /// u, the unit of rounding of `f64`.

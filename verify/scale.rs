@@ -6,8 +6,8 @@ mod forces;
 mod sparse;
 mod threads;
 
-use pintle::evaluate::Model;
-use pintle::scene::Scene;
+use pintle_model::evaluate::Model;
+use pintle_scene::Scene;
 
 /// A model of a chain of connectors of every type.
 fn model(connectors: usize, rest: &str) -> (Scene, Model) {

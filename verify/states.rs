@@ -1,13 +1,16 @@
 //! Where laws are tried: the cases of the audit's sampler, the same for every run.
 
-pub(crate) use pintle::audit::case::{Case, Step, carried, dof_size, exact_branch, exact_state, moved, turn};
-pub(crate) use pintle::audit::sample::{
-    Draw, Extent, Motion, about_1, about_3, cases, cube_orientations, definition, extent, pair, types,
+pub(crate) use pintle_audit::case::{Case, Step, carried, exact_branch, exact_state, moved};
+pub(crate) use pintle_audit::sampling::{
+    Extent, Motion, about_1, about_3, cases, cube_orientations, definition, extent, pair, types,
 };
+pub(crate) use pintle_kinematics::draw::Draw;
+pub(crate) use pintle_kinematics::node::dof_size;
+pub(crate) use pintle_kinematics::so3::turn;
 
-use pintle::audit::sample::Region;
-use pintle::catalog::TABLE;
-use pintle::connector::{Evaluation, Request, Tally};
+use pintle_audit::sampling::Region;
+use pintle_kinematics::catalog::TABLE;
+use pintle_kinematics::connector::{Evaluation, Request, Tally};
 
 /// The end of a path that has one.
 pub(crate) trait Ends {

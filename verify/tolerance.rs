@@ -53,9 +53,6 @@ pub(crate) const EXPORT: f64 = 2.0;
 /// Numbers of a counter-example written as a deck, absolute, over 1 + their size: triads to some roundings, times second derivatives.
 pub(crate) const HANDOVER: f64 = 1e-9;
 
-/// Friction forces and slips by JAX beside the product's, relative: bisection ends within a rounding of what is left of the equations.
-pub(crate) const FRICTION_FORCES: f64 = 1e-12;
-
 /// What a law allows.
 pub(crate) struct Law {
     /// Its name.

@@ -4,7 +4,7 @@
 pub(crate) fn is_told() -> bool {
     let is_asked = std::env::args().skip(1).eq(["--commit"]);
     if is_asked {
-        println!("{}", pintle::COMMIT.unwrap_or("none"));
+        println!("{}", pintle_bench::COMMIT.unwrap_or("none"));
     }
     is_asked
 }

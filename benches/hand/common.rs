@@ -1,10 +1,10 @@
 //! What the programs of time against error have in common.
 
 use super::peer::numbers;
-use pintle::batch::COLUMNS;
-use pintle::bench::{Element, Report, Settings, Subject};
-use pintle::measure::Measure;
-use pintle::node::DOFS;
+use pintle_bench::{Element, Report, Settings, Subject};
+use pintle_kinematics::batch::COLUMNS;
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::DOFS;
 use serde_json::{Value, json};
 
 /// States that differ, and how many elements a batch has.

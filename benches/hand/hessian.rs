@@ -6,7 +6,7 @@ use super::simd::{
     turn_of_frozen,
 };
 use super::vector::{Three, Vec4, column, cross, dot};
-use pintle::batch::{Four, HessianRow, Section, Tile};
+use pintle_kinematics::batch::{Four, HessianRow, Section, Tile};
 use pulp::x86::V3;
 
 type Block = [Three; 3];

@@ -1,6 +1,6 @@
 //! The yardstick: rows of five connection types differentiated by hand, once and twice, on AVX2 and FMA.
 
-#[path = "../../src/scalar/coefficients.rs"]
+#[path = "../../src/kinematics/scalar/coefficients.rs"]
 #[expect(dead_code, reason = "the rows need some of them")]
 mod coefficients;
 mod hessian;

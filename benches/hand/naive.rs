@@ -3,7 +3,7 @@
 #![expect(clippy::panic, reason = "a benchmark fails by panicking")]
 
 use num_dual::{Dual2SVec, DualNum, DualSVec};
-use pintle::scalar::Seeded;
+use pintle_kinematics::scalar::Seeded;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Numbers of num-dual with a seed for each nodal degree of freedom.

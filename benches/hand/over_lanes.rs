@@ -4,9 +4,9 @@
 use nalgebra::SVector;
 use num_dual::{Derivative, DualNum, DualSVec, DualStruct, Mappable};
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
-use pintle::batch::{Four, Row, Tile};
-use pintle::scalar::Real;
-use pintle::scalar::lanes::Lanes as LanesOf;
+use pintle_kinematics::batch::{Four, Row, Tile};
+use pintle_kinematics::scalar::Real;
+use pintle_kinematics::scalar::lanes::Lanes as LanesOf;
 use std::cmp::Ordering;
 use std::fmt;
 use std::iter::{Product, Sum};

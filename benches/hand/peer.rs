@@ -1,6 +1,6 @@
 //! What programs have in common that take part in the rounds of `scripts/measure.py`.
 
-use pintle::node::Pair;
+use pintle_kinematics::node::Pair;
 use serde_json::Value;
 use std::io::{BufRead, Write};
 

@@ -3,7 +3,7 @@
 //! Nothing of it is left to the inliner's mood: loops, and no closures over arrays.
 
 use super::coefficients::LOG_1;
-use pintle::node::Pair;
+use pintle_kinematics::node::Pair;
 
 /// A value and its derivatives by x_a, θ_a, x_b, θ_b.
 #[derive(Clone, Copy, Debug, Default)]

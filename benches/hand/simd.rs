@@ -2,7 +2,7 @@
 
 use super::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1, LONG_LOG_2};
 use super::vector::{Three, Vec4, column, cross, dot, load3};
-use pintle::batch::{Row, Section, Tile};
+use pintle_kinematics::batch::{Row, Section, Tile};
 use pulp::x86::V3;
 
 /// Σ c_i xⁱ as two interleaved polynomials.

@@ -2,7 +2,7 @@
 
 use super::simd::{RelativeTurn, atan2, separation, turn_of, turn_of_frozen};
 use super::vector::{Vec4, column, dot};
-use pintle::batch::{Four, Section, Tile};
+use pintle_kinematics::batch::{Four, Section, Tile};
 use pulp::x86::V3;
 
 /// e_i^a·d of SLIDE-PLANE.

@@ -1,7 +1,7 @@
 //! The rows by hand of a type for every tile, in one call of the vector unit.
 
 use super::{hessian, simd, simd_values};
-use pintle::batch::{Four, HessianRow, Row, Section, Tile};
+use pintle_kinematics::batch::{Four, HessianRow, Row, Section, Tile};
 use pulp::x86::V3;
 
 /// A type, its tiles, and room for so many rows of each; what is left without room is left out.

@@ -1,7 +1,7 @@
 //! Values by hand, without rows: one element at a time, plain doubles, the functions of the standard library.
 
 use super::scalar::{Matrix, column, dot, quaternion, relative, relative_to, separation};
-use pintle::node::Pair;
+use pintle_kinematics::node::Pair;
 
 /// e_i^a·d of SLIDE-PLANE.
 #[inline(always)]

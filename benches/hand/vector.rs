@@ -1,6 +1,6 @@
 //! Four doubles in a vector register, with the processor's own instructions.
 
-use pintle::batch::Four;
+use pintle_kinematics::batch::Four;
 use pulp::f64x4;
 use pulp::x86::V3;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,6 +1,6 @@
 //! How errors grow under stress, beside nalgebra and num-dual used as they come: `cargo bench --bench stress`.
 //!
-//! The picture is drawn into the folder of what is built, and where to is told; `-- --picture docs/stress.svg` draws that of the documents, as
+//! The picture is drawn into the folder of what is built, and where to is told; `-- --picture docs/explanation/stress.svg` draws that of the documents, as
 //! `scripts/measure.py stress` does. Every error is against 237 bits. Ours are asserted to stay where they are promised to be, so that this is a
 //! test that draws; the others are what anyone would write first.
 
@@ -11,15 +11,16 @@ mod picture;
 mod walk;
 
 use picture::{Curve, Panel, draw};
-use pintle::audit::case::exact_branch;
-use pintle::audit::sample::Draw;
-use pintle::bench::{Environment, worse};
-use pintle::connector::Flag;
-use pintle::evaluate::Sequence;
-use pintle::node::DOFS;
-use pintle::scalar::{Real, Wide};
-use pintle::so3;
-use pintle::vector::{self, Vector};
+use pintle_audit::case::exact_branch;
+use pintle_bench::{Environment, worse};
+use pintle_kinematics::connector::Flag;
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::scalar::{Real, Wide};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::Vector;
+use pintle_model::evaluate::Sequence;
 use rayon::prelude::*;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};

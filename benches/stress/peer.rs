@@ -4,7 +4,7 @@
 
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use num_dual::{Dual64, DualNum};
-use pintle::node::DOFS;
+use pintle_kinematics::node::DOFS;
 use std::array;
 
 /// nalgebra's order of the same four numbers.

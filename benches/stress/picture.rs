@@ -1,6 +1,6 @@
 //! Curves of errors, and their picture.
 
-use pintle::bench::worse;
+use pintle_bench::worse;
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;

@@ -2,15 +2,19 @@
 
 use crate::peer::Sum;
 use crate::{Result, U};
-use pintle::audit::sample::Draw;
-use pintle::bench::worse;
-use pintle::connector::{Branch, Connector, Evaluation, Flag, Increment, Output, Request, State, Tally};
-use pintle::evaluate::{Branches, ConnectorResult, Item, Model, Plan, Sequence};
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Real, Wide};
-use pintle::scene::{Label, NodeMotion, Rotation, Scene, State as SceneState, StateFile};
-use pintle::so3::{self, Quaternion};
-use pintle::vector::{self, Vector};
+use pintle_bench::worse;
+use pintle_kinematics::connector::{
+    Branch, Connector, Evaluation, Flag, Increment, Output, Request, State, Tally,
+};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::{Real, Wide};
+use pintle_kinematics::so3;
+use pintle_kinematics::so3::Quaternion;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::Vector;
+use pintle_model::evaluate::{Branches, ConnectorResult, Item, Model, Plan, Sequence};
+use pintle_scene::{Label, NodeMotion, Rotation, Scene, State as SceneState, StateFile};
 use std::convert::Infallible;
 
 /// The one connector of a scene.
@@ -226,7 +230,7 @@ impl Motion {
             Winding::Rotation => {
                 let [x, y, z] = [3, 4, 5].map(|k| principal[k]);
                 let vector = [x, y, z].map(|x| x.unwrap_or_else(|| Wide::integer(0)));
-                let length = pintle::scalar::elementary::norm(vector);
+                let length = pintle_kinematics::scalar::elementary::norm(vector);
                 let along = vector::dot(vector, self.axis.map(Wide::from_f64));
                 let angle = if along.to_f64() < 0.0 { -angle } else { angle };
                 let turns = ((angle - length) / turn).nearest_integer();

@@ -10,16 +10,18 @@
 mod commit;
 mod rules;
 
-use pintle::audit::case::moved;
-use pintle::audit::mutant::{Mistake, Scene, mutants};
-use pintle::audit::oracle::Narrow;
-use pintle::audit::sample::{Draw, Region, draw_case};
-use pintle::audit::truth::Truth;
-use pintle::audit::verdict::Wanted;
-use pintle::audit::{Bound, Case, Entries, Quantity, atlas, product};
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{Branch, Connector, Increment, Output, Request, State, Tally};
-use pintle::node::{DOFS, Node, Pair};
+use pintle_audit::case::moved;
+use pintle_audit::judge::verdict::Wanted;
+use pintle_audit::mutants::mutant::{Mistake, Scene, mutants};
+use pintle_audit::oracles::oracle::Narrow;
+use pintle_audit::oracles::truth::Truth;
+use pintle_audit::sampling::{Region, draw_case};
+use pintle_audit::singular::atlas;
+use pintle_audit::{Bound, Case, Entries, Quantity, product};
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{Branch, Connector, Increment, Output, Request, State, Tally};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::{DOFS, Node, Pair};
 use rules::{Jacobian, NAMES, Peers, Problem, exceeds};
 use std::collections::BTreeMap;
 

@@ -1,31 +1,35 @@
-//! Slopes of elastic and viscous forces of a scene's connector, against differences of the forces on 237-bit numbers.
+//! BehaviorSlopes of elastic and viscous forces of a scene's connector, against differences of the forces on 237-bit numbers.
 
-use super::bound::{C, U};
-use super::case::Case;
-use super::differences::FIRST_STEP;
-use super::engine::Settings;
-use super::failing::Failing;
-use super::mutant::Mistake;
-use super::oracle::Oracle;
-use super::outcome::{Against, Check};
-use super::quantity::Quantity;
-use super::sheet::{Change, Entry, Sheet};
-use super::sides::Sides;
-use crate::behavior::damping::Damping;
-use crate::behavior::elasticity::Elasticity;
-use crate::behavior::state::Behavior;
-use crate::behavior::{Conditions, Motion, Unknown};
-use crate::catalog::{COMPONENT, FORCE};
-use crate::connector::{Output, Request};
-use crate::scalar::{Real, Wide};
+use crate::case::Case;
+use crate::case::failing::Failing;
+use crate::case::failing::SlopesCase;
+use crate::case::quantity::Quantity;
+use crate::judge::bound::C;
+use crate::judge::outcome::{Against, Check};
+use crate::judge::table::{Change, Entry, ResultTable};
+use crate::mutants::mutant::Mistake;
+use crate::oracles::differences::FIRST_STEP;
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use crate::singular::sides::Sides;
+use pintle_kinematics::catalog::{COMPONENT, FORCE};
+use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::{Real, Wide};
+use pintle_model::behavior::state::Behavior;
+use pintle_model::behavior::{Conditions, Motion, Unknown};
 
 /// Why slopes are undecided.
 const LACKS: &str = "a force depends on a temperature or field that is not given (--temperature, --fields; Settings::conditions)";
 
 /// Mistakes in slopes: a secant, elastic for viscous, the matrix transposed, derivatives per degree, components exchanged. `rows` are
 /// the components (from 0) that have one; `secants` gives their places in a row, and what stands there.
-fn mistakes(sheet: &Sheet, rows: &[usize], secants: &dyn Fn(usize) -> [(usize, f64); 2]) -> Vec<Change> {
-    let width = sheet.width();
+fn mistakes(
+    table: &ResultTable,
+    rows: &[usize],
+    secants: &dyn Fn(usize) -> [(usize, f64); 2],
+) -> Vec<Change> {
+    let width = table.width();
     let row_of = |component: usize| rows.iter().position(|known| *known == component);
     let mut found = Vec::new();
     let mut add = |mistake, changes: Vec<(usize, f64)>| {
@@ -36,24 +40,24 @@ fn mistakes(sheet: &Sheet, rows: &[usize], secants: &dyn Fn(usize) -> [(usize, f
     for (row, component) in rows.iter().enumerate() {
         let all = |f: &dyn Fn(usize) -> f64| (0..width).map(|j| (row * width + j, f(j))).collect();
         for (column, secant) in secants(*component) {
-            if secant.is_finite() && sheet.want(row, column) != 0.0 {
+            if secant.is_finite() && table.want(row, column) != 0.0 {
                 add(Mistake::SecantForTangent, vec![(row * width + column, secant)]);
             }
         }
-        add(Mistake::ElasticForViscous, all(&|j| sheet.want(row, (j + 6) % width)));
+        add(Mistake::ElasticForViscous, all(&|j| table.want(row, (j + 6) % width)));
         let is_angle = |j: usize| j % 6 >= 3;
         let per_degree =
-            |j: usize| if is_angle(j) { sheet.want(row, j).to_radians() } else { sheet.want(row, j) };
+            |j: usize| if is_angle(j) { table.want(row, j).to_radians() } else { table.want(row, j) };
         add(Mistake::DegreesForRadians, all(&per_degree));
         for other in (0..row).filter(|other| rows[*other] / 3 == component / 3) {
-            let mut changes: Vec<(usize, f64)> = all(&|j| sheet.want(other, j));
-            changes.extend((0..width).map(|j| (other * width + j, sheet.want(row, j))));
+            let mut changes: Vec<(usize, f64)> = all(&|j| table.want(other, j));
+            changes.extend((0..width).map(|j| (other * width + j, table.want(row, j))));
             add(Mistake::RowsSwapped, changes);
         }
     }
     let transposed = rows.iter().enumerate().flat_map(|(row, component)| {
         (0..width)
-            .filter_map(move |j| Some((row * width + j, sheet.want(row_of(j % 6)?, 6 * (j / 6) + component))))
+            .filter_map(move |j| Some((row * width + j, table.want(row_of(j % 6)?, 6 * (j / 6) + component))))
     });
     add(Mistake::BlockTransposed, transposed.collect());
     found
@@ -61,25 +65,11 @@ fn mistakes(sheet: &Sheet, rows: &[usize], secants: &dyn Fn(usize) -> [(usize, f
 
 /// The slopes at the end of a case, beside what they must be.
 #[derive(Clone, Debug)]
-pub struct Slopes {
+pub struct BehaviorSlopes {
     /// Those of forces that are known.
-    pub sheet: Sheet,
+    pub table: ResultTable,
     /// Whether a force depends on what is not given.
     pub lacks: bool,
-}
-
-/// Springs and dampers at a motion.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SlopesCase {
-    /// The state, in words.
-    pub(super) name: String,
-    elasticity: Elasticity,
-    damping: Damping,
-    motion: Motion<f64>,
-    conditions: Conditions,
-    /// The size of lengths.
-    length: f64,
 }
 
 /// Judges the slopes at the end of a case; `None` where there are none. Undecided where a force depends on what is not given.
@@ -96,7 +86,7 @@ pub(super) fn audit_behavior(
 }
 
 /// The slopes at the end of a case; `None` where nothing acts. On a kink of a table there are two slopes.
-pub fn slopes(case: &Case, behavior: &Behavior, conditions: &Conditions) -> Option<Slopes> {
+pub fn slopes(case: &Case, behavior: &Behavior, conditions: &Conditions) -> Option<BehaviorSlopes> {
     SlopesCase::of(case, behavior, conditions)?.slopes()
 }
 
@@ -134,13 +124,13 @@ impl SlopesCase {
 
     /// The check at this motion.
     pub(super) fn audit(&self, settings: &Settings, proves: bool) -> Option<Check> {
-        let Slopes { mut sheet, lacks } = self.slopes()?;
+        let BehaviorSlopes { mut table, lacks } = self.slopes()?;
         if let Some(planted) = settings.planted {
-            planted.spoil_sheet(&mut sheet);
+            planted.spoil_table(&mut table);
         }
         let mut check = Check::new(Some(Quantity::BehaviorTangent), Against::Oracle(Oracle::WideDifferences));
-        if !sheet.entries.is_empty() {
-            check = sheet.check(proves, &self.name, None);
+        if !table.entries.is_empty() {
+            check = table.check(proves, &self.name, None);
             check.fails_at(|| Failing::Slopes(Box::new(self.clone())));
         }
         if lacks {
@@ -150,11 +140,11 @@ impl SlopesCase {
     }
 
     /// The slopes, and what they must be.
-    pub(super) fn sheets(&self) -> Vec<Sheet> {
-        self.slopes().map(|slopes| slopes.sheet).into_iter().collect()
+    pub(super) fn tables(&self) -> Vec<ResultTable> {
+        self.slopes().map(|slopes| slopes.table).into_iter().collect()
     }
 
-    fn slopes(&self) -> Option<Slopes> {
+    fn slopes(&self) -> Option<BehaviorSlopes> {
         let Self { motion, conditions, .. } = self;
         let mut behavior = Behavior::default();
         (behavior.elasticity, behavior.damping) = (self.elasticity.clone(), self.damping.clone());
@@ -164,7 +154,7 @@ impl SlopesCase {
         let laws =
             [behavior.elasticity.forces(motion, conditions), behavior.damping.forces(motion, conditions)];
         let is_known = |i: usize| laws.iter().all(|law| law.unknown[i].is_none());
-        let lacks = |law: &crate::behavior::Forces<f64>| {
+        let lacks = |law: &pintle_model::behavior::Forces<f64>| {
             law.unknown.iter().flatten().any(|why| *why != Unknown::Rigid)
         };
         let tangent = behavior.tangent(motion, conditions, None, [false; 6]);
@@ -185,10 +175,10 @@ impl SlopesCase {
             behavior.forces(&moved, conditions)
         };
         let still = forces(false, 0, Wide::from_f64(0.0));
-        let mut sheet = Sheet::new(Quantity::BehaviorTangent);
+        let mut table = ResultTable::new(Quantity::BehaviorTangent);
         let motions = [false, true].into_iter().flat_map(|of_velocity| (0..6).map(move |j| (of_velocity, j)));
         let motions: Vec<(bool, usize)> = motions.collect();
-        sheet.columns = motions
+        table.columns = motions
             .iter()
             .map(|(of_velocity, j)| format!("{}({})", if *of_velocity { "v" } else { "u" }, COMPONENT[*j]))
             .collect();
@@ -214,15 +204,15 @@ impl SlopesCase {
         let wanted: Vec<(f64, [Wide; 6], [Option<Sides>; 6])> =
             motions.iter().map(|motion| of(*motion)).collect();
         for i in (0..6).filter(|i| is_known(*i)) {
-            sheet.rows.push(format!("∂{}", FORCE[i]));
+            table.rows.push(format!("∂{}", FORCE[i]));
             for (column, ((of_velocity, j), (size, want, sides))) in motions.iter().zip(&wanted).enumerate() {
                 let slopes = if *of_velocity { &tangent.velocity } else { &tangent.displacement };
-                let name = format!("∂{}/∂{}", FORCE[i], sheet.columns[column]);
+                let name = format!("∂{}/∂{}", FORCE[i], table.columns[column]);
                 let scale = still[i].to_f64().abs() / size
                     + want[i].to_f64().abs()
                     + scales[usize::from(*of_velocity)][i][*j];
                 let entry = Entry::new(name, slopes[i][*j], want[i], scale, (i / 3, column / 3, 0));
-                sheet.entries.push(Entry { sides: sides[i], ..entry });
+                table.entries.push(Entry { sides: sides[i], ..entry });
             }
         }
         let rows: Vec<usize> = (0..6).filter(|i| is_known(*i)).collect();
@@ -231,7 +221,7 @@ impl SlopesCase {
                 (laws[0].value[i].unwrap_or(f64::NAN), laws[1].value[i].unwrap_or(f64::NAN));
             [(i, elastic / motion.constitutive[i]), (6 + i, viscous / motion.velocity[i])]
         };
-        sheet.mistakes = mistakes(&sheet, &rows, &secants);
-        Some(Slopes { sheet, lacks: laws.iter().any(lacks) })
+        table.mistakes = mistakes(&table, &rows, &secants);
+        Some(BehaviorSlopes { table, lacks: laws.iter().any(lacks) })
     }
 }

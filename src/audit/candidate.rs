@@ -1,11 +1,11 @@
 //! Somebody else's routine: a function from a state to values and a Jacobian, checked like the product's own.
 //!
 //! ```
-//! use pintle::audit::Candidate;
-//! use pintle::catalog::ConnectionType;
-//! use pintle::connector::Definition;
-//! use pintle::node::{Node, Pair};
-//! use pintle::vector::identity;
+//! use pintle_audit::Candidate;
+//! use pintle_kinematics::catalog::ConnectionType;
+//! use pintle_kinematics::connector::Definition;
+//! use pintle_kinematics::node::{Node, Pair};
+//! use pintle_kinematics::vector::identity;
 //!
 //! let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
 //! let axial = Definition::new(ConnectionType::named("AXIAL", None)?, Pair { reference: [2.0, 0.0, 0.0], a: node, b: node });
@@ -21,28 +21,32 @@
 //!     }
 //!     ([Some(length - 2.0), None, None, None, None, None], [Some(row), None, None, None, None, None])
 //! });
-//! report.assert_ok();
+//! assert_eq!(report.mismatches(), 0); // in a test: `report.assert_ok()`, of the trait `AssertOk`
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::case::{Case, dof_size, moved};
-use super::certificate::certificate;
-use super::coverage::{Coverage, Lack};
-use super::engine::{Settings, checks_of, spread};
-use super::examined::{Examined, Trusted};
-use super::model::{Finding, ModelReport};
-use super::near::{has_sites, near_initial};
-use super::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
-use super::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
-use super::quantity::{Entries, Numbers, Quantity};
-use super::referee::Referee;
-use super::sample::{Draw, about_initial};
-use super::truth::Truth;
-use super::verdict::{Score, Surroundings, Verdict, judge};
-use crate::connector::{Components, Connector, Definition, NodalRow, State};
-use crate::node::DOFS;
-use crate::scalar::elementary::norm;
-use crate::scene::{Diagnostic, Span};
+use crate::case::quantity::{Entries, Numbers, Quantity};
+use crate::case::{Case, moved};
+use crate::engine::{checks_of, spread};
+use crate::judge::components::{Surroundings, judge};
+use crate::judge::examined::{Examined, Trusted};
+use crate::judge::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
+use crate::judge::verdict::{Score, Verdict};
+use crate::model::{Finding, ModelReport};
+use crate::oracles::certificate::certificate;
+use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
+use crate::oracles::referee::Referee;
+use crate::oracles::truth::Truth;
+use crate::sampling::about_initial;
+use crate::sampling::coverage::{Coverage, Lack};
+use crate::settings::Settings;
+use crate::singular::near::{has_sites, near_initial};
+use pintle_kinematics::connector::{Components, Connector, Definition, NodalRow, State};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::node::dof_size;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_scene::{Diagnostic, Span};
 use std::collections::BTreeSet;
 
 /// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
@@ -117,19 +121,30 @@ impl<'a> Candidate<'a> {
         })
     }
 
-    /// Draws states about the initial one, and near the singular sets of this connector (1e-1 to 1e-12 away, as many as
-    /// [`Settings::near_singular_states`] says, where its nodes can be brought there and history does not matter), and checks what the routine gives there: its values against the connector's formulas on 237
-    /// bits, its Jacobian against differences on 237 bits *and* against differences of its own values, so that a wrong derivative is
-    /// told from another formula; at the states that are not chosen for differences, against the connector's dual numbers, which prove
-    /// nothing by themselves: a derivative that they call wrong is put before differences on 237 bits, where these were asked for. Without an oracle on 237 bits among those asked, formula and derivative are undecided. The row of a
-    /// one-form is the derivative of no value: it is compared with those differences and dual numbers alone, and its value where one is
-    /// given. What the routine gives of a component that the connector has not is wrong, as what it lacks of one is. Where the states leave out a
-    /// region of configuration space, a finding of the report says so.
+    /// Draws states and checks what the routine gives there. The states are about the initial one, and 1e-1 to 1e-12 from the
+    /// singular sets of this connector, as many as [`Settings::near_singular_states`] says. Those near a set need nodes that can be
+    /// brought there, and a connector without history.
+    ///
+    /// The checks are:
+    /// - values against the connector's formulas on 237 bits;
+    /// - the Jacobian against differences on 237 bits, and against differences of the routine's own values: the two tell a wrong
+    ///   derivative from another formula;
+    /// - at the states not chosen for differences, the Jacobian against the connector's dual numbers.
+    ///
+    /// Dual numbers prove nothing by themselves. A derivative that they call wrong is put before differences on 237 bits, where
+    /// these were asked for. Without an oracle on 237 bits among those asked, formula and derivative are undecided. The row of a
+    /// one-form is the derivative of no value. It is compared with those differences and dual numbers alone, and its value where
+    /// one is given. What the routine gives of a component that the connector has not is wrong, as what it lacks of one is. Where
+    /// the states leave out a region of configuration space, a finding of the report says so.
     ///
     /// A FLOW-CONVERTER, dur3 = e3a·(dθ_a − dθ_b) − β_s dΨ_b, by its row alone:
     ///
     /// ```
-    /// # use pintle::{audit::Candidate, catalog::ConnectionType, connector::Definition, node::{Node, Pair}, vector::identity};
+    /// # use pintle_audit::Candidate;
+    /// # use pintle_kinematics::catalog::ConnectionType;
+    /// # use pintle_kinematics::connector::Definition;
+    /// # use pintle_kinematics::node::{Node, Pair};
+    /// # use pintle_kinematics::vector::identity;
     /// let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
     /// let pair = Pair { reference: [1.0, 0.0, 0.0], a: node, b: node };
     /// let converter = ConnectionType::named("FLOW-CONVERTER", None)?;
@@ -145,7 +160,7 @@ impl<'a> Candidate<'a> {
     ///     rows[5] = Some(row);
     ///     ([None; 6], rows)
     /// });
-    /// report.assert_ok();
+    /// assert_eq!(report.mismatches(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
@@ -188,9 +203,9 @@ impl<'a> Candidate<'a> {
         let values = of_values.filter(|check| is_witness(check.against) && check.compared > 0);
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
         Report {
-            version: crate::VERSION,
+            version: pintle_kinematics::VERSION,
             settings: self.settings.clone(),
-            constant: super::C,
+            constant: crate::C,
             subjects: vec![subject],
             atlas: Vec::new(),
             models: self.lacks(coverage).into_iter().collect(),
@@ -217,7 +232,6 @@ impl<'a> Candidate<'a> {
             drawn: true,
             nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
-            answered: BTreeSet::new(),
         })
     }
 
@@ -228,7 +242,7 @@ impl<'a> Candidate<'a> {
         let mut given = Numbers::<f64>::default();
         given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
-        let Some(product) = super::force::product_with_forces(case) else { return checks };
+        let Some(product) = crate::oracles::force::product_with_forces(case) else { return checks };
         let asked = |oracle: Oracle| self.settings.oracles.contains(&oracle);
         let Some(truth) = Truth::of(case) else { return checks };
         let nearness = truth.nearness();
@@ -308,48 +322,8 @@ impl<'a> Candidate<'a> {
 }
 
 impl Report {
-    /// Panics with the report for reading, unless nothing is wrong and something is verified: for `#[test]`s. A claim on numbers, that
-    /// derivatives are those of the function or that the formula is the manual's, is verified where an independent oracle has judged it; what
-    /// is undecided is no pass. The claim on the declaration, which no routine's numbers bear on, is not asked.
-    ///
-    /// ```should_panic
-    /// # use pintle::{audit::{Candidate, Oracle, Settings}, catalog::ConnectionType, connector::Definition};
-    /// # use pintle::{node::{Node, Pair}, vector::identity};
-    /// # let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
-    /// # let pair = Pair { reference: [2.0, 0.0, 0.0], a: node, b: node };
-    /// # let axial = Definition::new(ConnectionType::named("AXIAL", None).unwrap(), pair);
-    /// # let routine = |state: &pintle::connector::State<f64>| {
-    /// #     let d = state.pair.separation();
-    /// #     let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
-    /// #     let row = std::array::from_fn(|j| match j { 0..3 => -d[j] / length, 7..10 => d[j - 7] / length, _ => 0.0 });
-    /// #     ([Some(length - 2.0), None, None, None, None, None], [Some(row), None, None, None, None, None])
-    /// # };
-    /// // Right or not: dual numbers share with ours how derivatives come about, and no other witness is asked.
-    /// let settings = Settings { states: 20, atlas: false, oracles: [Oracle::NodalDual].into(), ..Settings::default() };
-    /// Candidate::new("my AXIAL", &axial).settings(settings).check(routine).assert_ok();
-    /// ```
-    ///
-    /// # Panics
-    /// Where a number is wrong, nothing was compared, a mutant survived, or the derivative or the formula of a subject is undecided; the message ends
-    /// with what was not decided and how to get a decision.
-    #[track_caller]
-    pub fn assert_ok(&self) {
-        let open = self.open_claims();
-        let is_proven = self.survivors() == 0 && self.contradictions() == 0;
-        let fine = self.mismatches() == 0 && is_proven && self.compared() > 0 && open.is_empty();
-        if !fine {
-            let mut text = Vec::new();
-            let written = crate::report::audit::human(&mut text, self, 100, false);
-            let text = written.map(|()| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
-            #[expect(clippy::panic, reason = "an assertion for tests")]
-            {
-                panic!("{}{}", anstream::adapter::strip_str(&text), open.concat());
-            }
-        }
-    }
-
     /// What was not decided of the numbers of each subject, and how to get a decision.
-    fn open_claims(&self) -> Vec<String> {
+    pub fn open_claims(&self) -> Vec<String> {
         // An independent oracle answered, and nothing could be decided.
         let is_beyond_range = |check: &Check| {
             matches!(check.against, Against::Oracle(oracle) if oracle.is_independent())
@@ -392,12 +366,13 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
-    use super::super::case::{Step, turn};
-    use super::super::referee::OVERRULED;
     use super::*;
-    use crate::catalog::ConnectionType;
-    use crate::node::{Node, Pair};
-    use crate::vector::{Matrix, Vector, column, identity};
+    use crate::case::Step;
+    use crate::oracles::referee::OVERRULED;
+    use pintle_kinematics::catalog::ConnectionType;
+    use pintle_kinematics::node::{Node, Pair};
+    use pintle_kinematics::so3::turn;
+    use pintle_kinematics::vector::{Matrix, Vector, column, identity};
     use std::f64::consts::TAU;
 
     /// Q = AᵀB, by the columns of both after Gram and Schmidt have made the third of b orthogonal to its first two, and these to each other,
@@ -417,9 +392,9 @@ mod tests {
         [0, 1, 2].map(|i| b.map(|b| dot(column(&pair.a.triad, i), b)))
     }
 
-    /// The rotation vector of ROTATION and its rows within half a turn of 2π, by formulas of their own: the angle is 2π − δ about n with
-    /// 2 sin δ n = −(R₃₂ − R₂₃, …), and the rows are those of n nᵀ − (θ/2) cot(δ/2) (1 − n nᵀ) − (θ/2) n^, the inverse of the left
-    /// Jacobian, along a's axes.
+    /// The rotation vector of ROTATION and its rows within half a turn of 2π, by formulas of their own. The angle is 2π − δ about n
+    /// with `2 sin δ n = −(R₃₂ − R₂₃, …)`. The rows are those of `n nᵀ − (θ/2) cot(δ/2) (1 − n nᵀ) − (θ/2) n^`, the inverse of the
+    /// left Jacobian, along a's axes.
     fn almost_a_turn(state: &State<f64>) -> Given {
         let r = relative(&state.pair);
         let axial = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]];
@@ -445,9 +420,10 @@ mod tests {
         (values, rows)
     }
 
-    /// Triads that are rotations to eleven digits, next to a whole turn: dual numbers in the degrees of freedom of the nodes take the
-    /// derivatives of what they are given, the routine those of the nearest rotation, as 237 bits do. It is not called wrong, whether or
-    /// not the state was chosen for them; what is wrong is, by these too, and by dual numbers where nobody else was asked.
+    /// Triads that are rotations to eleven digits, next to a whole turn. Dual numbers in the degrees of freedom of the nodes take
+    /// the derivatives of these triads. The routine takes those of the nearest rotation, as 237 bits do. It is not called wrong,
+    /// whether or not the state was chosen for them. What is wrong is, by these too, and by dual numbers where nobody else was
+    /// asked.
     #[test]
     fn dual_numbers_do_not_decide_about_a_routine() {
         let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };

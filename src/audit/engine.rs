@@ -1,85 +1,36 @@
 //! The audit: cases × quantities × oracles and laws, in parallel, gathered per connector.
 
-use super::atlas::{self, Approach};
-use super::case::Case;
-use super::certificate::{certificate, certifies_predefined};
-use super::examined::{Examined, Trusted};
-use super::force::product_with_forces as product;
-use super::friction::{self, friction_cases};
-use super::golden::{audit_golden, states_of};
-use super::invariant::{self, Context, Invariant};
-use super::mutant::{self, Mistake};
-use super::oracle::{Answer, Narrow, Oracle, WideAnswers};
-use super::outcome::{Against, Check, Expected, Report, Subject};
-use super::planted::Planted;
-use super::quantity::{Numbers, Quantity};
-use super::referee::Referee;
-use super::sample::{Draw, random_case, regions_drawn};
-use super::stage::invalid_stage;
-use super::standing::cases_on;
-use super::sums::{hyper_dual, taylor};
-use super::truth::Truth;
-use super::verdict::{Exact, Score, Smallest, Surroundings, Verdict, moved_by};
-use crate::behavior::Conditions;
-use crate::catalog::{ConnectionType, TABLE};
-
+use crate::case::Case;
+use crate::case::quantity::{Numbers, Quantity};
+use crate::case::stage::invalid_stage;
+use crate::friction;
+use crate::friction::friction_cases;
+use crate::judge::components::AtRotations;
+use crate::judge::components::Surroundings;
+use crate::judge::examined::{Examined, Trusted};
+use crate::judge::judged::{Trials, moved_by};
+use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
+use crate::judge::verdict::{Score, Verdict};
+use crate::laws as invariant;
+use crate::laws::{Context, Invariant};
+use crate::mutants::mutant;
+use crate::mutants::mutant::Mistake;
+use crate::oracles::certificate::{certificate, certifies_predefined};
+use crate::oracles::force::product_with_forces as product;
+use crate::oracles::golden::{audit_golden, states_of};
+use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers};
+use crate::oracles::referee::Referee;
+use crate::oracles::sums::{hyper_dual, taylor};
+use crate::oracles::truth::Truth;
+use crate::sampling::{random_case, regions_drawn};
+use crate::settings::Settings;
+use crate::singular::atlas;
+use crate::singular::atlas::Approach;
+use crate::singular::standing::cases_on;
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::draw::Draw;
 use rayon::prelude::*;
-use serde::Serialize;
-use std::cell::OnceCell;
 use std::collections::BTreeSet;
-
-/// What an audit is to do.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
-pub struct Settings {
-    /// States per type for the oracles on doubles.
-    pub states: usize,
-    /// States per type near its singular sets, besides.
-    pub near_singular_states: usize,
-    /// States per type for the oracles on 237 bits, one from every region before any other, right angles last; without any the claim on derivatives is undecided.
-    pub wide_states: usize,
-    /// States on 237 bits of a scene in all: at least one of each connector, at most `wide_states`; none where that is 0.
-    pub wide_states_of_a_scene: usize,
-    /// States drawn about the initial one of a connector whose scene gives no states.
-    pub drawn_states: usize,
-    /// The oracles asked.
-    pub oracles: BTreeSet<Oracle>,
-    /// What the random states are drawn from.
-    pub seed: String,
-    /// The temperature and the field variables of scenes: forces that depend on others are undecided.
-    pub conditions: Conditions,
-    /// Whether the singular points of the catalogue are approached.
-    pub atlas: bool,
-    /// Whether what is undecided fails.
-    pub strict: bool,
-    /// A fault planted on purpose, which the audit must tell of.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub planted: Option<Planted>,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            states: 800,
-            near_singular_states: 200,
-            wide_states: 30,
-            wide_states_of_a_scene: 3000,
-            drawn_states: 20,
-            oracles: Oracle::ALL.into(),
-            seed: "pintle".into(),
-            conditions: Conditions::default(),
-            atlas: true,
-            strict: false,
-            planted: None,
-        }
-    }
-}
-
-impl Settings {
-    /// Whether the oracle that answers for every quantity is asked at any state: without it numbers lack a witness anyway.
-    pub fn asks_for_everything(&self) -> bool {
-        self.wide_states > 0 && self.oracles.contains(&Oracle::WideDifferences)
-    }
-}
 
 /// Audits every type of the catalogue. `progress` is told of each finished type.
 pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) -> Report {
@@ -89,7 +40,7 @@ pub fn audit_catalogue(settings: &Settings, progress: &(dyn Fn(&str) + Sync)) ->
         progress(&connection.name);
         found
     };
-    let of_constraints = || if settings.atlas { super::mpc::atlas::approaches() } else { Vec::new() };
+    let of_constraints = || if settings.atlas { crate::mpc::atlas::approaches() } else { Vec::new() };
     let (found, of_constraints): (Vec<(Subject, Vec<Approach>)>, Vec<Approach>) =
         rayon::join(|| TABLE.par_iter().map(of_type).collect(), of_constraints);
     let (subjects, mut atlas): (Vec<Subject>, Vec<Vec<Approach>>) = found.into_iter().unzip();
@@ -153,10 +104,11 @@ fn halved(n: usize, last: usize) -> usize {
     usize::try_from(place).unwrap_or(last)
 }
 
-/// Which of the regular states of a type, of which the first come one from a region, and of those near its singular sets after them are judged
-/// on 237 bits besides the `standing` ones, which always are: of those wanted that are left, but of two thirds of them at least, three quarters
-/// are regular, or as many more as there are regions that are not all alike, as those of right angles are, which come after them. Every other
-/// state near the sets may stand on one, from the first on: those between do not.
+/// Which states of a type are judged on 237 bits, besides the `standing` ones, which always are. First come the regular states, the
+/// first of them one from a region, then those near its singular sets. Three quarters of those wanted that are left are regular,
+/// but of two thirds of those wanted at least. They are more where there are as many regions that are not all alike. Those of right
+/// angles are alike, and come after them. Every other state near the sets may stand on one, from the first on: those between do
+/// not.
 fn wide_states(
     (distinct, regions): (usize, usize),
     (regular, near, standing): (usize, usize, usize),
@@ -257,7 +209,7 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
     }
     check.states.insert(check.verdict, 1);
     let passed = demands.iter().filter(|demand| demand.units(&none) <= 1.0);
-    let mut smallest = Smallest::of_none();
+    let mut trials = Trials::default();
     for demand in passed {
         // Of an angle in radians, of a length in lengths, and of what is larger than one of them a part of it.
         for delta in mutant::LADDER {
@@ -265,7 +217,7 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
                 offset: demand.offset + delta * demand.offset.abs().max(1.0),
                 ..demand.clone()
             };
-            smallest.see(delta, off.units(&none) > 1.0, true);
+            trials.see(delta, off.units(&none) > 1.0, true);
         }
         for wrong in [
             demand.offset + std::f64::consts::PI,
@@ -276,10 +228,11 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
             let noticed = mutated.units(&none) > 1.0;
             // What is allowed where only continuity is asked is more than a rounding.
             let change = || moved_by((wrong - demand.offset).abs(), demand.allowed);
-            check.score.count(Mistake::WrongParity, noticed, change, || demand.what.to_string());
+            let what = || demand.what.to_string();
+            trials.add(Mistake::WrongParity, noticed, (|| true, || false), change, what);
         }
     }
-    smallest.tell(&mut check.score);
+    check.score = trials.score();
     check
 }
 
@@ -308,26 +261,6 @@ pub(super) fn checks_of(found: &mut Vec<Check>, checks: Vec<Check>) {
 
 /// How often, among the states on doubles only, mutants and laws are tried.
 pub(super) const SOMETIMES: usize = 20;
-
-/// What the source gives on 237 bits where triads are rotations to the last of these, and what differences say there; computed where a
-/// number is wrong by little.
-pub(super) struct AtRotations<'a> {
-    case: &'a Case,
-    answers: OnceCell<Option<WideAnswers>>,
-}
-
-impl<'a> AtRotations<'a> {
-    pub(super) const fn new(case: &'a Case) -> Self {
-        Self { case, answers: OnceCell::new() }
-    }
-
-    pub(super) fn exact(&self, quantity: Quantity) -> Option<Exact<'_>> {
-        let of_case = || Truth::of(self.case).as_ref().map(WideAnswers::of);
-        let answers = self.answers.get_or_init(of_case).as_ref()?;
-        let (product, truth) = (answers.dual.entries(quantity), answers.differences.entries(quantity));
-        Some(Exact { product, truth })
-    }
-}
 
 /// All checks of one case.
 pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) -> Vec<Check> {

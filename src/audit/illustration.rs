@@ -1,110 +1,28 @@
 //! One state of a connector for looking at: its Jacobian beside what it must be, and how approximations of it depend on the step.
 
-use super::bound::Bound;
-use super::case::{Case, dof_size};
-use super::force::product_with_forces as product;
-use super::mpc::MpcCase;
-use super::oracle::{Narrow, WideAnswers};
-use super::outcome::Report;
-use super::planted::Planted;
-use super::quantity::{Entries, Quantity};
-use super::sample::{Draw, Extent, cases};
-use super::scene::{self, Target};
-use super::sheet::{Entry, Sheet};
-use super::truth::Truth;
-use super::verdict::{Verdict, Wanted, units};
-use crate::catalog::{COMPONENT, ConnectionType, TABLE};
-use crate::connector::Components;
-use crate::evaluate::ConnectorElement;
-use crate::node::{DOF, DOFS};
-use crate::scalar::Wide;
+use crate::case::Case;
+use crate::case::failing::MpcCase;
+use crate::case::quantity::{Entries, Quantity};
+use crate::judge::bound::Bound;
+use crate::judge::comparison::Comparison;
+use crate::judge::outcome::Report;
+use crate::judge::verdict::Verdict;
+use crate::oracles::force::product_with_forces as product;
+use crate::oracles::oracle::{Narrow, WideAnswers};
+use crate::oracles::truth::Truth;
+use crate::sampling::{Extent, cases};
+use crate::scene;
+use crate::scene::Target;
+use crate::settings::Planted;
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::Components;
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::node::dof_size;
+use pintle_kinematics::scalar::Wide;
+use pintle_model::evaluate::ConnectorElement;
 use rayon::prelude::*;
 use std::collections::HashSet;
-
-/// An entry of a Jacobian beside what it must be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compared {
-    /// What was given.
-    pub got: f64,
-    /// What it must be, rounded to a double.
-    pub want: f64,
-    /// How far apart they may be.
-    pub tolerance: f64,
-    /// |got − want| in units of the tolerance; infinite where it is not a number.
-    pub units: f64,
-}
-
-impl Compared {
-    /// Whether it is zero to rounding, as what is zero by its formula is, whatever digits rounding left of it on either side.
-    pub fn is_zero(&self) -> bool {
-        self.units <= 1.0 && self.got.abs().max(self.want.abs()) <= self.tolerance
-    }
-}
-
-/// A Jacobian beside what it must be.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Comparison {
-    /// Nodal degrees of freedom: of a connector [`DOF`], of a constraint those of its nodes and the angles of its hinges.
-    pub columns: Vec<String>,
-    /// Components of a connector, or equations of a constraint, each with its row.
-    pub rows: Vec<(String, Vec<Compared>)>,
-}
-
-impl Comparison {
-    /// The columns in blocks, three displacements or three rotations of a node; flows and angles of hinges only where something depends on
-    /// them.
-    pub fn blocks(&self) -> Vec<Vec<usize>> {
-        let kind = |name: &str| name.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_string();
-        let depends = |j: usize| {
-            let mut entries = self.rows.iter().filter_map(|(_, row)| row.get(j));
-            entries.any(|entry| entry.got != 0.0 || entry.want != 0.0)
-        };
-        let shown = self.columns.iter().enumerate();
-        let shown = shown.filter(|(j, name)| name.starts_with(['x', 'θ']) || depends(*j));
-        let mut blocks: Vec<(String, Vec<usize>)> = Vec::new();
-        for (j, name) in shown {
-            match blocks.last_mut().filter(|(of, _)| *of == kind(name)) {
-                Some((_, block)) => block.push(j),
-                None => blocks.push((kind(name), vec![j])),
-            }
-        }
-        blocks.into_iter().map(|(_, block)| block).collect()
-    }
-
-    /// Of rows given, in units of the tolerance of each entry, by component and column.
-    pub fn new(got: &Entries<f64>, want: &Entries<Wanted>, tolerance: impl Fn(usize, usize) -> f64) -> Self {
-        let row = |k: usize| {
-            got.0[k].as_ref().zip(want.0[k].as_ref())?;
-            let of = |j: usize| {
-                let missing = f64::NAN;
-                let given = got.get(k, j).unwrap_or(missing);
-                let want = want.get(k, j).unwrap_or(Wanted::exactly(missing));
-                let tolerance = tolerance(k, j);
-                Compared { got: given, want: want.to_f64(), tolerance, units: want.units(given, tolerance) }
-            };
-            Some((COMPONENT[k].to_string(), (0..DOFS).map(of).collect()))
-        };
-        Self { columns: DOF.map(String::from).to_vec(), rows: (0..COMPONENT.len()).filter_map(row).collect() }
-    }
-
-    /// Of the numbers in a sheet.
-    pub(super) fn of_sheet(sheet: &Sheet) -> Self {
-        let compared = |entry: &Entry| {
-            let tolerance = entry.tolerance();
-            let units = units(entry.got, entry.want, tolerance);
-            Compared { got: entry.got, want: entry.want.to_f64(), tolerance, units }
-        };
-        let name = |row: &String| row.trim_start_matches('∂').to_string();
-        let entries = sheet.entries.chunks(sheet.width());
-        let rows = sheet.rows.iter().map(name).zip(entries.map(|row| row.iter().map(compared).collect()));
-        Self { columns: sheet.columns.clone(), rows: rows.collect() }
-    }
-
-    /// The largest error in units of its tolerance.
-    pub fn worst(&self) -> f64 {
-        self.rows.iter().flat_map(|(_, row)| row).fold(0.0_f64, |most, entry| most.max(entry.units))
-    }
-}
 
 /// Errors of ∂f·v along one direction v of all nodes (1 rad, one length) against the step h, in units of the tolerance of ∂f·v:
 /// the largest of all components.
@@ -178,15 +96,15 @@ const STEPS: std::ops::RangeInclusive<i32> = -14..=-1;
 impl Illustration {
     /// Of a constraint of a scene; `None` for one without equations.
     fn of_constraint(scene: &str, case: &MpcCase, planted: Option<Planted>) -> Option<Self> {
-        let mut sheets = case.sheets().into_iter();
-        let mut rows = sheets.find(|sheet| sheet.quantity == Quantity::FirstDerivatives)?;
-        planted.into_iter().for_each(|planted| planted.spoil_sheet(&mut rows));
+        let mut tables = case.tables().into_iter();
+        let mut rows = tables.find(|table| table.quantity == Quantity::FirstDerivatives)?;
+        planted.into_iter().for_each(|planted| planted.spoil_table(&mut rows));
         // Its state names the constraint: `MPC PIN 10-20 at state 3`.
         let name = case.name.split(" at state ").next().unwrap_or_default();
         Some(Self {
             subject: format!("{scene}: {name}"),
             state: case.name.clone(),
-            comparison: Comparison::of_sheet(&rows),
+            comparison: rows.comparison(),
             steps: Steps::default(),
         })
     }
@@ -202,7 +120,7 @@ impl Illustration {
         let mut numbers = product(case)?;
         planted.into_iter().for_each(|planted| planted.spoil(&mut numbers));
         let answers = WideAnswers::of(&truth);
-        let trusted = super::atlas::truth_to_f64(&answers.differences);
+        let trusted = crate::singular::atlas::truth_to_f64(&answers.differences);
         let bound =
             Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
         let rows = numbers.entries(Quantity::FirstDerivatives);

@@ -1,25 +1,27 @@
 //! A scene: every connector and every multi-point constraint at its states.
 
-use super::behavior::{SlopesCase, audit_behavior};
-use super::case::{Case, Step};
-use super::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
-use super::coverage::{Coverage, Sample};
-use super::engine::{SOMETIMES, Settings, audit_case, checks_of, laws_of_type, spread_of};
-use super::friction::{FrictionCase, Slipping, audit_slipping, drawn, restored, slipping};
-use super::mpc::MpcCase;
-use super::outcome::{Check, Expected, Report, Subject};
-use super::quantity::Quantity;
-use super::sample::{Draw, about_initial};
-use super::verdict::Verdict;
-use crate::behavior::Conditions;
-use crate::behavior::state::History;
-use crate::connector::{Output, Request};
-use crate::evaluate::{
+use crate::behavior::audit_behavior;
+use crate::case::failing::MpcCase;
+use crate::case::failing::SlopesCase;
+use crate::case::quantity::Quantity;
+use crate::case::{Case, Step};
+use crate::engine::{SOMETIMES, audit_case, checks_of, laws_of_type, spread_of};
+use crate::friction::{Slipping, audit_slipping, drawn, restored, slipping};
+use crate::judge::outcome::{Check, Expected, Report, Subject};
+use crate::judge::verdict::Verdict;
+use crate::oracles::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
+use crate::sampling::about_initial;
+use crate::sampling::coverage::{Coverage, Sample};
+use crate::settings::Settings;
+use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::{add, sub};
+use pintle_model::behavior::state::History;
+use pintle_model::evaluate::{
     ConnectorElement, ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence,
 };
-use crate::scalar::elementary::norm;
-use crate::scene::State;
-use crate::vector::{add, sub};
+use pintle_scene::State;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::convert::Infallible;
@@ -346,31 +348,6 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
         let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
             if let Item::Connector(placed) = placed {
                 found.push((model.connectors[placed.index].title(), case(model, placed, number)));
-            }
-            Ok(())
-        });
-    }
-    found
-}
-
-/// The frictions of the first connector at the last of the states, without belts.
-pub(super) fn last_frictions(target: &Target<'_>) -> Vec<FrictionCase> {
-    let Target { model, plan, states, .. } = *target;
-    let follows = Plan { request: followed(target), ..plan.clone() };
-    let mut walk = walk(model, &follows);
-    let (mut left, mut found) = (History::default(), Vec::new());
-    for state in states {
-        let mut is_first = true;
-        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
-            if let Item::Connector(placed) = placed
-                && std::mem::take(&mut is_first)
-            {
-                let behavior = &model.connectors[placed.index].behavior;
-                let now = placed.behavior.as_ref().map(|outcome| outcome.history.clone());
-                let before = std::mem::replace(&mut left, now.unwrap_or_default());
-                let of = case(model, placed, 0);
-                let slips = slipping(placed, behavior, &of, (before, &Conditions::default()));
-                found = slips.map(|slips| slips.cases(behavior)).unwrap_or_default();
             }
             Ok(())
         });

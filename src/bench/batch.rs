@@ -1,9 +1,9 @@
-//! Four states at a time, as [`crate::batch`] takes them.
+//! Four states at a time, as [`pintle_kinematics::batch`] takes them.
 
-use super::method::Prepared;
-use super::subject::{Element, Order, Subject};
-use crate::batch::{Batch, COLUMNS, HessianRow, History, LANES, Row, Section, Tile};
-use crate::node::DOFS;
+use crate::method::Prepared;
+use crate::subject::{Element, Order, Subject};
+use pintle_kinematics::batch::{Batch, COLUMNS, HessianRow, History, LANES, Row, Section, Tile};
+use pintle_kinematics::node::DOFS;
 
 /// The elements of a subject in tiles of four.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ impl Rows {
         }
     }
 
-    /// The derivatives of the last order, state by state, row by row, of tiles with so many rows each, in the order of [`crate::node::DOF`].
+    /// The derivatives of the last order, state by state, row by row, of tiles with so many rows each, in the order of [`pintle_kinematics::node::DOF`].
     pub fn numbers(&self, rows: usize) -> Vec<f64> {
         match self {
             Self::First(found) => by_state(found, rows, |row, lane, all| {

@@ -1,8 +1,8 @@
 //! How far a way may be off and still be timed: by what the errors come from.
 
-use super::place::{CLEAR, Place};
-use super::subject::Order;
-use crate::audit::U;
+use crate::place::{CLEAR, Place};
+use crate::subject::Order;
+use pintle_kinematics::scalar::U;
 
 /// What the errors of a way come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,9 +26,9 @@ pub enum Cause {
 const ROOM: f64 = 100.0;
 
 impl Cause {
-    /// The largest error ([`super::Subject::errors`]) of a way that is timed, at states whose distance from a singular point (rad, or lengths of
-    /// the connector) is `distance`; `None` where rounding is all that there is, which has a bound for every entry
-    /// ([`super::Subject::beyond_rounding`]).
+    /// The largest error ([`crate::Subject::errors`]) of a way that is timed, at states whose distance from a singular point (rad,
+    /// or lengths of the connector) is `distance`. It is `None` where rounding is all that there is, which has a bound for every
+    /// entry ([`crate::Subject::beyond_rounding`]).
     ///
     /// Near a singular point values are known to u/distance, and derivatives grow by 1/distance with each order. At rest all functions
     /// are regular, and only formulas that divide by the sine are not.

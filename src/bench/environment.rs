@@ -38,7 +38,7 @@ impl Environment {
     /// This machine and program, now.
     pub fn here() -> Self {
         Self {
-            pintle: crate::VERSION.into(),
+            pintle: pintle_kinematics::VERSION.into(),
             commit: crate::COMMIT.map(Into::into),
             date: chrono::Utc::now().format("%Y-%m-%d").to_string(),
             processor: processor(),

@@ -1,14 +1,13 @@
 //! Ways to get a value, a Jacobian or a Hessian.
 
-use super::batch::Batched;
-use super::bound::Cause;
-use super::complex::Still;
-use super::subject::{Element, Order, Subject};
-use crate::connector::{Connector, Linear, Mask, Request, Tally};
-use crate::measure::Measure;
-use crate::node::{DOFS, Pair};
-use crate::so3;
-use crate::vector::product;
+use crate::batch::Batched;
+use crate::bound::Cause;
+use crate::subject::{Element, Order, Subject};
+use pintle_kinematics::connector::{Connector, Linear, Mask, Request, Tally};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::product;
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
 
@@ -20,7 +19,7 @@ pub trait Prepared {
     /// How many states a run goes through: those of the subject once or, where it takes a batch, over and over.
     fn states(&self) -> usize;
 
-    /// What a run computes: state by state, row by row, in the order of [`crate::node::DOF`].
+    /// What a run computes: state by state, row by row, in the order of [`pintle_kinematics::node::DOF`].
     fn numbers(&mut self) -> Vec<f64>;
 }
 
@@ -57,15 +56,13 @@ pub trait Method: Sync {
 pub enum Way {
     /// pintle, one connector at a time: [`Connector::values`], [`Connector::linearize`], [`Connector::evaluate_on`].
     Pintle(Order),
-    /// pintle, four states at a time ([`crate::batch`]): values with rows or, as the Hessian, with second derivatives besides; there is no batch
+    /// pintle, four states at a time ([`pintle_kinematics::batch`]): values with rows or, as the Hessian, with second derivatives besides; there is no batch
     /// of values alone. States and rows are in tiles of four.
     Batch(Order),
     /// (f(q + h) − f(q))/h, for each degree of freedom.
     Forward(f64),
     /// (f(q + h) − f(q − h))/2h.
     Central(f64),
-    /// Im f(q + ih)/h on complex numbers.
-    ComplexStep(f64),
     /// num-dual's dual number with a direction for every degree of freedom of the nodes.
     NodalDual,
     /// Second derivatives by four values each, (f(q + h_j + h_k) − f(q + h_j − h_k) − f(q − h_j + h_k) + f(q − h_j − h_k))/4h².
@@ -85,7 +82,6 @@ impl Way {
         let mut all: Vec<Self> = Order::ALL.map(Self::Pintle).to_vec();
         all.extend([Order::Jacobian, Order::Hessian].map(Self::Batch));
         all.push(Self::NodalDual);
-        all.extend([1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-20, 1e-100].map(Self::ComplexStep));
         all.extend(powers(1..=13).map(Self::Central));
         all.extend(powers(1..=13).map(Self::Forward));
         all.push(Self::NestedDual);
@@ -101,7 +97,6 @@ impl Method for Way {
             Self::Batch(_) => "pintle, batch",
             Self::Forward(_) => "forward differences",
             Self::Central(_) | Self::SecondCentral(_) => "central differences",
-            Self::ComplexStep(_) => "complex step",
             Self::NodalDual => "num-dual by node",
             Self::NestedDual => "nested num-dual by node",
         }
@@ -117,19 +112,19 @@ impl Method for Way {
 
     fn step(&self) -> Option<f64> {
         match self {
-            Self::Forward(h) | Self::Central(h) | Self::ComplexStep(h) | Self::SecondCentral(h) => Some(*h),
+            Self::Forward(h) | Self::Central(h) | Self::SecondCentral(h) => Some(*h),
             _ => None,
         }
     }
 
     fn vector_unit(&self) -> Option<&'static str> {
-        if matches!(self, Self::Batch(_)) { crate::batch::vector_unit() } else { None }
+        if matches!(self, Self::Batch(_)) { pintle_kinematics::batch::vector_unit() } else { None }
     }
 
     fn cause(&self) -> Cause {
         match self {
             Self::Pintle(_) | Self::Batch(_) => Cause::Ours,
-            Self::ComplexStep(_) | Self::NodalDual | Self::NestedDual => Cause::Rounding,
+            Self::NodalDual | Self::NestedDual => Cause::Rounding,
             Self::Forward(_) => Cause::ForwardDifference,
             Self::Central(_) => Cause::CentralDifference,
             Self::SecondCentral(_) => Cause::SecondDifference,
@@ -146,16 +141,8 @@ impl Method for Way {
         let wanted = [0, 1, 2, 3, 4, 5].map(|k| is_all || subject.components.contains(&k));
         let request = Request::new(&[], wanted, 2);
         let (rows, out) = ([Linear::default(); 6], vec![0.0; subject.rows() * self.order().width()]);
-        let still = match self {
-            Self::ComplexStep(_) => subject.elements.iter().map(still).collect(),
-            _ => Vec::new(),
-        };
-        Ok(Box::new(Run { way: *self, subject, wanted, request, still, rows, out }))
+        Ok(Box::new(Run { way: *self, subject, wanted, request, rows, out }))
     }
-}
-
-fn still(element: &Element) -> Still {
-    Still::new(element.connector.section(), &element.branch.history())
 }
 
 /// One state after the other, into the same memory.
@@ -164,8 +151,6 @@ struct Run<'s> {
     subject: &'s Subject,
     wanted: Mask,
     request: Request,
-    /// What does not move of each element, for the complex step.
-    still: Vec<Still>,
     /// Of [`Connector::linearize`], which needs no other.
     rows: [Linear<f64>; 6],
     out: Vec<f64>,
@@ -174,7 +159,7 @@ struct Run<'s> {
 impl Run<'_> {
     #[inline(always)]
     fn one(&mut self, i: usize) {
-        let Self { way, subject, wanted, request, still, rows, out } = self;
+        let Self { way, subject, wanted, request, rows, out } = self;
         let Some(element) = subject.elements.get(i) else { return };
         let at = AtElement { subject, element, wanted: *wanted };
         match *way {
@@ -185,7 +170,6 @@ impl Run<'_> {
             Way::Batch(_) => {}
             Way::Forward(h) => at.forward(h, out),
             Way::Central(h) => at.central(h, out),
-            Way::ComplexStep(h) => at.complex_step(still.get(i), h, out),
             Way::NodalDual => at.nodal_dual(out),
             Way::SecondCentral(h) => at.second_central(h, out),
             Way::NestedDual => at.nested_dual(out),
@@ -337,18 +321,6 @@ impl AtElement<'_> {
                     (matrix[j * DOFS + k], matrix[k * DOFS + j]) = (entry, entry);
                 }
             }
-        }
-    }
-
-    fn complex_step(&self, still: Option<&Still>, h: f64, out: &mut [f64]) {
-        let Some(still) = still else { return out.fill(f64::NAN) };
-        for j in self.active() {
-            let put = |row: usize, entry: f64| {
-                if let Some(place) = out.get_mut(row * DOFS + j) {
-                    *place = entry;
-                }
-            };
-            still.derivatives(&self.element.state.pair, &self.subject.measures, j, h, put);
         }
     }
 

@@ -1,16 +1,18 @@
 //! States of a type: far from its singular points, near them, and where nothing is turned; all with the same rows.
 
-use crate::audit::atlas::{Site, beside};
-use crate::audit::case::{carried, turn};
-use crate::audit::sample::{Draw, Region, aligned, definition, draw_case, pair};
-use crate::audit::{Case, Step};
-use crate::catalog::ConnectionType;
-use crate::connector::{Components, Connector, Increment, State};
-use crate::measure::Measure;
-use crate::node::{DOFS, Pair};
-use crate::scalar::elementary::norm;
-use crate::so3;
-use crate::vector::{Matrix, Vector, identity, product, scale, transpose};
+use pintle_audit::case::carried;
+use pintle_audit::sampling::{Region, aligned, definition, draw_case, pair};
+use pintle_audit::singular::atlas::{Site, beside};
+use pintle_audit::{Case, Step};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::connector::{Components, Connector, Increment, State};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3;
+use pintle_kinematics::so3::turn;
+use pintle_kinematics::vector::{Matrix, Vector, identity, product, scale, transpose};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -18,9 +20,9 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Place {
-    /// At least [`CLEAR`] from every singular point of the rows and, where a rotation vector is measured, from no rotation and half a turn: both nodes
-    /// moved and turned moderately, from orientations that are aligned initially and, where that leaves the rows what they are,
-    /// from others; and with any orientation of both nodes.
+    /// At least [`CLEAR`] from every singular point of the rows and, where a rotation vector is measured, from no rotation and half
+    /// a turn. Both nodes are moved and turned moderately, from orientations that are aligned initially and, where that leaves the
+    /// rows what they are, from others. There are also states with any orientation of both nodes.
     Far,
     /// Near a singular point of the rows or, where a rotation vector is measured, near half a turn: where formulas lose digits.
     Near,

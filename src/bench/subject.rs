@@ -1,15 +1,17 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
-use super::place::{Place, Unmeasured, draw, rows_of};
-use crate::audit::bound::scales;
-use crate::audit::case::{dof_size, exact_branch, exact_pair};
-use crate::audit::truth::Truth;
-use crate::audit::{C, Case, U};
-use crate::catalog::ConnectionType;
-use crate::connector::{Branch, Connector, State};
-use crate::measure::Measure;
-use crate::node::DOFS;
-use crate::scalar::Wide;
+use crate::place::{Place, Unmeasured, draw, rows_of};
+use pintle_audit::case::{exact_branch, exact_pair};
+use pintle_audit::judge::bound::scales;
+use pintle_audit::oracles::truth::Truth;
+use pintle_audit::{C, Case};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::connector::{Branch, Connector, State};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::node::dof_size;
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::Wide;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -169,8 +171,9 @@ impl Subject {
         &self.size_of_values
     }
 
-    /// The median and the largest error of numbers element by element, row by row, of the states over and over: of a value over [`Subject::size_of_values`], of a derivative over the largest
-    /// number of its row, the first ones counting among those of a second. What is not a number is an infinite error.
+    /// The median and the largest error of numbers element by element, row by row, of the states over and over. That of a value is
+    /// over [`Subject::size_of_values`], that of a derivative over the largest number of its row. The row of a second derivative
+    /// has the first ones too. What is not a number is an infinite error.
     pub fn errors(&self, order: Order, found: &[f64]) -> [f64; 2] {
         let per_state = self.rows() * order.width();
         let scales = self.scales(order);
@@ -190,7 +193,7 @@ impl Subject {
     /// The entry that is farthest beyond what rounding explains: its error, and the one that is allowed there, both as
     /// [`Subject::errors`] tells them.
     ///
-    /// What is allowed is what `pintle audit` allows there ([`crate::audit::bound`]): C u times what the rounding of the state does to the entry, by the derivatives one
+    /// What is allowed is what `pintle audit` allows there ([`pintle_audit::judge::bound`]): C u times what the rounding of the state does to the entry, by the derivatives one
     /// order higher. Beside a singular set rows are directions that a rounding of the state turns by u/δ. Of a row with a small first and a large
     /// second derivative, that is much of the row: its largest number would say nothing of that.
     pub fn beyond_rounding(&self, order: Order, found: &[f64]) -> [f64; 2] {

@@ -1,8 +1,8 @@
 //! Times against errors: for reading, as JSON, CSV, Markdown, and drawn.
 
-use super::audit::figure::{Curve, LogPlot, Place as On};
-use super::layout;
-use crate::bench::{Order, Place, Point, REST, Report, Wrong};
+use crate::audit::figure::{Curve, LogPlot, Medium as On};
+use crate::layout;
+use pintle_bench::{Order, Place, Point, REST, Report, Wrong};
 use std::io::{self, Write};
 
 /// The points of one diagram: a type, a place, an order.
@@ -158,7 +158,7 @@ fn left_out(report: &Report) -> Vec<String> {
 
 /// The ways that are not timed somewhere, and why.
 fn untimed(report: &Report) -> Vec<String> {
-    let line = |of: &crate::bench::Untimed| {
+    let line = |of: &pintle_bench::Untimed| {
         format!(
             "{}, {}: {} of {} is not timed: {}",
             of.connection,
@@ -255,7 +255,7 @@ pub fn markdown(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     writeln!(out, "\nIn the table {}.", legend(report))
 }
 
-/// Writes every point, of all steps, as one JSON document, schema [`crate::bench::SCHEMA`]. An error without bound is `null`.
+/// Writes every point, of all steps, as one JSON document, schema [`pintle_bench::SCHEMA`]. An error without bound is `null`.
 ///
 /// # Errors
 /// Where the stream cannot be written to.

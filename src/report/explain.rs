@@ -1,15 +1,18 @@
 //! `pintle explain TYPE`: what a connection type is, in the order of the manual's summary table, and what rests on what.
 
-use super::formulas::{self, Group};
-use super::layout::{self, BOLD, DIM, styled};
-use super::list::{is_measured, names};
-use super::words::{self, NOTATION, ROWS, SIGNS};
-use crate::catalog::{
+use crate::formulas;
+use crate::formulas::Group;
+use crate::layout;
+use crate::layout::{BOLD, DIM, styled};
+use crate::list::{is_measured, names};
+use crate::words;
+use crate::words::{NOTATION, ROWS, SIGNS};
+use pintle_kinematics::catalog::{
     Availability, COMPONENT, Class, Condition, ConnectionType, Evidence, FORCE, Friction, OrientationRule,
     PLANE, SPATIAL, Slot,
 };
-use crate::measure::{Measure, SingularSet, Unit};
-use crate::scene::{Code, Severity};
+use pintle_kinematics::measure::{Measure, SingularSet, Unit};
+use pintle_scene::{Code, Severity};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -62,7 +65,7 @@ struct Criterion {
 }
 
 fn criteria(friction: &Friction, is_planar: bool) -> Vec<Criterion> {
-    let formulas = |criterion: &crate::catalog::FrictionCriterion, present| {
+    let formulas = |criterion: &pintle_kinematics::catalog::FrictionCriterion, present| {
         [criterion.tangential_formula(friction, present), criterion.contact_formula(friction, present)]
     };
     friction
@@ -147,7 +150,7 @@ impl Explanation {
             |list: &[&'static str]| list.iter().copied().filter(|text| !text.is_empty()).collect::<Vec<_>>();
         Self {
             schema: SCHEMA,
-            version: crate::VERSION,
+            version: pintle_kinematics::VERSION,
             name: connection.name.to_string(),
             class: connection.class,
             made_of: words::made_of(connection),
@@ -278,7 +281,7 @@ pub fn code(out: &mut dyn Write, code: Code, width: usize) -> io::Result<()> {
 /// Those of the stream.
 pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
     let document = serde_json::json!({
-        "schema": SCHEMA, "version": crate::VERSION, "code": code.as_str(), "explanation": code.explanation(),
+        "schema": SCHEMA, "version": pintle_kinematics::VERSION, "code": code.as_str(), "explanation": code.explanation(),
         "severity": (!code.names_a_cause()).then(|| code.severity()), "severity_help": severity_help(code),
     });
     serde_json::to_writer_pretty(&mut *out, &document)?;
@@ -287,7 +290,8 @@ pub fn code_json(out: &mut dyn Write, code: Code) -> io::Result<()> {
 
 /// What can be done about the severity of a code, in a sentence.
 fn severity_help(code: Code) -> &'static str {
-    const SET: &str = "pintle audit takes it for what --allow, --note, --warn and --deny say, of this code, its group, or at a place (CODE@FILE:LINE).";
+    const SET: &str =
+        "pintle audit takes it for what --allow, --note, --warn and --deny say, of this code or its group.";
     match (code.severity(), code.group()) {
         _ if code.names_a_cause() => {
             "It names the cause of a number that is wrong, and a wrong number fails the audit whatever its cause: --allow, --note, --warn and --deny \
@@ -295,8 +299,8 @@ fn severity_help(code: Code) -> &'static str {
         }
         (Severity::Note | Severity::Warning, _) => SET,
         (Severity::Error, "rule") if code.leaves_numbers() => {
-            "The scene is refused, but every number of it is defined: pintle audit goes on where --allow, --note or --warn say so, of this code, \
-             its group, or at a place (CODE@FILE:LINE)."
+            "The scene is refused, but every number of it is defined: pintle audit goes on where --allow, --note or --warn say so, of this code \
+             or its group."
         }
         (Severity::Error, "rule") => {
             "It leaves no connector, or no constraint, that numbers could be said of: what breaks it cannot be evaluated, and its severity stays \

@@ -1,10 +1,10 @@
 //! `pintle export`: a connection type as a program in another language.
 
-use super::layout::wrap;
-use super::words::{NOTATION, SIGNS};
-use crate::catalog::{ConnectionType, SPATIAL};
-use crate::symbolic::print::{C, Jax, Language, Latex, Listing, Rust, Sympy, Text, listing, runtime};
-use crate::symbolic::{
+use crate::layout::wrap;
+use crate::words::{NOTATION, SIGNS};
+use pintle_kinematics::catalog::{ConnectionType, SPATIAL};
+use pintle_symbolic::print::{C, Jax, Language, Latex, Listing, Rust, Sympy, Text, listing, runtime};
+use pintle_symbolic::{
     Frame, FrictionModel, FrictionTraceError, Function, Graph, Id, Input, Inputs, Model, Shape,
 };
 use std::collections::BTreeSet;
@@ -172,9 +172,9 @@ impl Export {
     /// The program, with a header that states conventions, inputs and outputs.
     ///
     /// ```
-    /// use pintle::catalog::ConnectionType;
-    /// use pintle::report::export::{Export, Target};
-    /// use pintle::symbolic::Frame;
+    /// use pintle_kinematics::catalog::ConnectionType;
+    /// use pintle_report::export::{Export, Target};
+    /// use pintle_symbolic::Frame;
     /// let slot = Export::of(&ConnectionType::named("SLOT", None)?, Frame::Relative)?;
     /// assert!(slot.write(Target::C).contains("void pintle_slot_values(const double d[3], double values[3])"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -225,7 +225,7 @@ impl Export {
                 format!(
                     "\"\"\"{header}\"\"\"\n\nfrom sympy import (\n    Abs, Dummy, Integer, Piecewise, Rational, acos, atan2, cos, diff, exp, \
                      factorial, floor, hyper, pi, rf, sign, sin, sqrt,\n    sympify,\n)\nfrom mpmath.libmp import prec_to_dps\n\nVERSION = \"{}\"\nTYPE = \"{}\"\nFRAME = \"{frame}\"\nFUNCTIONS = {}\nVALUES = {}\nCOLUMNS = {}\n\n\n{}{}",
-                    crate::VERSION,
+                    pintle_kinematics::VERSION,
                     self.name,
                     python_list(self.model.functions.iter().map(Function::name)),
                     python_list(
@@ -252,7 +252,7 @@ impl Export {
         let Model { graph, inputs, functions, values, .. } = &self.model;
         let named = functions.iter().zip(values).enumerate().filter(|(k, _)| self.model.has_value(*k));
         let roots: Vec<(String, Id)> = named.map(|(_, (function, id))| (function.name(), *id)).collect();
-        crate::symbolic::graphviz(graph, inputs, &roots)
+        pintle_symbolic::graphviz(graph, inputs, &roots)
     }
 
     fn header(&self, target: Target) -> String {
@@ -262,7 +262,7 @@ impl Export {
             "{}, {} variables. Written by pintle {}; do not edit.\n\n",
             self.name,
             frame.name(),
-            crate::VERSION
+            pintle_kinematics::VERSION
         ));
         for fact in &self.facts {
             for line in textwrap(fact) {

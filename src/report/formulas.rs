@@ -1,9 +1,9 @@
 //! The formulas of a connection type, traced: what is computed, in the sources' symbols.
 
-use super::layout::{BOLD, labelled, styled};
-use crate::catalog::ConnectionType;
-use crate::symbolic::print::{Language, Latex, Unicode, named_listing};
-use crate::symbolic::{Condition, Frame, FrictionModel, FrictionTraceError, Graph, Id, Inputs, Model, POINT};
+use crate::layout::{BOLD, labelled, styled};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_symbolic::print::{Language, Latex, Unicode, named_listing};
+use pintle_symbolic::{Condition, Frame, FrictionModel, FrictionTraceError, Graph, Id, Inputs, Model, POINT};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -183,7 +183,7 @@ pub fn latex(connection: &ConnectionType, out: &mut dyn Write) -> io::Result<()>
         out,
         "% {}: formulas as pintle {} computes them. Needs amsmath.",
         connection.name,
-        crate::VERSION
+        pintle_kinematics::VERSION
     )?;
     writeln!(
         out,

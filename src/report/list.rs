@@ -1,9 +1,9 @@
 //! `pintle list`: the table of connection types, and that of multi-point constraints.
 
-use super::layout;
-use super::mpc::Listed;
-use super::words;
-use crate::catalog::{
+use crate::layout;
+use crate::mpc::Listed;
+use crate::words;
+use pintle_kinematics::catalog::{
     Availability, COMPONENT, Class, ConnectionType, Evidence, OrientationRule, Slot, TABLE,
 };
 use serde::Serialize;
@@ -81,7 +81,8 @@ fn entry(connection: &ConnectionType) -> Entry<'_> {
 /// Those of the stream.
 pub fn json(out: &mut dyn Write) -> io::Result<()> {
     let types = TABLE.iter().map(entry).collect();
-    let document = Document { schema: SCHEMA, version: crate::VERSION, types, mpcs: Listed::all() };
+    let document =
+        Document { schema: SCHEMA, version: pintle_kinematics::VERSION, types, mpcs: Listed::all() };
     serde_json::to_writer_pretty(&mut *out, &document)?;
     writeln!(out)
 }

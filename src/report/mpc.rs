@@ -1,10 +1,11 @@
 //! `pintle explain MPC` and `pintle explain MPC TYPE`: which multi-point constraints there are, and what each of them is
-//! ([`crate::mpc`]).
+//! ([`pintle_kinematics::mpc`]).
 
-use super::explain::{Field, INDENT, SCHEMA, Tag, paragraph};
-use super::layout::{self, BOLD, styled};
-use crate::measure::{SingularClass, SingularSet, Unit};
-use crate::mpc::{Kind, ROWS, TABLE, Translation};
+use crate::explain::{Field, INDENT, SCHEMA, Tag, paragraph};
+use crate::layout;
+use crate::layout::{BOLD, styled};
+use pintle_kinematics::measure::{SingularClass, SingularSet, Unit};
+use pintle_kinematics::mpc::{Kind, ROWS, TABLE, Translation};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -181,7 +182,7 @@ pub fn json(out: &mut dyn Write, kind: Option<Kind>) -> io::Result<()> {
             let field = |(name, value): &(&'static str, &str)| Field { name, value: (*value).to_string() };
             let page = Page {
                 schema: SCHEMA,
-                version: crate::VERSION,
+                version: pintle_kinematics::VERSION,
                 name: format!("MPC {}", entry.name),
                 summary: entry.facts.iter().map(field).collect(),
                 components: components(kind),
@@ -194,7 +195,7 @@ pub fn json(out: &mut dyn Write, kind: Option<Kind>) -> io::Result<()> {
             serde_json::to_writer_pretty(&mut *out, &page)?;
         }
         None => {
-            let (schema, version) = (SCHEMA, crate::VERSION);
+            let (schema, version) = (SCHEMA, pintle_kinematics::VERSION);
             let overview = Overview { schema, version, name: "MPC", types: Listed::all() };
             serde_json::to_writer_pretty(&mut *out, &overview)?;
         }
@@ -238,7 +239,7 @@ fn page(out: &mut dyn Write, kind: Kind, width: usize) -> io::Result<()> {
         write!(out, "{}", layout::labelled(label, 7, 20, text, width))
     };
     for component in components(kind) {
-        let (names, unit) = (component.names.join(", "), super::words::unit(component.unit));
+        let (names, unit) = (component.names.join(", "), crate::words::unit(component.unit));
         writeln!(out, "  {names}  {}, [{unit}]", component.role)?;
         line(out, "formula", component.formula)?;
         if let Some(constraint) = &component.constraint {
@@ -250,7 +251,7 @@ fn page(out: &mut dyn Write, kind: Kind, width: usize) -> io::Result<()> {
         if let (Some(SingularSet { at, distance, unit, .. }), Some(consequence)) =
             (component.singular, component.consequence)
         {
-            let unit = super::words::unit(unit);
+            let unit = crate::words::unit(unit);
             line(out, "singular", &format!("at {at}: {consequence}; distance {distance} [{unit}]"))?;
         }
     }

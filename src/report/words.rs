@@ -1,7 +1,7 @@
 //! What the catalogue's terms are called in reports.
 
-use crate::catalog::{Availability, Class, ConnectionType, Orientation, Slot};
-use crate::measure::{SingularClass, Unit};
+use pintle_kinematics::catalog::{Availability, Class, ConnectionType, Orientation, Slot};
+use pintle_kinematics::measure::{SingularClass, Unit};
 use std::borrow::Cow;
 
 /// Signs of reported forces, moments and nodal vectors: one paragraph for every page and every JSON header.
@@ -113,8 +113,8 @@ pub(crate) const fn singular_class(class: SingularClass) -> (&'static str, &'sta
 }
 
 /// The status of a friction.
-pub(super) const fn slip(status: crate::behavior::friction::Status) -> &'static str {
-    use crate::behavior::friction::Status;
+pub(super) const fn slip(status: pintle_model::behavior::friction::Status) -> &'static str {
+    use pintle_model::behavior::friction::Status;
     match status {
         Status::Stick => "stick",
         Status::Slip => "slip",

@@ -3,8 +3,8 @@
 //! Components are 1 to 6 (u1, u2, u3, ur1, ur2, ur3). Angles are radians, except in
 //! [`Behavior::constitutive_reference`].
 
-use super::choice::choices;
-use super::span::{Span, Spanned};
+use crate::choice::choices;
+use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -146,7 +146,7 @@ impl Behavior {
 
 impl Law {
     /// The components that it gives forces, one by one; none for a coupled law.
-    pub(crate) fn components(&self) -> &[u8] {
+    pub fn components(&self) -> &[u8] {
         match self {
             Self::Linear { component, .. } | Self::Nonlinear { component, .. } => {
                 std::slice::from_ref(component)
@@ -391,7 +391,7 @@ pub enum Law {
         rows: Vec<Row>,
     },
     /// All components. Columns: the matrix, then the frequency if there is one. A symmetric matrix has 21
-    /// terms, D11, D12, D22, D13, D23, D33 … (columns of the upper triangle, decision D-24); an unsymmetric one 36.
+    /// terms, D11, D12, D22, D13, D23, D33 … (columns of the upper triangle); an unsymmetric one 36.
     Coupled {
         /// Are there 36 terms?
         unsymmetric: bool,

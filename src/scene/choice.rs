@@ -34,7 +34,7 @@ macro_rules! choices {
             $($(#[$variant_meta])* #[doc = concat!(" A deck says `", $spelling, "`.")] $variant,)+
         }
 
-        impl $crate::scene::choice::Choice for $name {
+        impl $crate::choice::Choice for $name {
             const ALL: &'static [Self] = &[$(Self::$variant),+];
             const SPELLINGS: &'static [&'static str] = &[$($spelling),+];
         }
@@ -46,7 +46,7 @@ pub(crate) use choices;
 #[cfg(test)]
 mod tests {
     use super::Choice;
-    use crate::scene::{AmplitudeDefinition, HardeningDefinition, Operator};
+    use crate::{AmplitudeDefinition, HardeningDefinition, Operator};
     use std::collections::BTreeSet;
 
     fn distinct<C: Choice + std::fmt::Debug>() {

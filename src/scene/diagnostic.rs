@@ -1,7 +1,7 @@
 //! What is wrong with an input, where, and what to do about it.
 
-use super::label::Label;
-use super::span::Span;
+use crate::label::Label;
+use crate::span::Span;
 use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
     SourceSpan, SpanContents,
@@ -253,11 +253,11 @@ codes! {
     ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
 
     AssemblyRedundant = "assembly::redundant": "A constraint follows from the others initially, and at every state that the assembly can come to: without it the assembly moves as it does with it, and how they share the force is not determined. The finding says what that rests on: that what belongs to it cannot move, which is certain to rounding; or that it was the same at other states that the assembly was moved to, which is judged. These may all be singular positions, at which motions that it leaves free to first order are excluded to second order. A warning.";
-    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state, the initial one or one given, because of its position and not of how the assembly is built: the position is singular. To first order the assembly can move in more ways there than its constraints allow elsewhere. Either it can go on to states at which the constraint follows no more, as at a change point: one was found, of a large assembly perhaps by moving the connectors about it alone; or second order excludes these motions, and it stands still there, movable to first order only (two bars in line, held at both ends). Elsewhere the constraint is needed: to leave it out makes another assembly. A warning.";
-    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, its part is too large to be, or the operations that may be spent on it were spent; its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named. A warning.";
+    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state, the initial one or one given, because of its position and not of how the assembly is built: the position is singular. To first order the assembly can move in more ways there than its constraints allow elsewhere. Either it can go on to states at which the constraint follows no more, as at a change point: one was found; or second order excludes these motions, and it stands still there, movable to first order only (two bars in line, held at both ends). Elsewhere the constraint is needed: to leave it out makes another assembly. A warning.";
+    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, its part is too large to be, or the operations that may be spent on it were spent (audit its loop as a scene of its own); its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named. A warning.";
     AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts, initially, on what the constraints or other prescribed motions determine already: throughout, or at this position alone, a dead centre say. A warning.";
     AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents to first order and no prescribed motion drives. Springs, friction, stops and other elements are not looked at, and at a singular position second order may exclude some of them. A note.";
-    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not known, or not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant; a constraint has no derivative at a state, or one without digits; a part is too large to be looked at; or a state given does not satisfy the constraints, or moves what boundary conditions hold, and was not looked at. A warning.";
+    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not known, or not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant; a constraint has no derivative at a state, or one without digits; the elimination of a part would take more than 1e9 operations, so that it was not looked at (audit smaller pieces of it as scenes of their own); or a state given does not satisfy the constraints, or moves what boundary conditions hold, and was not looked at. A warning.";
     AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: constraints nearly depend on each other there, and at another state, of no smaller rank, that is certain. A warning.";
     AssemblyConstraintsUnread = "assembly::constraints-unread": "A keyword that constrains nodes (*EQUATION, *RIGID BODY, *COUPLING, *KINEMATIC COUPLING, *TIE, *EMBEDDED ELEMENT …), or a multi-point constraint of a kind that is not evaluated, is not read. The rank of the assembly is that of what was read: with all constraints, nodes of connectors may move in fewer ways, and more constraints may be redundant. A warning.";
     AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program. A warning.";
@@ -294,16 +294,16 @@ impl Code {
         self.group() == "diagnosis"
     }
 
-    /// Whether an audit may take what it says for something else than it is, or may be told to: not of what names the cause of a wrong number, which
-    /// fails whatever its cause, nor of an error that is no rule, which leaves nothing to audit. Of some rules too it stays an error
-    /// ([`Code::leaves_numbers`]), which is told where one is broken.
+    /// Whether an audit may take what it says for something else than it is, where it is asked to. Not of what names the cause of a
+    /// wrong number, which fails whatever its cause. Nor of an error that is no rule, which leaves nothing to audit. Of some rules
+    /// too it stays an error ([`Code::leaves_numbers`]), which is told where one is broken.
     #[must_use]
     pub fn takes_level(self) -> bool {
         !self.names_a_cause() && (self.severity() < Severity::Error || self.group() == "rule")
     }
 
-    /// Whether every number of a scene that breaks it is defined all the same: a rule of a solver, of what is written in vain, or of who eliminates
-    /// what. [`crate::evaluate::Model::compile`] refuses such a scene, too; an audit that is told to take it for less than an error goes on.
+    /// Whether every number of a scene that breaks it is defined all the same: a rule of a solver, of what is written in vain, or of who
+    /// eliminates what. Compiling refuses such a scene, too. An audit that takes it for less than an error goes on.
     #[must_use]
     pub const fn leaves_numbers(self) -> bool {
         matches!(
@@ -327,7 +327,7 @@ impl Code {
     /// The code that a misspelt name was meant to be, if one is near enough.
     ///
     /// ```
-    /// use pintle::scene::Code;
+    /// use pintle_scene::Code;
     /// assert_eq!(Code::nearest("model::near-singlar").map(Code::as_str), Some("model::near-singular"));
     /// assert_eq!(Code::nearest("HINGE"), None);
     /// ```
@@ -338,7 +338,7 @@ impl Code {
     }
 
     /// The groups of codes, each once, in the order in which they are listed.
-    pub(crate) fn groups() -> Vec<&'static str> {
+    pub fn groups() -> Vec<&'static str> {
         let mut found: Vec<&str> = Vec::new();
         Self::ALL.iter().map(|code| code.group()).for_each(|group| {
             if !found.contains(&group) {
@@ -413,13 +413,13 @@ impl Diagnostic {
     }
 
     /// The same, with more words at the end of the message.
-    pub(crate) fn with_more(mut self, words: &str) -> Self {
+    pub fn with_more(mut self, words: &str) -> Self {
         self.0.message.push_str(words);
         self
     }
 
     /// The same, with words before the message.
-    pub(crate) fn with_words_before(mut self, words: &str) -> Self {
+    pub fn with_words_before(mut self, words: &str) -> Self {
         self.0.message.insert_str(0, words);
         self
     }
@@ -474,13 +474,13 @@ impl Diagnostic {
 
     /// The same, about a connector.
     #[must_use]
-    pub(crate) fn concerning(mut self, element: Label) -> Self {
+    pub fn concerning(mut self, element: Label) -> Self {
         self.concern(&[element]);
         self
     }
 
     /// Connectors that it is about too.
-    pub(crate) fn concern(&mut self, elements: &[Label]) {
+    pub fn concern(&mut self, elements: &[Label]) {
         self.0.elements.extend_from_slice(elements);
     }
 

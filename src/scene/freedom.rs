@@ -1,10 +1,10 @@
 //! Which degrees of freedom the nodes of connectors have.
 
-use super::label::Label;
-use super::labelled::LabelMap;
-use super::model::{Dimension, PointKind, Scene, Solver};
-use crate::catalog::ConnectionType;
-use crate::mpc::Kind;
+use crate::label::Label;
+use crate::label::labelled::LabelMap;
+use crate::model::{Dimension, PointKind, Scene, Solver};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::mpc::Kind;
 
 /// Whether the nodes of connectors rotate, and whether they are confined to the plane.
 ///
@@ -104,7 +104,7 @@ impl Scene {
 }
 
 /// The ends that the type of a section gives rotations; both where there is no such type.
-fn rotations(section: &super::model::ConnectorSection, solver: Option<Solver>) -> [bool; 2] {
+fn rotations(section: &crate::model::ConnectorSection, solver: Option<Solver>) -> [bool; 2] {
     let [first, rest @ ..] = section.type_names.as_slice() else { return [true; 2] };
     let second = rest.first().map(|name| name.value.as_str());
     let Ok(connection) = ConnectionType::named(&first.value, second) else { return [true; 2] };

@@ -1,8 +1,8 @@
 //! Scenes of our own with known answers.
 
-use super::diagnostic::Result;
-use super::model::Scene;
-use super::states::StateFile;
+use crate::diagnostic::Result;
+use crate::model::Scene;
+use crate::states::StateFile;
 
 /// A deck and a file of states, both embedded in the binary.
 ///

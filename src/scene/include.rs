@@ -1,6 +1,6 @@
 //! `*INCLUDE`: where the files that a deck includes come from.
 
-use super::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};

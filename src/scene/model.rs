@@ -3,17 +3,17 @@
 //! Lengths, forces and times are in the units of the deck; angles are radians, except where a comment says
 //! degrees. Names are in upper case unless the deck quotes them. Maps and lists keep the order of the deck.
 
-use super::behavior::Behavior;
-use super::choice::choices;
-use super::diagnostic::{Diagnostic, Result};
-use super::label::Label;
-use super::labelled::{Beside, ByLabel};
-use super::orientation::{Definition, GLOBAL, Orientation, System, Triad};
-use super::span::{Span, Spanned};
-use super::states::State;
-use super::written::Written;
-use crate::mpc;
+use crate::behavior::Behavior;
+use crate::choice::choices;
+use crate::diagnostic::{Diagnostic, Result};
+use crate::label::Label;
+use crate::label::labelled::{Beside, ByLabel};
+use crate::orientation::{Definition, GLOBAL, Orientation, System, Triad};
+use crate::span::{Span, Spanned};
+use crate::states::State;
+use crate::written::Written;
 use indexmap::IndexMap;
+use pintle_kinematics::mpc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -82,7 +82,7 @@ pub struct Scene {
     pub warnings: Vec<Diagnostic>,
     /// What was written where coordinates are computed.
     #[serde(skip)]
-    pub(crate) written: Written,
+    pub written: Written,
 }
 
 /// The number of warnings that a scene keeps.
@@ -101,7 +101,7 @@ pub enum End {
 impl Diagnostic {
     /// The same, in the file of a scene that its place is in.
     #[must_use]
-    pub(crate) fn in_scene(self, scene: &Scene) -> Self {
+    pub fn in_scene(self, scene: &Scene) -> Self {
         let file = scene.files.get(usize::from(self.span().file()));
         self.in_file(file.unwrap_or(&scene.name))
     }
@@ -115,7 +115,7 @@ impl Scene {
     }
 
     /// The same for one end after another, each looked up beside the one before.
-    pub(crate) fn positions(&self) -> impl Fn(&ConnectorElement, End) -> Option<[f64; 3]> + '_ {
+    pub fn positions(&self) -> impl Fn(&ConnectorElement, End) -> Option<[f64; 3]> + '_ {
         let nodes = Beside::new(&self.nodes);
         move |connector, end| nodes.get(connector.node_at(end)?).map(|node| node.coordinates)
     }
@@ -132,7 +132,7 @@ impl Scene {
     /// do not know them: what they measure and their own forces are as without.
     ///
     /// # Errors
-    /// [`Code::DegenerateOrientation`](super::Code::DegenerateOrientation) where the points of the transform define no
+    /// [`Code::DegenerateOrientation`](crate::Code::DegenerateOrientation) where the points of the transform define no
     /// directions at the node; the reader of decks has excluded it.
     pub fn nodal_axes(&self, node: Label) -> Result<Triad> {
         let Some(position) = self.nodes.get(&node).map(|node| node.coordinates) else { return Ok(GLOBAL) };
@@ -431,7 +431,7 @@ impl Transform {
     /// The directions at `point`: e1, e2, e3, each in global components. They are right to a few units in the last place.
     ///
     /// # Errors
-    /// [`Code::DegenerateOrientation`](super::Code::DegenerateOrientation) where the points define no directions there.
+    /// [`Code::DegenerateOrientation`](crate::Code::DegenerateOrientation) where the points define no directions there.
     pub fn triad(&self, scene: &Scene, point: [f64; 3]) -> Result<Triad> {
         let system = match self.kind {
             TransformKind::Rectangular => System::Rectangular,

@@ -1,10 +1,10 @@
 //! `*ORIENTATION`: three orthonormal directions at a point.
 
-use super::choice::choices;
-use super::diagnostic::{Code, Diagnostic, Result};
-use super::label::Label;
-use super::model::{End, Scene};
-use super::span::Span;
+use crate::choice::choices;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::label::Label;
+use crate::model::{End, Scene};
+use crate::span::Span;
 use serde::Serialize;
 
 /// The directions e1, e2, e3, each in global components: the columns of a rotation matrix.
@@ -172,12 +172,7 @@ impl Orientation {
     }
 
     /// The points a, b and c by which it is given.
-    pub(crate) fn points(
-        &self,
-        name: &str,
-        scene: &Scene,
-        element_nodes: &[[f64; 3]],
-    ) -> Result<[[f64; 3]; 3]> {
+    pub fn points(&self, name: &str, scene: &Scene, element_nodes: &[[f64; 3]]) -> Result<[[f64; 3]; 3]> {
         match &self.definition {
             Definition::None => Ok([[0.0; 3]; 3]),
             Definition::Coordinates { a, b, c } => Ok([*a, *b, *c]),

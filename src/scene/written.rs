@@ -2,14 +2,14 @@
 //!
 //! Of generated nodes that is not known: they count as written with the digits that their doubles have.
 
-use super::label::Label;
-use super::labelled::LabelMap;
-use super::orientation::{Definition, minus, sin_cos_degrees};
+use crate::label::Label;
+use crate::label::labelled::LabelMap;
+use crate::orientation::{Definition, minus, sin_cos_degrees};
 use std::collections::HashMap;
 
 /// A translation, and after it a rotation about an axis that stays where it is given.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Placement {
+pub struct Placement {
     pub(crate) translation: [f64; 3],
     /// The rotation matrix, by rows, and a point of the axis.
     pub(crate) rotation: Option<([[f64; 3]; 3], [f64; 3])>,
@@ -25,7 +25,7 @@ struct Numbers {
 
 /// What was written, of those nodes and orientations that the scene has otherwise.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Written {
+pub struct Written {
     nodes: LabelMap<Numbers>,
     placements: Vec<Placement>,
     orientations: HashMap<String, Definition>,
@@ -33,7 +33,7 @@ pub(crate) struct Written {
 
 /// The coordinates of a node as they are written.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct WrittenNode<'a> {
+pub struct WrittenNode<'a> {
     /// x, y, z, or r, θ (degrees), z.
     pub(crate) numbers: [f64; 3],
     pub(crate) is_cylindrical: bool,
@@ -56,10 +56,11 @@ impl WrittenNode<'_> {
         [r * cosine, r * sine, z]
     }
 
-    /// Lengths, for each coordinate: times the rounding unit u they bound what reading and computing it leaves open, beside u times its own size.
-    /// Of r cos θ that is r (5 + |θ|): of r, of θ itself, of its conversion to rad and of the cosine. Of a rotation R (x − a) + a it is the same for all three: the length
-    /// of what x is known to, of x and twice of a, and 32 times that of the arm x − a, for entries of R of 16 u and sums of three.
-    pub(crate) fn sizes(&self) -> [f64; 3] {
+    /// Lengths, for each coordinate: times the rounding unit u they bound what reading and computing it leaves open, beside u times
+    /// its own size. Of r cos θ that is r (5 + |θ|): of r, of θ itself, of its conversion to rad and of the cosine. Of a rotation
+    /// `R (x − a) + a` it is the same for all three. It is the length of what x is known to, of x and twice of a, and 32 times that
+    /// of the arm x − a, for entries of R of 16 u and sums of three.
+    pub fn sizes(&self) -> [f64; 3] {
         /// Of a sine or cosine, beside the angle.
         const TURN: f64 = 5.0;
         /// Of a product with a rotation matrix.
@@ -84,7 +85,7 @@ impl WrittenNode<'_> {
 
 impl Written {
     /// A node, if its coordinates are not those that are written.
-    pub(crate) fn node(&self, label: &Label) -> Option<WrittenNode<'_>> {
+    pub fn node(&self, label: &Label) -> Option<WrittenNode<'_>> {
         let Numbers { numbers, placement, is_cylindrical } = *self.nodes.get(label)?;
         let place = usize::try_from(placement).ok()?.checked_sub(1);
         Some(WrittenNode { numbers, is_cylindrical, placement: place.and_then(|at| self.placements.get(at)) })

@@ -1,6 +1,6 @@
 //! Where an expression holds: branches that it takes, and domains of its functions.
 
-use super::graph::{Graph, Id, Node};
+use crate::graph::{Graph, Id, Node};
 
 /// A condition that an expression met while it was traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,8 +31,8 @@ impl Graph {
     /// The branch conditions and domains of everything that `roots` are formed from, each once.
     ///
     /// ```
-    /// use pintle::catalog::ConnectionType;
-    /// use pintle::symbolic::{Condition, Frame, Model};
+    /// use pintle_kinematics::catalog::ConnectionType;
+    /// use pintle_symbolic::{Condition, Frame, Model};
     /// let axial = Model::of(&ConnectionType::named("AXIAL", None)?, Frame::Relative, 0)?;
     /// let conditions = axial.graph.conditions(&axial.values);
     /// // |d|, or while that is zero the coordinate along a direction fixed in space.

@@ -1,6 +1,6 @@
 //! Derivatives of expressions, of any order.
 
-use super::graph::{Graph, Id, Node};
+use crate::graph::{Graph, Id, Node};
 use std::collections::HashMap;
 
 /// A derivation: how each input changes along one direction. What is not named does not change.

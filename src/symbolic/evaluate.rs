@@ -1,12 +1,12 @@
 //! The value of expressions on any number without derivatives: doubles, 237 bits.
 
-use super::graph::{Graph, Id, Node, Number};
-use crate::scalar::{MAX_ORDER, Real};
+use crate::graph::{Graph, Id, Node, Number};
+use pintle_kinematics::scalar::{MAX_ORDER, Real};
 
 impl Graph {
     /// The values of `roots` at `inputs`, on numbers whose comparisons are plain; an input that is not given is zero.
     ///
-    /// Elementary functions are those of `R`: on [`crate::scalar::Wide`] they share nothing with those on doubles. Doubles and ratios
+    /// Elementary functions are those of `R`: on [`pintle_kinematics::scalar::Wide`] they share nothing with those on doubles. Doubles and ratios
     /// enter exactly.
     pub fn evaluate<R: Real<Mask = bool>>(&self, roots: &[Id], inputs: &[R]) -> Vec<R> {
         self.evaluate_along(&self.reachable(roots), roots, inputs)

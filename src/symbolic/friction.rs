@@ -1,11 +1,13 @@
 //! Predefined friction, traced: Φ = P − μ F_N, its gradient and second derivatives.
 
-use super::derivative::Derivation;
-use super::graph::{Graph, Id};
-use super::input::{InputUnit, Inputs, Shape};
-use super::symbol::{Symbol, TraceError, extend};
-use crate::behavior::friction::{Belt, Coefficient, Context, Criterion, ParameterError, StickStiffness};
-use crate::catalog::{Contact, Friction};
+use crate::derivative::Derivation;
+use crate::graph::{Graph, Id};
+use crate::input::{InputUnit, Inputs, Shape};
+use crate::symbol::{Symbol, TraceError, extend};
+use pintle_kinematics::catalog::{Contact, Friction};
+use pintle_model::behavior::friction::{
+    Belt, Coefficient, Context, Criterion, ParameterError, StickStiffness,
+};
 
 /// What of a friction criterion is reported, in order.
 pub const POINT: [&str; 4] = ["P", "F_C", "F_N", "Φ"];

@@ -1,8 +1,8 @@
 //! What expressions are formed from: named groups of inputs, with shapes and units.
 
-use super::graph::Graph;
-use super::symbol::Symbol;
-use crate::vector::{Matrix, Vector};
+use crate::graph::Graph;
+use crate::symbol::Symbol;
+use pintle_kinematics::vector::{Matrix, Vector};
 
 /// The unit of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,10 +127,10 @@ impl Inputs {
     }
 
     /// The groups of which `graph` needs an input for `roots`.
-    pub fn used<'a>(&'a self, graph: &Graph, roots: &[super::Id]) -> Vec<&'a Input> {
+    pub fn used<'a>(&'a self, graph: &Graph, roots: &[crate::Id]) -> Vec<&'a Input> {
         let mut is_used = vec![false; self.len()];
         for id in graph.reachable(roots) {
-            if let super::Node::Input(number) = graph.node(id)
+            if let crate::Node::Input(number) = graph.node(id)
                 && let Some(used) = is_used.get_mut(*number as usize)
             {
                 *used = true;

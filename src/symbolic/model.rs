@@ -1,14 +1,15 @@
 //! A connection type, traced: its functions, their rows and second derivatives.
 
-use super::derivative::Derivation;
-use super::graph::{Graph, Id};
-use super::input::{InputUnit, Inputs, Shape};
-use super::symbol::{Symbol, TraceError, extend};
-use crate::catalog::{COMPONENT, Condition, ConnectionType, Slot};
-use crate::measure::{History, Measure, Section, Shared};
-use crate::node::{self, DOF, Node, Pair, Relative};
-use crate::scalar::Real;
-use crate::vector;
+use crate::derivative::Derivation;
+use crate::graph::{Graph, Id};
+use crate::input::{InputUnit, Inputs, Shape};
+use crate::symbol::{Symbol, TraceError, extend};
+use pintle_kinematics::catalog::{COMPONENT, Condition, ConnectionType, Slot};
+use pintle_kinematics::measure::{History, Measure, Section, Shared};
+use pintle_kinematics::node;
+use pintle_kinematics::node::{DOF, Node, Pair, Relative};
+use pintle_kinematics::scalar::Real;
+use pintle_kinematics::vector;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What the derivatives are taken by.
@@ -270,8 +271,8 @@ impl Model {
     /// [`TraceError`] where a formula branches too often.
     ///
     /// ```
-    /// use pintle::catalog::ConnectionType;
-    /// use pintle::symbolic::{Frame, Model};
+    /// use pintle_kinematics::catalog::ConnectionType;
+    /// use pintle_symbolic::{Frame, Model};
     /// let revolute = ConnectionType::named("REVOLUTE", None)?;
     /// let model = Model::of(&revolute, Frame::Relative, 1)?;
     /// // Q = I; d does not enter. The row of ur1 = α is that of a turn about e1a.

@@ -1,7 +1,7 @@
 //! The traced scalar: a handle into the arena of this thread, and the branches that are taken while it records.
 
-use super::graph::{Graph, Id, Node, Number};
-use crate::scalar::{MAX_ORDER, Real, Scalar, Select, Series};
+use crate::graph::{Graph, Id, Node, Number};
+use pintle_kinematics::scalar::{MAX_ORDER, Real, Scalar, Select, Series};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
@@ -77,11 +77,11 @@ impl Drop for Restore {
 /// [`TraceError`] where the formula branches too often.
 ///
 /// ```
-/// use pintle::scalar::elementary::norm;
-/// use pintle::symbolic::{Symbol, trace};
+/// use pintle_kinematics::scalar::elementary::norm;
+/// use pintle_symbolic::{Symbol, trace};
 /// let (graph, [length]) = trace(|| [norm([Symbol::input(0), Symbol::input(1)])])?;
 /// assert_eq!(graph.evaluate(&[length], &[3.0, 4.0]), [5.0]);
-/// # Ok::<(), pintle::symbolic::TraceError>(())
+/// # Ok::<(), pintle_symbolic::TraceError>(())
 /// ```
 pub fn trace<const N: usize>(formula: impl Fn() -> [Symbol; N]) -> Result<(Graph, [Id; N]), TraceError> {
     extend(Graph::default(), &[], formula)

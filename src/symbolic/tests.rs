@@ -1,34 +1,7 @@
-use super::*;
-use crate::audit::{Against, Check, Oracle, Settings, Verdict, audit_catalogue};
-use crate::catalog::{ConnectionType, TABLE};
-use crate::scalar::{Real, Wide, elementary};
-use crate::so3;
-
-#[test]
-fn traced_derivatives_judge_the_product() {
-    let settings = Settings {
-        oracles: [Oracle::WideDifferences, Oracle::WideSymbolic, Oracle::Symbolic].into(),
-        states: 20,
-        near_singular_states: 8,
-        wide_states: 3,
-        atlas: false,
-        ..Settings::default()
-    };
-    let report = audit_catalogue(&settings, &|_| {});
-    let asked = |check: &&Check| matches!(check.against, Against::Oracle(_));
-    let answered = |oracle: Oracle| {
-        let checks = report.subjects.iter().flat_map(|subject| &subject.checks).filter(asked);
-        checks.filter(|check| check.against == Against::Oracle(oracle) && check.compared > 0).count()
-    };
-    for oracle in [Oracle::WideSymbolic, Oracle::Symbolic] {
-        assert_eq!(answered(oracle), 2 * TABLE.len());
-    }
-    for check in report.subjects.iter().flat_map(|subject| &subject.checks).filter(asked) {
-        let twin = (check.verdict, check.worst.clone().map(|worst| worst.entry));
-        assert!(check.verdict < Verdict::UnstableFormula, "{twin:?}");
-    }
-    assert_eq!(report.mismatches(), 0);
-}
+use crate::*;
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::scalar::{Real, Wide, elementary};
+use pintle_kinematics::so3;
 
 /// A function of two positive inputs that holds every atom.
 fn every_atom() -> [Symbol; 12] {
@@ -88,7 +61,7 @@ fn traced_values_are_those_of_doubles() {
     let [_, along, _] = so3::log(&rotation);
     let direct = [x.sqrt(), 1.0 / (x * y).sqrt(), (x * y).sin(), (x - y).exp(), x.exp_m1(), y.atan2(x)];
     for (traced, direct) in traced.iter().zip(direct).chain([(&traced[10], along)]) {
-        assert!((traced - direct).abs() <= 4.0 * crate::audit::U, "{traced:?}, {direct:?}");
+        assert!((traced - direct).abs() <= 4.0 * pintle_kinematics::scalar::U, "{traced:?}, {direct:?}");
     }
 }
 

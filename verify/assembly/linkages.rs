@@ -2,10 +2,10 @@
 
 use super::{Deck, Point, Z};
 use nalgebra::DMatrix;
-use pintle::audit::assembly::{Assembly, analyse};
-use pintle::evaluate::{Fixed, Jacobian, Model, Plan, Sequence};
-use pintle::scene::{NodeMotion, Rotation, Scene, State};
-use pintle::so3;
+use pintle_assembly::{Assembly, analyse};
+use pintle_kinematics::so3;
+use pintle_model::evaluate::{Fixed, Jacobian, Model, Plan, Sequence};
+use pintle_scene::{NodeMotion, Rotation, Scene, State};
 use std::collections::BTreeMap;
 
 /// Random numbers (splitmix64).
@@ -50,7 +50,7 @@ fn compile(text: &str) -> (Scene, Model) {
 /// length.
 fn dense(scene: &Scene, model: &Model, states: &[State], length: f64) -> Vec<(usize, usize, usize)> {
     let held = Fixed::held_in_step(scene, 1).unwrap();
-    let plan = Plan::everything(model, pintle::connector::Request::nothing(0));
+    let plan = Plan::everything(model, pintle_kinematics::connector::Request::nothing(0));
     let jacobian = Jacobian::new(model, &plan, &held, |element, k| element.connector.is_constrained(k));
     let initial = State::default();
     let mut sequence = Sequence::new(model, &plan);

@@ -1,10 +1,10 @@
 //! Singular positions, whose second order is known: what is proven of them, and what is not.
 
 use super::{Deck, Point, Z, bennett, is};
-use pintle::audit::assembly::{Assembly, Holds, Position, analyse};
-use pintle::evaluate::Model;
-use pintle::scene::{NodeMotion, Rotation, Scene, State};
-use pintle::so3;
+use pintle_assembly::{Assembly, Holds, Position, analyse};
+use pintle_kinematics::so3;
+use pintle_model::evaluate::Model;
+use pintle_scene::{NodeMotion, Rotation, Scene, State};
 
 /// A motion of space: nothing of what an assembly can do depends on it.
 type Move = fn(Point) -> Point;
@@ -134,8 +134,8 @@ fn without_what_is_redundant_the_rank_is_the_same() {
     let deck = cranks(&[0.0, 1.0, 2.25], MOVED, turned(Z));
     let redundant = deck.analyse().redundant;
     // Each with what it follows from: rigid links first, and else the last ones of the deck.
-    assert!(redundant.iter().all(|one| !one.from.is_empty()), "{redundant:#?}");
-    let last = |one: &pintle::audit::assembly::Constraint| {
+    assert!(!redundant.is_empty() && redundant.iter().all(|one| !one.from.is_empty()), "{redundant:#?}");
+    let last = |one: &pintle_assembly::Constraint| {
         let number = one.element.unwrap().to_string();
         (!deck.sections.contains(&format!("ELSET=E{number}\nBEAM\n")), number.parse::<usize>().unwrap())
     };
@@ -165,6 +165,7 @@ fn states_that_are_not_admissible_prove_nothing() {
     let assembly = at(&deck.text(), &states);
     assert!(assembly.off.is_empty());
     assert!(assembly.redundant_at.is_empty(), "{:?}", assembly.redundant_at);
+    assert!(!assembly.redundant.is_empty(), "nothing is redundant");
     assert!(assembly.redundant.iter().all(|one| one.holds == Holds::Isolated));
 }
 
@@ -226,7 +227,7 @@ fn a_row_without_derivative_is_not_redundant() {
             assert!(!position.decided && position.redundant == Some(0), "{kind}");
             assert!(!position.without_derivative.is_empty(), "{kind}");
         }
-        assert!(assembly.modes.iter().all(|mode| !mode.decided), "{kind}");
+        assert!(!assembly.modes.is_empty() && assembly.modes.iter().all(|mode| !mode.decided), "{kind}");
     }
 }
 

@@ -2,11 +2,11 @@
 //! free degree of freedom vanish.
 
 use crate::tolerance::{BELT_ANGLE, BELT_BALANCE, BELT_FRICTION, BELT_SLOPE};
-use pintle::behavior::friction::{Status, wrap_angle};
-use pintle::behavior::{Unknown, Wrap};
-use pintle::connector::Flag;
-use pintle::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
-use pintle::scene::{ElementForces, GALLERY, Label, NodeMotion, Rotation, Scene, State};
+use pintle_kinematics::connector::Flag;
+use pintle_model::behavior::friction::{Status, wrap_angle};
+use pintle_model::behavior::{Unknown, Wrap};
+use pintle_model::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
+use pintle_scene::{ElementForces, GALLERY, Label, NodeMotion, Rotation, Scene, State};
 use std::collections::BTreeMap;
 
 const FIRST: Label = Label::of(None, 103);
@@ -161,7 +161,7 @@ fn the_belt_is_drawn_back() {
 fn the_angle_of_wrap_is_that_of_the_solver() {
     let standard = deck("", "0.06");
     let mut explicit = standard.clone();
-    explicit.solver = Some(pintle::scene::Solver::Explicit);
+    explicit.solver = Some(pintle_scene::Solver::Explicit);
     // Solvers refuse what the other has; the rings are what matters here.
     let angle = |scene: &Scene| Model::compile(scene).unwrap().rings.values().next().unwrap().angle;
     assert_eq!(angle(&standard), Some(0.0));
@@ -199,7 +199,7 @@ fn the_angle_of_wrap_is_that_of_the_solver() {
     }
     // Segments in line: the angle has no derivative, and the slope is not known; nor is the force zero beside it.
     let mut text = deck("", "0.06");
-    text.solver = Some(pintle::scene::Solver::Explicit);
+    text.solver = Some(pintle_scene::Solver::Explicit);
     text.nodes.get_mut(&Label::of(None, 30)).unwrap().coordinates = [0.0, 2.0, 0.0];
     let model = Model::compile(&text).unwrap();
     let results = walk(&model, &["CSF", "TANGENT", "KT"], &[state(0.0, 0.0, [0.0, 0.01])]);

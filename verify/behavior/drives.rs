@@ -1,9 +1,9 @@
 //! What motions and loads prescribe, step by step: a table of decks, worked out by hand from the rules of the manual's pages.
 
 use num_dual::Dual64;
-use pintle::behavior::Unknown;
-use pintle::behavior::drive::{ANGLE, Drives, Prescribed, Schedule, drives, on_angles};
-use pintle::scene::{MotionType, Scene};
+use pintle_model::behavior::Unknown;
+use pintle_model::behavior::drive::{ANGLE, Drives, Prescribed, Schedule, drives, on_angles};
+use pintle_scene::{MotionType, Scene};
 
 const MODEL: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 2., 3.\n\
     *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nCARTESIAN\n\

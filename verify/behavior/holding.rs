@@ -1,12 +1,12 @@
 //! What holds components, and what is said of it: stops, locks, failures, motions, rigid elasticities, reactions; by hand.
 
 use super::{ALL_AVAILABLE, along_1, behavior, deck, model, walk};
-use pintle::behavior::limits::Passed;
-use pintle::behavior::state::{Behavior, Velocities};
-use pintle::catalog::ConnectionType;
-use pintle::connector::{Components, Flag, StopStatus};
-use pintle::evaluate::{ConnectorResult, Model};
-use pintle::scene::{Code, NodeMotion, Scene, State as SceneState};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::connector::{Components, Flag, StopStatus};
+use pintle_model::behavior::limits::Passed;
+use pintle_model::behavior::state::{Behavior, Velocities};
+use pintle_model::evaluate::{ConnectorResult, Model};
+use pintle_scene::{Code, NodeMotion, Scene, State as SceneState};
 use std::collections::BTreeMap;
 
 const STEP: &str = "*STEP\n*STATIC\n0.1, 4.\n*CONNECTOR MOTION";

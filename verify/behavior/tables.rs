@@ -1,12 +1,12 @@
 //! Tables in several variables: rows, slopes on both sides of them, integrals, and what is refused, worked out by hand.
 
 use super::behavior;
-use pintle::behavior::ground::Ground;
-use pintle::behavior::table::{Table, Variable};
-use pintle::behavior::{Conditions, Motion, Unknown};
-use pintle::evaluate::Model;
-use pintle::scalar::Seeded;
-use pintle::scene::{Extrapolation, Row};
+use pintle_kinematics::scalar::Seeded;
+use pintle_model::behavior::ground::Ground;
+use pintle_model::behavior::table::{Table, Variable};
+use pintle_model::behavior::{Conditions, Motion, Unknown};
+use pintle_model::evaluate::Model;
+use pintle_scene::{Extrapolation, Row};
 
 /// Every row is met bit for bit, at the ends too, where the segment goes on or the value stays.
 #[test]
@@ -154,7 +154,7 @@ fn what_is_refused_is_helped() {
 fn springs_to_ground_need_their_conditions() {
     let deck = "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 1\n*ELEMENT, TYPE=SPRING1, ELSET=N\n10, 1\n\
                 *SPRING, ELSET=S\n1\n4., , 10.\n8., , 30.\n*SPRING, ELSET=N, NONLINEAR\n1\n-2., -1.\n0., 0.\n6., 2.\n";
-    let scene = pintle::scene::Scene::parse("deck.inp", deck).unwrap();
+    let scene = pintle_scene::Scene::parse("deck.inp", deck).unwrap();
     let spring = |i: usize| {
         let mut ground = Ground::default();
         assert!(ground.is_empty());
@@ -176,7 +176,7 @@ fn springs_to_ground_need_their_conditions() {
 fn coefficients_to_ground_are_not_asked_for_displacements() {
     let deck =
         "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 1\n*SPRING, ELSET=S\n1\n4., 0.\n8., 2.\n";
-    let scene = pintle::scene::Scene::parse("deck.inp", deck).unwrap();
+    let scene = pintle_scene::Scene::parse("deck.inp", deck).unwrap();
     let mut ground = Ground::default();
     ground.add_spring(&scene.springs[0]).unwrap();
     for x in [-0.5, 0.5, 1.0, 3.0] {
@@ -192,7 +192,7 @@ fn terms_of_absent_components_do_nothing() {
     let law = "*CONNECTOR ELASTICITY\n100., 9., 9., 9., 9., 9., 5., 9.\n9., 30., 9., 9., 9., 9., 9., 9.\n9., 9., 9., 9., 9.";
     let given = super::scene("CYLINDRICAL", law, "");
     let mut open = given.clone();
-    let pintle::scene::Law::Coupled { rows, .. } = &mut open.behaviors[0].elasticity[0].law else {
+    let pintle_scene::Law::Coupled { rows, .. } = &mut open.behaviors[0].elasticity[0].law else {
         panic!("a coupled law")
     };
     for (n, value) in rows[0].values.iter_mut().enumerate() {

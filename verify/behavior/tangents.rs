@@ -2,17 +2,18 @@
 //! formed anew from motions, springs, dampers and friction.
 
 use crate::tolerance::{NODAL_TANGENT, TANGENT};
-use pintle::behavior::friction::{Branch, Context, Friction, Input, State as FrictionState};
-use pintle::behavior::state::Velocities;
-use pintle::behavior::{Conditions, Motion, Unknown};
-use pintle::connector::{Components, Connector, Increment, Output, Request, State, Tally};
-use pintle::evaluate::{ConnectorElement, ConnectorResult, Model, Plan, Selection, Sequence, request};
-use pintle::force::Want;
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::Wide;
-use pintle::scene::{ElementForces, NodeMotion, Rotation, Scene, State as SceneState};
-use pintle::so3;
-use pintle::vector::{self, Matrix, Vector, product};
+use pintle_kinematics::connector::{Components, Connector, Increment, Output, Request, State, Tally};
+use pintle_kinematics::force::Want;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector, product};
+use pintle_model::behavior::friction::{Branch, Context, Friction, Input, State as FrictionState};
+use pintle_model::behavior::state::Velocities;
+use pintle_model::behavior::{Conditions, Motion, Unknown};
+use pintle_model::evaluate::{ConnectorElement, ConnectorResult, Model, Plan, Selection, Sequence, request};
+use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State as SceneState};
 use std::collections::BTreeMap;
 
 /// Connectors with springs, dampers and friction, and what holds or moves them: name, type and section data, behaviour, steps.

@@ -2,13 +2,14 @@
 
 use super::said;
 use crate::audit::{at_rest, judged};
-use pintle::audit::diagnosis::Cause;
-use pintle::audit::mutant::{Mistake, Mutant, Scene, mutants};
-use pintle::audit::sample::{Draw, about_initial};
-use pintle::audit::{Candidate, Case, Given, Quantity, Settings, Step, Verdict};
-use pintle::connector::{Connector, Definition, Increment, State};
-use pintle::node::DOFS;
-use pintle::scene::Code;
+use pintle_audit::mutants::diagnosis::Cause;
+use pintle_audit::mutants::mutant::{Mistake, Mutant, Scene, mutants};
+use pintle_audit::sampling::about_initial;
+use pintle_audit::{Candidate, Case, Given, Quantity, Settings, Step, Verdict};
+use pintle_kinematics::connector::{Connector, Definition, Increment, State};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::DOFS;
+use pintle_scene::Code;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a candidate gives.
@@ -21,7 +22,7 @@ const NOT_OF_A_STATE: Code = Code::DiagnosisTurnsForgotten;
 const SAME_AS_ITS_ROW: Code = Code::DiagnosisSignOfEntry;
 
 /// The largest number that it changes anything by.
-fn change(mutant: &Mutant, entries: &pintle::audit::Entries<f64>) -> f64 {
+fn change(mutant: &Mutant, entries: &pintle_audit::Entries<f64>) -> f64 {
     let moved = mutant.changes.iter().map(|(k, i, x)| (x - entries.get(*k, *i).unwrap()).abs());
     moved.fold(0.0, f64::max)
 }

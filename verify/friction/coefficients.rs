@@ -1,12 +1,12 @@
 //! Coefficients of friction, and the slip at which a limit that changes with it is met first.
 
 use super::criterion;
-use pintle::behavior::friction::{
+use pintle_model::behavior::friction::{
     Branch, Coefficient, CoefficientError, Context, Flag, Friction, Input, Internal, Pressing, State,
     StickStiffness, Tangential,
 };
-use pintle::behavior::table::Table;
-use pintle::scene::{Basis, Extrapolation, Row};
+use pintle_model::behavior::table::Table;
+use pintle_scene::{Basis, Extrapolation, Row};
 
 /// A decay through test data meets them; data through which there is none are refused.
 #[test]

@@ -3,9 +3,9 @@
 use super::{U, predefined, users};
 use crate::states::Draw;
 use crate::tolerance::friction;
-use pintle::behavior::friction::{Belt, Coefficient, Context, Criterion, Flag, Point, StickStiffness};
-use pintle::catalog::ConnectionType;
-use pintle::scalar::{Scalar, Wide};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::scalar::{Scalar, Wide};
+use pintle_model::behavior::friction::{Belt, Coefficient, Context, Criterion, Flag, Point, StickStiffness};
 
 /// P and F_C of a type's criterion, as its page prints them; `p` are the numbers of the data line.
 fn manual(

@@ -1,14 +1,14 @@
-//! What JAX computes of friction, by formulas and solutions of its own: `verify/golden/friction.json`, written by
-//! `scripts/reference_friction.py`.
+//! What JAX computes of friction, by formulas and solutions of its own: `src/audit/oracles/golden/friction.json`, written by
+//! `scripts/reference/reference_friction.py`.
 
 use super::{U, component};
 use crate::tolerance::friction as gate;
-use pintle::behavior::friction::{
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_model::behavior::friction::{
     Belt, Branch, Coefficient, Context, Criterion, Derivatives, Friction, Input, Internal, Potential,
     Pressing, State, StickStiffness, Tangential,
 };
-use pintle::catalog::ConnectionType;
-use pintle::scene::{PotentialFunction, PotentialOperator};
+use pintle_scene::{PotentialFunction, PotentialOperator};
 use serde::Deserialize;
 
 type Six = [f64; 6];
@@ -84,7 +84,8 @@ struct Closest {
 }
 
 fn file() -> File {
-    let file: File = serde_json::from_str(include_str!("../golden/friction.json")).unwrap();
+    let file: File =
+        serde_json::from_str(include_str!("../../src/audit/oracles/golden/friction.json")).unwrap();
     assert_eq!(file.schema, "pintle-friction/1");
     file
 }
@@ -202,7 +203,10 @@ fn closest_points_agree_with_jax() {
     for case in file().potentials {
         let scales = case.scale;
         let terms = [(0, scales[0]), (1, scales[1]), (3, scales[2])].map(|(k, scale)| {
-            pintle::behavior::friction::Contribution { scale, ..component(k, 2.0, PotentialFunction::Abs) }
+            pintle_model::behavior::friction::Contribution {
+                scale,
+                ..component(k, 2.0, PotentialFunction::Abs)
+            }
         });
         let potential = Potential::new(PotentialOperator::Sum, 2.0, terms.to_vec()).unwrap();
         let friction = Friction {

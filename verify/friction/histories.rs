@@ -1,11 +1,11 @@
 //! Friction along a history of states: what `eval` makes of motions and given constraint forces.
 
 use crate::tolerance::FRICTION_HISTORY;
-use pintle::behavior::friction::Status;
-use pintle::behavior::{Slip, Unknown};
-use pintle::connector::Flag;
-use pintle::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
-use pintle::scene::{ElementForces, GALLERY, Label, NodeMotion, Scene, State};
+use pintle_kinematics::connector::Flag;
+use pintle_model::behavior::friction::Status;
+use pintle_model::behavior::{Slip, Unknown};
+use pintle_model::evaluate::{Branches, ConnectorResult, Model, Plan, Selection, Sequence, request};
+use pintle_scene::{ElementForces, GALLERY, Label, NodeMotion, Scene, State};
 use std::collections::BTreeMap;
 
 /// The guide of the gallery's slider-crank.

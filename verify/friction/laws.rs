@@ -3,15 +3,15 @@
 use super::{Numbers, U, coefficients, friction, predefined, users, widened};
 use crate::states::Draw;
 use crate::tolerance::friction as gate;
-use pintle::behavior::Conditions;
-use pintle::behavior::friction::{
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::scalar::Wide;
+use pintle_model::behavior::Conditions;
+use pintle_model::behavior::friction::{
     Belt, BeltInput, Branch, Coefficient, Context, Contribution, Criterion, FLOW, Flag, Input, Internal,
     Potential, Pressing, State, Status, StickStiffness, Tangential,
 };
-use pintle::behavior::table::Table;
-use pintle::catalog::ConnectionType;
-use pintle::scalar::Wide;
-use pintle::scene::Extrapolation;
+use pintle_model::behavior::table::Table;
+use pintle_scene::Extrapolation;
 
 fn slot() -> Criterion {
     let slot = ConnectionType::named("SLOT", None).unwrap().friction.unwrap();
@@ -304,7 +304,7 @@ fn the_slip_rate_is_that_of_the_increment() {
 #[test]
 fn the_first_slip_is_taken() {
     let row =
-        |mu: f64, rate: f64| pintle::scene::Row { values: vec![Some(mu), Some(rate)], ..Default::default() };
+        |mu: f64, rate: f64| pintle_scene::Row { values: vec![Some(mu), Some(rate)], ..Default::default() };
     let table = Table::new(
         &[row(1.0, 0.0), row(1.0, 1.0), row(0.1, 1.1), row(0.1, 9.0)],
         1,
@@ -323,7 +323,7 @@ fn the_first_slip_is_taken() {
 /// The same over a ring: T (e^(μα) − 1) at its rows is 1, 0.91, 0.91, 0.41, 0.41, so that 1.04 − Δγ meets it at 0.13 and at 0.63.
 #[test]
 fn the_first_slip_over_a_ring_is_taken() {
-    let row = |limit: f64, slip: f64| pintle::scene::Row {
+    let row = |limit: f64, slip: f64| pintle_scene::Row {
         values: vec![Some(limit.ln_1p()), Some(slip / 0.5)],
         ..Default::default()
     };
@@ -410,7 +410,8 @@ fn an_edge_is_told() {
 #[test]
 fn a_return_along_the_traction_is_its_formula() {
     use super::component;
-    use pintle::scene::{PotentialFunction::Abs, PotentialFunction::None as Plain, PotentialOperator};
+    use pintle_scene::PotentialFunction::{Abs, None as Plain};
+    use pintle_scene::PotentialOperator;
     let terms = |shift| {
         vec![
             Contribution { shift, ..component(0, 1.0, Abs) },

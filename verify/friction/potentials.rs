@@ -2,11 +2,11 @@
 //! shift and function, and what holds where a contribution vanishes.
 
 use super::{component, criterion};
-use pintle::behavior::friction::{
+use pintle_kinematics::scalar::{Real, Wide};
+use pintle_model::behavior::friction::{
     Context, Contribution, Derived, DerivedPart, Flag, Form, Internal, Potential, Pressing, Tangential,
 };
-use pintle::scalar::{Real, Wide};
-use pintle::scene::{Operator, PotentialFunction, PotentialOperator};
+use pintle_scene::{Operator, PotentialFunction, PotentialOperator};
 
 fn part(operator: Operator, components: &[usize], sign: f64) -> DerivedPart {
     DerivedPart { operator, sign, components: components.to_vec(), scale: None, independent: None }

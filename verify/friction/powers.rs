@@ -1,12 +1,12 @@
 //! Potentials whose exponents are below 2, at and near the zero of a contribution: infinite curvature, whose tangent has a limit.
 
 use super::{component, criterion, friction, widened};
-use pintle::behavior::friction::{
+use pintle_kinematics::scalar::Wide;
+use pintle_model::behavior::friction::{
     Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, Flag, Form, Friction, Input,
     Internal, Outcome, Potential, Pressing, State, Status, StickStiffness, Tangential,
 };
-use pintle::scalar::Wide;
-use pintle::scene::{Operator, PotentialFunction, PotentialOperator};
+use pintle_scene::{Operator, PotentialFunction, PotentialOperator};
 
 /// K.
 const STIFFNESS: f64 = 1000.0;

@@ -3,14 +3,14 @@
 use super::{Numbers, U, coefficients, component, criterion, friction, predefined, scales, users, widened};
 use crate::states::Draw;
 use crate::tolerance::friction as gate;
-use pintle::behavior::Conditions;
-use pintle::behavior::friction::{
+use pintle_kinematics::scalar::Wide;
+use pintle_model::behavior::Conditions;
+use pintle_model::behavior::friction::{
     Belt, BeltInput, Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, FLOW, Flag,
     Form, Friction, Input, Internal, Outcome, Potential, Pressing, State, Status, StickStiffness, Tangential,
     wrap_angle,
 };
-use pintle::scalar::Wide;
-use pintle::scene::{Basis, Operator, PotentialFunction, PotentialOperator};
+use pintle_scene::{Basis, Operator, PotentialFunction, PotentialOperator};
 use std::collections::BTreeMap;
 
 /// The quantities that a tangent is given of.
@@ -200,7 +200,8 @@ fn scale_factors_that_move_have_their_slopes() {
 /// The part −μ ∂F_N/∂λ couples friction to the constraint forces one way only.
 #[test]
 fn slip_is_unsymmetric() {
-    let translator = pintle::catalog::ConnectionType::named("TRANSLATOR", None).unwrap().friction.unwrap();
+    let translator =
+        pintle_kinematics::catalog::ConnectionType::named("TRANSLATOR", None).unwrap().friction.unwrap();
     let criterion =
         Criterion::predefined(&translator, &[Some(0.5), Some(0.25)], &[], false).unwrap().remove(0);
     let friction = friction(&criterion, &Coefficient::Constant(0.25), StickStiffness::Given(1e3));

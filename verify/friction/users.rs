@@ -1,11 +1,11 @@
 //! Frictions as decks define them.
 
-use pintle::behavior::Conditions;
-use pintle::behavior::friction::{
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_model::behavior::Conditions;
+use pintle_model::behavior::friction::{
     Branch, Coefficient, Context, Flag, Frictions, Input, State, Status, StickStiffness, of_behavior,
 };
-use pintle::catalog::ConnectionType;
-use pintle::scene::{Code, Diagnostic, Scene};
+use pintle_scene::{Code, Diagnostic, Scene};
 
 fn built(name: &str, behavior: &str, is_planar: bool) -> Result<Frictions, Diagnostic> {
     let deck = format!("*NODE\n1, 0., 0., 0.\n*CONNECTOR BEHAVIOR, NAME=B\n{behavior}");

@@ -1,12 +1,12 @@
-//! Nodal forces and geometric stiffness as JAX has them: `verify/golden/forces.json`, written by `scripts/reference_forces.py` at
+//! Nodal forces and geometric stiffness as JAX has them: `src/audit/oracles/golden/forces.json`, written by `scripts/reference/reference_forces.py` at
 //! the states of `jax.json`.
 
 use super::{Agreement, Square};
 use crate::laws::U;
-use pintle::catalog::TABLE;
-use pintle::connector::{Components, Connector, State, Tally};
-use pintle::force::Want;
-use pintle::node::DOFS;
+use pintle_kinematics::catalog::TABLE;
+use pintle_kinematics::connector::{Components, Connector, State, Tally};
+use pintle_kinematics::force::Want;
+use pintle_kinematics::node::DOFS;
 use serde::Deserialize;
 use std::collections::BTreeSet;
 
@@ -29,7 +29,8 @@ struct Case {
 /// Every type with forces, at every state; the error allowed is that of the rows in `jax.json`, and a few roundings of each force.
 #[test]
 fn forces_agree_with_jax() {
-    let file: File = serde_json::from_str(include_str!("forces.json")).expect("the golden file can be read");
+    let file: File = serde_json::from_str(include_str!("../../src/audit/oracles/golden/forces.json"))
+        .expect("the golden file can be read");
     assert_eq!(file.schema, "pintle-forces-golden/1");
     let states = super::file();
     let mut agreement = Agreement::default();

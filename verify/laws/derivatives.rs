@@ -3,12 +3,12 @@
 
 use super::{Check, Scales, functions};
 use crate::states::{Case, Ends, cases, dof_size, exact_branch, exact_state, extent, moved, types};
-use pintle::connector::{
+use pintle_kinematics::connector::{
     Branch, Components, Connector, Evaluation, Increment, NodalRow, Output, Request, State, Tally,
 };
-use pintle::node::DOFS;
-use pintle::scalar::{Real, Scalar, Wide};
-use pintle::vector::{Vector, cross, dot};
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_kinematics::vector::{Vector, cross, dot};
 
 /// The step, in units of the degree of freedom: the error of a central difference is about 1e-50, its rounding 1e-45.
 const STEP: f64 = 1e-25;

@@ -6,16 +6,16 @@ use crate::states::{
     types,
 };
 use crate::tolerance::WIDE;
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{
     Branch, Components, Connector, Definition, Evaluation, Flag, Increment, NodalRow, Request, State, Tally,
 };
-use pintle::force::{ForceRows, Want};
-use pintle::measure::Measure;
-use pintle::node::{DOFS, Node, Pair};
-use pintle::scalar::{Differentiable, Real, Scalar, Wide};
-use pintle::so3;
-use pintle::vector::{Matrix, Vector, add, apply, column, cross, dot, identity, sub};
+use pintle_kinematics::force::{ForceRows, Want};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Matrix, Vector, add, apply, column, cross, dot, identity, sub};
 
 const ALL: [bool; 6] = [true; 6];
 const EVERYTHING: Want = Want { stiffness: true, multipliers: true, motions: [false; 6] };

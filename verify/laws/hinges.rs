@@ -2,13 +2,13 @@
 
 use crate::states::Draw;
 use crate::tolerance::HINGE;
-use pintle::connector::Flag;
-use pintle::evaluate::{Model, MpcResult, Plan, Selection, Sequence, request};
-use pintle::mpc::{DOFS, Dofs, PHI, THETA_M, THETA_S, XM, XS};
-use pintle::report::unevaluated;
-use pintle::scene::{ElementForces, ForceFile, ForceSign, GALLERY, NodeMotion, Rotation, Scene, State};
-use pintle::so3;
-use pintle::vector::{Vector, dot};
+use pintle_kinematics::connector::Flag;
+use pintle_kinematics::mpc::{DOFS, Dofs, PHI, THETA_M, THETA_S, XM, XS};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Vector, dot};
+use pintle_model::evaluate::{Model, MpcResult, Plan, Selection, Sequence, request};
+use pintle_report::unevaluated;
+use pintle_scene::{ElementForces, ForceFile, ForceSign, GALLERY, NodeMotion, Rotation, Scene, State};
 
 /// A universal joint with the axes 3 and 1, a spring and a dashpot on the first angle, a moment on it, the second angle prescribed.
 const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 0., 0., 1.\n4, 1., 0., 0.\n*MPC\nUNIVERSAL, 1, 2, 3, 4\n\
@@ -226,10 +226,10 @@ fn the_joint_of_the_gallery_is_driven() {
 /// What is flagged of all components stands in the table too, with the first row of its block, and in JSON.
 #[test]
 fn flags_of_all_components_are_in_every_format() {
-    let deck = crate::cli::file("hinge-springs.inp", DECK);
+    let deck = crate::commands::cli::file("hinge-springs.inp", DECK);
     let output = |outputs: &str, format: &str| {
         let arguments = ["eval", &deck, "--outputs", outputs, "--format", format];
-        crate::cli::stdout(&crate::cli::pintle(&arguments).assert().code(0))
+        crate::commands::cli::stdout(&crate::commands::cli::pintle(&arguments).assert().code(0))
     };
     let flagged = |outputs: &str| {
         let table = output(outputs, "csv");

@@ -4,15 +4,17 @@ use super::{Check, assert_bits, functions};
 use crate::states::{
     Case, Draw, Ends, Extent, Motion, about_1, about_3, cases, definition, pair, turn, types,
 };
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{
     Branch, Connector, Definition, Evaluation, Increment, Output, Request, State, Tally,
 };
-use pintle::measure::Measure;
-use pintle::node::{DOFS, Pair};
-use pintle::scalar::{Real, Scalar, Wide};
-use pintle::so3;
-use pintle::vector::{Vector, apply, apply_transposed, column, identity, product, scale, transpose};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Vector, apply, apply_transposed, column, identity, product, scale, transpose,
+};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn entry(name: &str) -> &'static ConnectionType {
@@ -59,7 +61,7 @@ impl Walk {
 }
 
 /// b with Q = A₀ᵀB as given, a at rest.
-fn posed(initial: &Pair<f64>, q: &pintle::vector::Matrix<f64>) -> Pair<f64> {
+fn posed(initial: &Pair<f64>, q: &pintle_kinematics::vector::Matrix<f64>) -> Pair<f64> {
     let mut pair = *initial;
     pair.b.triad = product(&pair.a.triad, q);
     pair
@@ -468,8 +470,8 @@ fn refit(case: &Case) -> Motion {
 /// lost, and none is doubted.
 #[test]
 fn large_increments_of_a_rotation_keep_their_turns() {
-    use pintle::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
-    use pintle::node::{DOFS, Node, Pair};
+    use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+    use pintle_kinematics::node::{DOFS, Node, Pair};
     use std::f64::consts::{PI, TAU};
     let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
     let identity = identity();

@@ -3,14 +3,15 @@
 use super::derivatives::Truth;
 use super::{Check, Scales, U, assert_bits, functions, times};
 use crate::states::{Case, Draw, Ends, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
-use pintle::catalog::{ConnectionType, TABLE};
-use pintle::connector::{
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{
     Components, Connector, Evaluation, Flag, Increment, NodalRow, Output, Request, State, Tally,
 };
-use pintle::measure::{Measure, Unit};
-use pintle::node::{DOFS, Pair};
-use pintle::scalar::{Scalar, Wide};
-use pintle::vector::{self, Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::scalar::{Scalar, Wide};
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale, sub};
 
 fn everywhere(mut judge: impl FnMut(&Case)) {
     for connection in types() {
@@ -755,7 +756,7 @@ fn half_turns_in_one_increment() {
 /// others; beside them nothing is.
 #[test]
 fn singular_points_of_shafts_are_told() {
-    use pintle::measure::SingularClass::{Kink, Reversal, TrueSingularity};
+    use pintle_kinematics::measure::SingularClass::{Kink, Reversal, TrueSingularity};
     const ALONG: [f64; 3] = [0.0, 0.0, 1.5];
     const ACROSS: [f64; 3] = [0.7, -0.2, 1.5];
     let straight: Matrix<f64> = vector::identity();

@@ -3,18 +3,24 @@
 
 use super::{Check, U};
 use crate::states::{Draw, turn};
-use pintle::audit::mpc::{exact, moved};
-use pintle::catalog::ConnectionType;
-use pintle::connector::{Connector, Definition, Increment, NodalRow, Output, Request, Tally, Turns};
-use pintle::measure::Measure;
-use pintle::mpc::{
+use pintle_audit::mpc::{exact, moved};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::connector::{
+    Connector, Definition, Increment, NodalRow, Output, Request, Tally, Turns,
+};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M,
     THETA_S, Turning, XM, XS,
 };
-use pintle::node::{self, Node, Pair};
-use pintle::scalar::{Differentiable, Real, Scalar, Wide};
-use pintle::so3;
-use pintle::vector::{self, Matrix, Vector, add, apply, column, cross, dot, product, scale, sub, transpose};
+use pintle_kinematics::node;
+use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{
+    Matrix, Vector, add, apply, column, cross, dot, product, scale, sub, transpose,
+};
 use std::f64::consts::{PI, TAU};
 
 /// The step of central differences, in units of the degree of freedom.
@@ -461,7 +467,11 @@ fn compositions_agree() {
 }
 
 /// A connector between M (a) and S (b) at the state of a case, with e1 of M along the first axis and e3 of S along the second.
-fn connector(case: &Case, name: &str, triads: [Matrix<f64>; 2]) -> pintle::connector::Evaluation<f64> {
+fn connector(
+    case: &Case,
+    name: &str,
+    triads: [Matrix<f64>; 2],
+) -> pintle_kinematics::connector::Evaluation<f64> {
     let connection = ConnectionType::named(name, None).unwrap();
     let [slave, master, ..] = case.positions;
     let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
@@ -482,7 +492,7 @@ fn connector(case: &Case, name: &str, triads: [Matrix<f64>; 2]) -> pintle::conne
         to[..7].copy_from_slice(&from[XM..PHI]);
         to[7..].copy_from_slice(&from[..XM]);
     }
-    let state = pintle::connector::State { pair, velocity: rates[0], acceleration: rates[1] };
+    let state = pintle_kinematics::connector::State { pair, velocity: rates[0], acceleration: rates[1] };
     let (branch, request) = (connector.initial_branch(), Request::everything(2));
     connector.evaluate(&state, &Increment::none(), &branch, &request, &mut Tally::default())
 }

@@ -4,14 +4,15 @@
 use super::Check;
 use super::mpc::{Case, Truth, cases, following};
 use crate::states::Draw;
-use pintle::audit::mpc::moved;
-use pintle::connector::{Output, Request};
-use pintle::mpc::{
+use pintle_audit::mpc::moved;
+use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::mpc::{
     Constraint, DOFS, Dofs, FLOW, Kind, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M, THETA_S, XM, XS,
     force,
 };
-use pintle::scalar::{Differentiable, Real, Scalar, Wide};
-use pintle::vector::{self, Matrix, Vector, add, cross, dot, product, sub};
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector, add, cross, dot, product, sub};
 
 fn part(of: &Dofs<f64>, at: usize) -> Vector<f64> {
     [of[at], of[at + 1], of[at + 2]]
@@ -331,10 +332,10 @@ fn elimination_is_exact() {
 /// numbers, over a history that goes through turns.
 #[test]
 fn springs_on_hinges() {
-    use pintle::behavior::Conditions;
-    use pintle::evaluate::{Model, Plan, Selection, Sequence};
-    use pintle::report::unevaluated;
-    use pintle::scene::{NodeMotion, Rotation, Scene, State as SceneState};
+    use pintle_model::behavior::Conditions;
+    use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
+    use pintle_report::unevaluated;
+    use pintle_scene::{NodeMotion, Rotation, Scene, State as SceneState};
 
     let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 0., 0., 1.\n4, 1., 0., 0.\n*MPC\nUNIVERSAL, 1, 2, 3, 4\n\
                 *ELEMENT, TYPE=SPRING1, ELSET=K\n11, 3\n*SPRING, ELSET=K\n6\n2.5\n\
@@ -360,8 +361,8 @@ fn springs_on_hinges() {
             ..NodeMotion::default()
         };
         let mut state = SceneState::default();
-        let [of_first, of_second] = [[0.0, 0.0, first], [second, 0.0, 0.0]].map(pintle::so3::exp);
-        let rotation = Rotation::Quaternion(pintle::so3::compose(of_first, of_second));
+        let [of_first, of_second] = [[0.0, 0.0, first], [second, 0.0, 0.0]].map(pintle_kinematics::so3::exp);
+        let rotation = Rotation::Quaternion(pintle_kinematics::so3::compose(of_first, of_second));
         let names: Vec<_> = scene.nodes.keys().copied().collect();
         state.nodes.insert(names[0], NodeMotion { rotation, ..NodeMotion::default() });
         // The first angle is given, the second is what the rotations imply.

@@ -3,11 +3,13 @@
 
 use super::{assert_bits, functions};
 use crate::states::{Case, Draw, Ends, Extent, cases, definition, extent, moved, pair, turn, types};
-use pintle::catalog::{Availability, ConnectionType, TABLE};
-use pintle::connector::{Components, Connector, Definition, Evaluation, Mask, Output, Request, Tally};
-use pintle::measure::{Measure, Unit};
-use pintle::node::{DOF_NUMBER, DOFS};
-use pintle::vector;
+use pintle_kinematics::catalog::{Availability, ConnectionType, TABLE};
+use pintle_kinematics::connector::{
+    Components, Connector, Definition, Evaluation, Mask, Output, Request, Tally,
+};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_kinematics::vector;
 
 /// The values of an output.
 fn values(evaluation: &Evaluation<f64>, output: Output) -> Components<f64> {

@@ -7,10 +7,12 @@
 mod chain;
 
 use peak_alloc::PeakAlloc;
-use pintle::connector::{Output, Request};
-use pintle::evaluate::{Item, Model, Plan, Selection, Sequence};
-use pintle::report::{Block, Format, Kind, Subject, csv::Csv, json::Json};
-use pintle::scene::{
+use pintle_kinematics::connector::{Output, Request};
+use pintle_model::evaluate::{Item, Model, Plan, Selection, Sequence};
+use pintle_report::csv::Csv;
+use pintle_report::json::Json;
+use pintle_report::{Block, BlockKind, Format, Subject};
+use pintle_scene::{
     Diagnostic, ForceSign, ForceStream, NodeMotion, Rotation, Scene, State, StateIndex, StateMark,
     StateStream,
 };
@@ -87,7 +89,7 @@ fn peak(path: &Path, scene: &Scene, plan: (&Model, &Plan), is_json: bool) -> (u6
             }
             Item::Mpc(_) => panic!("there are no MPCs"),
         };
-        let put = |text: &mut Vec<u8>| format.rendered(Kind::Connector, text);
+        let put = |text: &mut Vec<u8>| format.rendered(BlockKind::Connector, text);
         sequence.visit_digested(&state, &mut texts, digest, put).unwrap();
         format.end_state().unwrap();
         Ok(())

@@ -1,7 +1,7 @@
 //! Chains of connectors of every type, as decks of any length, and motions of their nodes.
 
-use pintle::catalog::{Availability, ConnectionType, Orientation, TABLE};
-use pintle::scene::{Label, NodeMotion, Rotation, State};
+use pintle_kinematics::catalog::{Availability, ConnectionType, Orientation, TABLE};
+use pintle_scene::{Label, NodeMotion, Rotation, State};
 use std::fmt::Write;
 
 /// The types of a chain, in turn: every type, and a free pair.

@@ -2,10 +2,10 @@
 //! does not depend on what is not.
 
 use super::{chain, model};
-use pintle::catalog::COMPONENT;
-use pintle::connector::{Mask, Output, Request, Tally};
-use pintle::evaluate::{Fixed, Freedom, Item, Jacobian, Model, Plan, Selection, Sequence};
-use pintle::scene::{Label, NodeMotion, Rotation, Scene, State};
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{Mask, Output, Request, Tally};
+use pintle_model::evaluate::{Fixed, Freedom, Item, Jacobian, Model, Plan, Selection, Sequence};
+use pintle_scene::{Label, NodeMotion, Rotation, Scene, State};
 use std::convert::Infallible;
 use std::fmt::Write;
 
@@ -103,6 +103,7 @@ fn results_hold_nothing_of_those_before() {
     for number in 0..3 {
         let state = state(number, connectors + 1);
         let owned = owning.step(&state);
+        assert!(!owned.connectors.is_empty());
         let mut owned = owned.connectors.iter();
         let Ok(()) = visiting.visit(&state, |item| -> Result<(), Infallible> {
             let Item::Connector(result) = item else { panic!("a chain has no MPC") };
@@ -134,7 +135,7 @@ fn work_is_proportional_to_connectors_and_order() {
     for order in 0..=2 {
         let Tally { gradients, hessians, .. } =
             work(&model, &Selection::All, Request::new(&[], [true; 6], order), nodes);
-        assert_eq!([gradients > 0, hessians > 0], [order > 0 && (order == 1 || hessians > 0), order == 2]);
+        assert_eq!([gradients > 0, hessians > 0], [order > 0, order == 2]);
     }
     let nothing = work(&model, &Selection::All, Request::nothing(2), nodes);
     assert_eq!(nothing, Tally { rotations: nodes as u64 * STATES, ..Tally::default() });
@@ -246,7 +247,7 @@ fn turns_that_were_not_followed_are_not_continued() {
     let mut sequence = Sequence::new(&model, &translations);
     sequence.step(&state(1, 3));
     let saved = serde_json::to_string(&sequence.branches()).unwrap();
-    let branches: pintle::evaluate::Branches = serde_json::from_str(&saved).unwrap();
+    let branches: pintle_model::evaluate::Branches = serde_json::from_str(&saved).unwrap();
     assert_eq!(branches.check(&model, &translations), Ok(()));
     let refusal = branches.check(&model, &angles).unwrap_err();
     assert!(refusal.contains("the turns of ur1 of connector 7 were not followed"), "{refusal}");

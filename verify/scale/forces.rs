@@ -1,6 +1,6 @@
 //! Forces of a file are read with the states: their order, their form and the states that have none change nothing.
 
-use crate::cli::{file, pintle, stderr, stdout};
+use crate::commands::cli::{file, pintle, stderr, stdout};
 use std::fmt::Write;
 
 const STATES: usize = 6;

@@ -1,13 +1,13 @@
 //! The sparse Jacobian holds the rows of the elements, each number in its place, and nothing else.
 
 use super::{chain, model};
-use pintle::connector::{Flag, Request};
-use pintle::evaluate::{
+use pintle_kinematics::connector::{Flag, Request};
+use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_model::evaluate::{
     Fixed, ForeignPattern, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source, StepResult,
 };
-use pintle::mpc::Kind;
-use pintle::node::{DOF_NUMBER, DOFS};
-use pintle::scene::{Label, Scene};
+use pintle_scene::{Label, Scene};
 use std::collections::BTreeMap;
 
 const CONNECTORS: usize = 160;
@@ -200,8 +200,8 @@ fn assembly_tells_what_needs_care() {
     let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
     let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
     let mut values = Vec::new();
-    let mut state = pintle::scene::State::default();
-    let mut moved = pintle::scene::NodeMotion::default();
+    let mut state = pintle_scene::State::default();
+    let mut moved = pintle_scene::NodeMotion::default();
     moved.displacement[0] = -1.0;
     state.nodes.insert(Label::from(2), moved);
     let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
@@ -222,7 +222,7 @@ fn matrix_market_reads_back() {
     let mut values = Vec::new();
     Sequence::new(&model, &plan).assemble(&chain::state(3, 41), &jacobian, &mut values).unwrap();
     let mut text = Vec::new();
-    pintle::report::matrix_market::write(&mut text, "chain.inp", &model, &jacobian, &values).unwrap();
+    pintle_report::matrix_market::write(&mut text, "chain.inp", &model, &jacobian, &values).unwrap();
     let text = String::from_utf8(text).unwrap();
     assert_eq!(text.lines().next(), Some("%%MatrixMarket matrix coordinate real general"));
     let first = jacobian.equations()[0].title(&model);
@@ -249,10 +249,10 @@ fn entries_that_are_no_numbers_are_told() {
     let model = Model::compile(&scene).unwrap();
     let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
     let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
-    let far = |x: f64| pintle::scene::NodeMotion { displacement: [x, 1e308, 0.0], ..Default::default() };
+    let far = |x: f64| pintle_scene::NodeMotion { displacement: [x, 1e308, 0.0], ..Default::default() };
     let nodes = [(1, far(-1.5e308)), (2, far(1.5e308)), (3, far(-1.5e308)), (4, far(1.5e308))];
     let nodes = nodes.map(|(node, motion)| (node.into(), motion)).into();
-    let state = pintle::scene::State { nodes, ..Default::default() };
+    let state = pintle_scene::State { nodes, ..Default::default() };
     let mut values = Vec::new();
     let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
     assert!(values.iter().any(|x| !x.is_finite()));

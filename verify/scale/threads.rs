@@ -1,10 +1,10 @@
 //! What is written does not depend on the number of threads, to the last byte.
 
 use super::chain;
-use crate::cli::{file, pintle};
-use pintle::connector::Request;
-use pintle::evaluate::{Fixed, Jacobian, Plan, Selection, Sequence};
-use pintle::scene::StateFile;
+use crate::commands::cli::{file, pintle};
+use pintle_kinematics::connector::Request;
+use pintle_model::evaluate::{Fixed, Jacobian, Plan, Selection, Sequence};
+use pintle_scene::StateFile;
 use std::fmt::Write;
 use std::fs;
 

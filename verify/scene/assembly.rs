@@ -1,9 +1,9 @@
 //! Parts, instances and assemblies, includes, generated meshes, and the axes of nodes.
 
 use super::n;
-use pintle::connector::Request;
-use pintle::evaluate::{Model, Plan, Selection, Sequence};
-use pintle::scene::{Code, Files, Label, NoFiles, NodeMotion, Rotation, Scene, State, Triad};
+use pintle_kinematics::connector::Request;
+use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
+use pintle_scene::{Code, Files, Label, NoFiles, NodeMotion, Rotation, Scene, State, Triad};
 use std::collections::BTreeMap;
 
 fn read(text: &str) -> Scene {
@@ -376,7 +376,7 @@ fn axes_of_nodes_against_hand_values() {
 /// Paths count from the file that includes, with either kind of slash.
 #[test]
 fn files_on_disk_include_their_neighbours() {
-    let disk = pintle::scene::Disk;
+    let disk = pintle_scene::Disk;
     assert_eq!(disk.name("mesh\\nodes.inp", "decks/a/deck.inp").unwrap(), "decks/a/mesh/nodes.inp");
     assert_eq!(disk.name("nodes.inp", "deck.inp").unwrap(), "nodes.inp");
 }

@@ -1,6 +1,6 @@
 //! Decks, TOML and JSON say the same: what is read from one is written to another and read again, without loss.
 
-use pintle::scene::{Format, GALLERY, Scene, StateFile};
+use pintle_scene::{Format, GALLERY, Scene, StateFile};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -19,7 +19,7 @@ fn read(format: Format, text: &str) -> Scene {
 fn content(scene: &Scene) -> Value {
     let mut scene = scene.clone();
     scene.name = String::new();
-    scene.skipped = pintle::scene::Skipped::default();
+    scene.skipped = pintle_scene::Skipped::default();
     for set in scene.node_sets.values_mut().chain(scene.element_sets.values_mut()) {
         set.unmodelled = 0;
     }
@@ -95,7 +95,7 @@ fn the_gallery_survives() {
 /// A keyword that says OP=NEW and has no data lines is how a deck removes all of a kind.
 #[test]
 fn what_a_step_removes_survives() {
-    use pintle::scene::{Choice, ConditionKind};
+    use pintle_scene::{Choice, ConditionKind};
     let line = |kind: ConditionKind| match kind {
         ConditionKind::Boundary => "1, 1",
         ConditionKind::ConnectorMotion => "101, 4, 1.",
@@ -406,14 +406,14 @@ proptest! {
 }
 
 fn schema() -> jsonschema::Validator {
-    jsonschema::validator_for(&pintle::scene::schema()).unwrap()
+    jsonschema::validator_for(&pintle_scene::schema()).unwrap()
 }
 
 /// The copy in the repository, for editors and readers.
 #[test]
 fn the_schema_is_that_of_the_types() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/pintle-scene-1.json");
-    let types = format!("{:#}\n", pintle::scene::schema());
+    let types = format!("{:#}\n", pintle_scene::schema());
     if std::env::var_os("PINTLE_UPDATE").is_some() {
         std::fs::write(path, &types).unwrap();
     }
@@ -460,10 +460,10 @@ fn diagnostics_mark_the_value() {
 fn depth_is_bounded() {
     for (open, close) in [("[", "]"), ("{\"a\":", "}")] {
         let text = format!("{{\"nodes\": {}1{}}}", open.repeat(50_000), close.repeat(50_000));
-        assert_eq!(Scene::parse_json("deep", &text).unwrap_err().code(), pintle::scene::Code::SceneTooDeep);
+        assert_eq!(Scene::parse_json("deep", &text).unwrap_err().code(), pintle_scene::Code::SceneTooDeep);
     }
     let text = format!("nodes = {}1{}", "[".repeat(50_000), "]".repeat(50_000));
-    assert_eq!(Scene::parse_toml("deep", &text).unwrap_err().code(), pintle::scene::Code::SceneTooDeep);
+    assert_eq!(Scene::parse_toml("deep", &text).unwrap_err().code(), pintle_scene::Code::SceneTooDeep);
     let text = format!("nodes.{} = 1", "a.".repeat(50_000) + "a");
-    assert_eq!(Scene::parse_toml("deep", &text).unwrap_err().code(), pintle::scene::Code::SceneTooDeep);
+    assert_eq!(Scene::parse_toml("deep", &text).unwrap_err().code(), pintle_scene::Code::SceneTooDeep);
 }

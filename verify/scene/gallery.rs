@@ -4,10 +4,10 @@
 //! rotation matrices and forces, not solutions.
 
 use super::n;
-use pintle::connector::Request;
-use pintle::evaluate::{Model, Plan, Selection, Sequence};
-use pintle::mpc::Kind;
-use pintle::scene::{
+use pintle_kinematics::connector::Request;
+use pintle_kinematics::mpc::Kind;
+use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
+use pintle_scene::{
     Example, GALLERY, Label, Law, MpcKind, NodeMotion, Procedure, Rotation, Scene, Solver, State,
 };
 use std::f64::consts::{PI, TAU};

@@ -1,8 +1,8 @@
 //! How decks are read: syntax, sets, orientations, behaviours, steps; and any text without a panic.
 
 use super::n;
-use pintle::mpc::Kind;
-use pintle::scene::{
+use pintle_kinematics::mpc::Kind;
+use pintle_scene::{
     Affected, Basis, Code, DamageEvolutionKind, DampingKind, Dimension, End, Extrapolation, FrictionKind,
     FrictionLaw, GALLERY, HardeningDefinition, Integration, Law, MpcKind, Operation, Operator,
     PotentialFunction, PotentialOperator, Procedure, Scene, Solver, Source, Target, Triad,

@@ -1,7 +1,7 @@
 //! Files of states: columns, groups, both formats, bit by bit.
 
 use super::n;
-use pintle::scene::{GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
+use pintle_scene::{GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
 use proptest::prelude::*;
 
 fn scene() -> Scene {

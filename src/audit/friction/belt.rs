@@ -3,25 +3,25 @@
 //!
 //! The force is typed here a second time, in closed form where μ does not depend on the slip rate.
 
-use super::criterion::{PARTS, magnitudes, parts};
-use super::increment::{branch_of, exact_state, forced};
-use super::solve::{Unsolved, root};
-use super::{Judged, checks, reach};
-use crate::audit::differences::{FIRST_STEP, SECOND_STEP};
-use crate::audit::engine::Settings;
-use crate::audit::failing::Failing;
-use crate::audit::mutant::Mistake;
-use crate::audit::oracle::Oracle;
-use crate::audit::outcome::Check;
-use crate::audit::quantity::Quantity;
-use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{Argument, Held, Output, Slopes};
-use crate::behavior::Conditions;
-use crate::behavior::friction::{
-    Belt, BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
+use crate::case::failing::BeltCase;
+use crate::case::failing::Failing;
+use crate::case::quantity::Quantity;
+use crate::friction::criterion::{PARTS, magnitudes, parts};
+use crate::friction::increment::{branch_of, exact_state, forced};
+use crate::friction::solve::{Unsolved, root};
+use crate::friction::{Judged, checks, reach};
+use crate::judge::outcome::Check;
+use crate::judge::slopes::{Argument, Held, Output, Slopes};
+use crate::judge::table::{Change, Entry, ResultTable};
+use crate::mutants::mutant::Mistake;
+use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use pintle_kinematics::scalar::elementary::exp;
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_model::behavior::friction::{
+    BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
 };
-use crate::scalar::elementary::exp;
-use crate::scalar::{Differentiable, Real, Scalar, Wide};
 
 /// What an increment of a belt depends on.
 pub(super) const INPUTS: [&str; 5] = ["Δu2", "T1", "T2", "α", "Δt"];
@@ -31,22 +31,6 @@ pub(super) const POINT: [&str; 3] = ["T1", "T2", "α"];
 
 /// What an increment gives.
 pub(super) const RESULTS: [&str; 5] = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
-
-/// A belt at an increment.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BeltCase {
-    /// The state, in words.
-    pub(in crate::audit) name: String,
-    pub(super) belt: Belt,
-    pub(super) before: State<f64>,
-    pub(super) flow: f64,
-    pub(super) tension: [f64; 2],
-    pub(super) angle: f64,
-    pub(super) duration: Option<f64>,
-    pub(super) conditions: Conditions,
-    pub(super) length: f64,
-}
 
 fn results<R: Copy>(outcome: &Outcome<R>) -> Vec<R> {
     vec![outcome.force[FLOW], outcome.slip_increment, outcome.normal, outcome.limit, outcome.accumulated_slip]
@@ -59,22 +43,22 @@ fn flat<R: Copy>(tangent: &BeltTangent<R>) -> Vec<Vec<R>> {
 
 impl BeltCase {
     /// All checks at this state.
-    pub(in crate::audit) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
+    pub(crate) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
         let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
-        let mut sheets = self.criterion_sheets(settings, wide, outcome.coefficient);
-        sheets.extend(self.increment_sheets(settings, wide, &outcome, &tangent));
-        let mut found = checks(sheets, settings, &self.name, proves);
+        let mut tables = self.criterion_tables(settings, wide, outcome.coefficient);
+        tables.extend(self.increment_tables(settings, wide, &outcome, &tangent));
+        let mut found = checks(tables, settings, &self.name, proves);
         found.iter_mut().for_each(|check| check.fails_at(|| Failing::Belt(Box::new(self.clone()))));
         found
     }
 
     /// The numbers at this state, and what they must be by differences on 237 bits.
-    pub(in crate::audit) fn sheets(&self) -> Vec<Sheet> {
-        let settings = super::by_differences();
+    pub(crate) fn tables(&self) -> Vec<ResultTable> {
+        let settings = crate::friction::by_differences();
         let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
-        let mut sheets = self.criterion_sheets(&settings, true, outcome.coefficient);
-        sheets.extend(self.increment_sheets(&settings, true, &outcome, &tangent));
-        sheets.into_iter().map(|(_, sheet)| sheet).collect()
+        let mut tables = self.criterion_tables(&settings, true, outcome.coefficient);
+        tables.extend(self.increment_tables(&settings, true, &outcome, &tangent));
+        tables.into_iter().map(|(_, table)| table).collect()
     }
 
     fn sizes(&self) -> [f64; 3] {
@@ -103,7 +87,7 @@ impl BeltCase {
         parts(self.belt.derivatives([first, second], angle, R::from_f64(coefficient)).0)
     }
 
-    fn criterion_sheets(&self, settings: &Settings, wide: bool, coefficient: f64) -> Vec<Judged> {
+    fn criterion_tables(&self, settings: &Settings, wide: bool, coefficient: f64) -> Vec<Judged> {
         let sizes = self.sizes();
         let point = self.point(0, 0.0);
         let got = self.derivatives(point, coefficient);
@@ -132,7 +116,7 @@ impl BeltCase {
             held: None,
         };
         let scales = gradients.value_scales();
-        let mut sheets = gradients.sheets(settings, wide);
+        let mut tables = gradients.tables(settings, wide);
         // Where a part has a kink it has no second derivatives.
         let are_smooth = gradients.are_smooth();
         let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
@@ -177,16 +161,16 @@ impl BeltCase {
             mistaken: Vec::new(),
             held: None,
         };
-        sheets.extend(hessians.sheets(settings, wide));
+        tables.extend(hessians.tables(settings, wide));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
             let want = self.values(self.point(0, Wide::zero()), coefficient);
             let entry = |p: usize| Entry::new(PARTS[p].to_string(), values[p], want[p], scales[p], (0, 0, 0));
-            let mut sheet = Sheet::new(Quantity::FrictionCriterion);
-            sheet.rows = PARTS.map(String::from).to_vec();
-            sheet.entries = (0..4).map(entry).collect();
-            sheets.push((Oracle::WideDifferences, sheet));
+            let mut table = ResultTable::new(Quantity::FrictionCriterion);
+            table.rows = PARTS.map(String::from).to_vec();
+            table.entries = (0..4).map(entry).collect();
+            tables.push((Oracle::WideDifferences, table));
         }
-        sheets
+        tables
     }
 
     fn input<R: Real>(&self, j: usize, h: R) -> BeltInput<'_, R> {
@@ -206,7 +190,7 @@ impl BeltCase {
         input
     }
 
-    fn increment_sheets(
+    fn increment_tables(
         &self,
         settings: &Settings,
         wide: bool,
@@ -251,9 +235,9 @@ impl BeltCase {
             held: Some(Held { known: Box::new(|_, j| (1..3).contains(&j).then_some(0.0)), wide: None }),
         };
         let scale = slopes.value_scales()[0];
-        let mut sheets = slopes.sheets(settings, wide);
+        let mut tables = slopes.tables(settings, wide);
         if !wide {
-            return sheets;
+            return tables;
         }
         let limit = outcome.limit.abs().max(scale);
         let scales = [scale, flow, first, limit, flow + outcome.accumulated_slip.abs()];
@@ -270,21 +254,21 @@ impl BeltCase {
             let want = match found {
                 Ok(want) => want,
                 Err(why) => {
-                    sheets.push((oracle, Sheet::unanswered(Quantity::FrictionForce, why.reason())));
+                    tables.push((oracle, ResultTable::unanswered(Quantity::FrictionForce, why.reason())));
                     continue;
                 }
             };
             let got = results(outcome);
             let class = |i: usize| ([0, 1, 0, 0, 1][i], 0, 0);
             let entry = |i: usize| Entry::new(RESULTS[i].to_string(), got[i], want[i], scales[i], class(i));
-            let mut sheet = Sheet::new(Quantity::FrictionForce);
-            sheet.rows = RESULTS.map(String::from).to_vec();
-            sheet.entries = (0..RESULTS.len()).map(entry).collect();
+            let mut table = ResultTable::new(Quantity::FrictionForce);
+            table.rows = RESULTS.map(String::from).to_vec();
+            table.entries = (0..RESULTS.len()).map(entry).collect();
             let changes = wrong.iter().copied().enumerate().collect();
-            sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
-            sheets.push((oracle, sheet));
+            table.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            tables.push((oracle, table));
         }
-        sheets
+        tables
     }
 
     /// CSF2, Δγ, the tension that holds, the limit and CASU; or why there is no such solution.

@@ -1,16 +1,17 @@
 //! P, F_C, F_N and Φ at given forces, with first and second derivatives.
 
-use super::{FrictionCase, Judged, group_sizes, reach};
-use crate::audit::differences::{FIRST_STEP, SECOND_STEP};
-use crate::audit::engine::Settings;
-use crate::audit::mutant::Mistake;
-use crate::audit::oracle::Oracle;
-use crate::audit::quantity::Quantity;
-use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{Argument, Output, Slopes};
-use crate::behavior::friction::{Criterion, Derivatives, Ordered, Point, Tangential};
-use crate::catalog::FORCE;
-use crate::scalar::{Differentiable, Real, Scalar, Wide};
+use crate::case::failing::FrictionCase;
+use crate::case::quantity::Quantity;
+use crate::friction::{Judged, group_sizes, reach};
+use crate::judge::slopes::{Argument, Output, Slopes};
+use crate::judge::table::{Change, Entry, ResultTable};
+use crate::mutants::mutant::Mistake;
+use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::FORCE;
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_model::behavior::friction::{Criterion, Derivatives, Ordered, Point, Tangential};
 
 /// What is judged of a criterion, by name.
 pub(super) const PARTS: [&str; 4] = ["P", "F_C", "F_N", "Φ"];
@@ -98,10 +99,10 @@ impl FrictionCase {
         SECOND_STEP * self.clear(sizes).sqrt()
     }
 
-    /// Which entries of the gradients must show a relative error of a billionth, by the forces and the product's numbers alone: where no
-    /// force is small beside others and not zero, those that are at least a thousandth of value over force, and that bend by no more than
-    /// thirty of that. Where what is formed vanishes, as F_C beside F_C^int, its value says nothing of its rounding: the entries are a
-    /// ten-thousandth at least of what all forces make of it, of whatever size they are.
+    /// Which entries of the gradients must show a relative error of a billionth, by the forces and the product's numbers alone. No
+    /// force may be small beside others and not zero. An entry counts that is at least a thousandth of value over force, and that
+    /// bends by no more than thirty of that. Where what is formed vanishes, as F_C beside F_C^int, its value says nothing of its
+    /// rounding. The entries are then a ten-thousandth at least of what all forces make of it, of whatever size they are.
     fn demanded(&self, got: &[Derivatives<f64>; 4], sizes: &[f64; 6]) -> Vec<Vec<bool>> {
         const PLAIN: f64 = 0.05;
         let is_plain = self.clear(sizes) >= PLAIN && self.shift() == 0.0;
@@ -147,7 +148,7 @@ impl FrictionCase {
         inputs
     }
 
-    pub(super) fn criterion_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+    pub(super) fn criterion_tables(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let criterion = &self.friction.criterion;
         let sizes = self.point_sizes();
         let got = self.derivatives(criterion, &self.point);
@@ -182,28 +183,28 @@ impl FrictionCase {
             held: None,
         };
         let scales = gradients.value_scales();
-        let mut sheets = gradients.sheets(settings, wide);
+        let mut tables = gradients.tables(settings, wide);
         // Where a part has a kink along some force, it has no second derivatives.
         let are_smooth = gradients.are_smooth();
         let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
-        sheets.extend(self.hessian_sheets(settings, wide, &smooth, &got, &mistaken, &scales));
+        tables.extend(self.hessian_tables(settings, wide, &smooth, &got, &mistaken, &scales));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
             let want = self.values(&self.point.map(Wide::from_f64));
             let entry = |p: usize| Entry::new(named(PARTS[p]), values[p], want[p], scales[p], (0, 0, 0));
-            let mut sheet = Sheet::new(Quantity::FrictionCriterion);
-            sheet.rows = PARTS.map(named).to_vec();
-            sheet.entries = (0..4).map(entry).collect();
+            let mut table = ResultTable::new(Quantity::FrictionCriterion);
+            table.rows = PARTS.map(named).to_vec();
+            table.entries = (0..4).map(entry).collect();
             let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| Change {
                 mistake: *mistake,
                 changes: wrong.iter().map(|part| part.value).enumerate().collect(),
             };
-            sheet.mistakes = mistaken.iter().map(of).collect();
-            sheets.push((Oracle::WideDifferences, sheet));
+            table.mistakes = mistaken.iter().map(of).collect();
+            tables.push((Oracle::WideDifferences, table));
         }
-        sheets
+        tables
     }
 
-    fn hessian_sheets(
+    fn hessian_tables(
         &self,
         settings: &Settings,
         wide: bool,
@@ -246,6 +247,6 @@ impl FrictionCase {
             mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, hessian_of(wrong))).collect(),
             held: None,
         };
-        hessians.sheets(settings, wide)
+        hessians.tables(settings, wide)
     }
 }

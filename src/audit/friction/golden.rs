@@ -1,19 +1,20 @@
 //! What JAX says of predefined friction, by formulas and solutions of its own, at states of its own: `verify/golden/friction.json`,
-//! written by `scripts/reference_friction.py`.
+//! written by `scripts/reference/reference_friction.py`.
 
-use super::criterion::{PARTS, magnitudes};
-use super::{FrictionCase, Judged, checks};
-use crate::audit::bound::U;
-use crate::audit::engine::Settings;
-use crate::audit::failing::Failing;
-use crate::audit::oracle::Oracle;
-use crate::audit::outcome::Check;
-use crate::audit::quantity::Quantity;
-use crate::audit::sheet::{Entry, Sheet};
-use crate::behavior::Conditions;
-use crate::behavior::friction::{Branch, Coefficient, Criterion, Friction, State, StickStiffness};
-use crate::catalog::{ConnectionType, FORCE};
-use crate::scalar::Wide;
+use crate::case::failing::Failing;
+use crate::case::failing::FrictionCase;
+use crate::case::quantity::Quantity;
+use crate::friction::criterion::{PARTS, magnitudes};
+use crate::friction::{Judged, checks};
+use crate::judge::outcome::Check;
+use crate::judge::table::{Entry, ResultTable};
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::{ConnectionType, FORCE};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::Wide;
+use pintle_model::behavior::Conditions;
+use pintle_model::behavior::friction::{Branch, Coefficient, Criterion, Friction, State, StickStiffness};
 use serde::Deserialize;
 use std::sync::LazyLock;
 
@@ -65,28 +66,28 @@ struct Update {
 
 /// Nothing where the file cannot be read, which the test suite would notice.
 static FILE: LazyLock<Option<File>> =
-    LazyLock::new(|| serde_json::from_str(include_str!("../../../verify/golden/friction.json")).ok());
+    LazyLock::new(|| serde_json::from_str(include_str!("../oracles/golden/friction.json")).ok());
 
 /// The checks of the predefined friction of a type, at every state of the file; none where JAX is not asked.
-pub(in crate::audit) fn audit_golden(connection: &ConnectionType, settings: &Settings) -> Vec<Check> {
+pub(crate) fn audit_golden(connection: &ConnectionType, settings: &Settings) -> Vec<Check> {
     let Some(file) = FILE.as_ref().filter(|_| settings.oracles.contains(&Oracle::Jax)) else {
         return Vec::new();
     };
     let mut found = Vec::new();
-    let mut add = |case: FrictionCase, sheets: Vec<Judged>| {
-        let mut of_case = checks(sheets, settings, &case.name, true);
+    let mut add = |case: FrictionCase, tables: Vec<Judged>| {
+        let mut of_case = checks(tables, settings, &case.name, true);
         of_case.iter_mut().for_each(|check| check.fails_at(|| Failing::Friction(Box::new(case.clone()))));
         found.extend(of_case);
     };
     for (n, told) in file.criteria.iter().filter(|told| told.r#type == connection.name).enumerate() {
         let Some(case) = told.case(connection, n) else { continue };
-        let sheets = told.sheets(&case);
-        add(case, sheets);
+        let tables = told.tables(&case);
+        add(case, tables);
     }
     for (n, told) in file.updates.iter().filter(|told| told.r#type == connection.name).enumerate() {
         let Some(case) = told.case(connection, n) else { continue };
-        let sheets = told.sheets(&case, settings);
-        add(case, sheets);
+        let tables = told.tables(&case, settings);
+        add(case, tables);
     }
     found
 }
@@ -108,18 +109,18 @@ fn error(of: &[f64]) -> f64 {
 }
 
 /// The same numbers, with what JAX says of them.
-fn told(mut sheet: Sheet, want: &[f64]) -> Option<Judged> {
-    if sheet.entries.len() != want.len() {
+fn told(mut table: ResultTable, want: &[f64]) -> Option<Judged> {
+    if table.entries.len() != want.len() {
         return None;
     }
-    let width = sheet.width();
-    for (entry, want) in sheet.entries.chunks_mut(width).zip(want.chunks(width)) {
+    let width = table.width();
+    for (entry, want) in table.entries.chunks_mut(width).zip(want.chunks(width)) {
         let error = error(want);
         for (entry, want) in entry.iter_mut().zip(want) {
             (entry.want, entry.error, entry.sides) = (Wide::from_f64(*want), error, None);
         }
     }
-    Some((Oracle::Jax, sheet))
+    Some((Oracle::Jax, table))
 }
 
 impl Forces {
@@ -149,14 +150,14 @@ impl Forces {
         })
     }
 
-    fn sheets(&self, case: &FrictionCase) -> Vec<Judged> {
+    fn tables(&self, case: &FrictionCase) -> Vec<Judged> {
         let mut found = Vec::new();
-        for (_, sheet) in case.criterion_sheets(&narrow(), false) {
-            let want: Vec<f64> = match sheet.quantity {
+        for (_, table) in case.criterion_tables(&narrow(), false) {
+            let want: Vec<f64> = match table.quantity {
                 Quantity::FrictionGradient => self.gradients.as_flattened().to_vec(),
                 _ => self.hessians.as_flattened().as_flattened().to_vec(),
             };
-            found.extend(told(sheet, &want));
+            found.extend(told(table, &want));
         }
         let got = case.part_values();
         let scales = magnitudes(&got);
@@ -165,10 +166,10 @@ impl Forces {
             let entry = Entry::new(PARTS[p].to_string(), got[p], want, scales[p], (0, 0, 0));
             Entry { error: error(&self.values), ..entry }
         };
-        let mut sheet = Sheet::new(Quantity::FrictionCriterion);
-        sheet.rows = PARTS.map(String::from).to_vec();
-        sheet.entries = (0..4).map(entry).collect();
-        found.push((Oracle::Jax, sheet));
+        let mut table = ResultTable::new(Quantity::FrictionCriterion);
+        table.rows = PARTS.map(String::from).to_vec();
+        table.entries = (0..4).map(entry).collect();
+        found.push((Oracle::Jax, table));
         found
     }
 }
@@ -205,9 +206,9 @@ impl Update {
         })
     }
 
-    fn sheets(&self, case: &FrictionCase, settings: &Settings) -> Vec<Judged> {
+    fn tables(&self, case: &FrictionCase, settings: &Settings) -> Vec<Judged> {
         let of_product = Settings { planted: settings.planted, ..narrow() };
-        let Some((_, mut tangent)) = case.increment_sheets(&of_product, false).into_iter().next() else {
+        let Some((_, mut tangent)) = case.increment_tables(&of_product, false).into_iter().next() else {
             return Vec::new();
         };
         // JAX says nothing of the limit.
@@ -229,10 +230,10 @@ impl Update {
             let entry = Entry::new(name.to_string(), got[row], want, scale, (row.min(6) / 3 + row / 7, 0, 0));
             Entry { error: error(&self.values), ..entry }
         };
-        let mut sheet = Sheet::new(Quantity::FrictionForce);
-        sheet.entries = RESULTS.iter().enumerate().map(|(row, place)| entry(place, row)).collect();
-        sheet.rows = sheet.entries.iter().map(|entry| entry.name.clone()).collect();
+        let mut table = ResultTable::new(Quantity::FrictionForce);
+        table.entries = RESULTS.iter().enumerate().map(|(row, place)| entry(place, row)).collect();
+        table.rows = table.entries.iter().map(|entry| entry.name.clone()).collect();
         let want: Vec<f64> = RESULTS.iter().flat_map(|(place, _)| self.tangent[*place]).collect();
-        told(tangent, &want).into_iter().chain([(Oracle::Jax, sheet)]).collect()
+        told(tangent, &want).into_iter().chain([(Oracle::Jax, table)]).collect()
     }
 }

@@ -1,25 +1,27 @@
 //! What an increment does: forces that satisfy the equations of stick and slip, and their slopes.
 //!
-//! The equations are typed here a second time, and solved on 237 bits by Newton's method with differences for all derivatives:
-//! f_k = f_tr,k − K_k Δγ ∂P/∂f_k and P(f) = L(Δγ), from the product's solution on. Of the product they share P, F_N and L.
+//! The equations are typed here a second time: `f_k = f_tr,k − K_k Δγ ∂P/∂f_k` and `P(f) = L(Δγ)`. Newton's method solves them on
+//! 237 bits from the product's solution on, with differences for all derivatives. Of the product they share P, F_N and L.
 
-use super::solve::{STEPS, Unsolved, is_converged, linear, root};
-use super::{FrictionCase, Judged, force_sizes, group_sizes, kind, reach};
-use crate::audit::bound::{C, U};
-use crate::audit::differences::FIRST_STEP;
-use crate::audit::engine::Settings;
-use crate::audit::mutant::Mistake;
-use crate::audit::oracle::Oracle;
-use crate::audit::quantity::Quantity;
-use crate::audit::sheet::{Change, Entry, Sheet};
-use crate::audit::slopes::{Argument, Held, Output, Slopes};
-use crate::behavior::friction::{
+use crate::case::failing::FrictionCase;
+use crate::case::quantity::Quantity;
+use crate::friction::solve::{STEPS, Unsolved, is_converged, linear, root};
+use crate::friction::{Judged, force_sizes, group_sizes, kind, reach};
+use crate::judge::bound::C;
+use crate::judge::slopes::{Argument, Held, Output, Slopes};
+use crate::judge::table::{Change, Entry, ResultTable};
+use crate::mutants::mutant::Mistake;
+use crate::oracles::differences::FIRST_STEP;
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::{COMPONENT, FORCE};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::elementary::sqrt;
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_model::behavior::friction::{
     Branch, Context, Flag, Friction, Input, Outcome, Partial, State, Status, StickStiffness, Tangent,
     Tangential,
 };
-use crate::catalog::{COMPONENT, FORCE};
-use crate::scalar::elementary::sqrt;
-use crate::scalar::{Real, Scalar, Wide};
 
 /// Six forces, Δγ, F_N, the limit.
 const RESULTS: usize = 9;
@@ -167,7 +169,7 @@ impl FrictionCase {
         found
     }
 
-    pub(super) fn increment_sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+    pub(super) fn increment_tables(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let friction = &self.friction;
         let still = self.input(0, 0.0);
         let (outcome, tangent) = friction.tangent(&self.before, &still, Branch::Decided);
@@ -204,16 +206,16 @@ impl FrictionCase {
             held: Some(Held { known: Box::new(|_, j| (6..12).contains(&j).then_some(0.0)), wide: None }),
         };
         let scales = slopes.value_scales();
-        let mut sheets = slopes.sheets(settings, wide);
+        let mut tables = slopes.tables(settings, wide);
         if wide {
-            sheets.extend(self.force_sheets(settings, &outcome, on, &scales));
+            tables.extend(self.force_tables(settings, &outcome, on, &scales));
         }
-        sheets
+        tables
     }
 
     /// A number that the increment leads to, by the name that it has beside JAX's or beside those on 237 bits; whether or not these have an
     /// answer.
-    pub(in crate::audit) fn result(&self, name: &str) -> Option<f64> {
+    pub(crate) fn result(&self, name: &str) -> Option<f64> {
         let name = name.strip_suffix(self.title.as_str())?;
         let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
         match name {
@@ -260,7 +262,7 @@ impl FrictionCase {
     }
 
     /// CSF, Δγ, CNF, the limit and CASU.
-    fn force_sheets(
+    fn force_tables(
         &self,
         settings: &Settings,
         outcome: &Outcome<f64>,
@@ -291,13 +293,13 @@ impl FrictionCase {
             all.extend([slip, normal, limit, before.accumulated_slip + slip]);
             all
         };
-        let mut sheets = Vec::new();
+        let mut tables = Vec::new();
         for oracle in [Oracle::WideDifferences, Oracle::WideDual] {
             if !settings.oracles.contains(&oracle) {
                 continue;
             }
             if let Some(why) = Unsolved::of(&outcome.flags) {
-                sheets.push((oracle, Sheet::unanswered(Quantity::FrictionForce, why.reason())));
+                tables.push((oracle, ResultTable::unanswered(Quantity::FrictionForce, why.reason())));
                 continue;
             }
             let want = if oracle == Oracle::WideDual {
@@ -307,7 +309,7 @@ impl FrictionCase {
                 match solved() {
                     Ok((force, rest)) => of_wide(force, rest),
                     Err(why) => {
-                        sheets.push((oracle, Sheet::unanswered(Quantity::FrictionForce, why.reason())));
+                        tables.push((oracle, ResultTable::unanswered(Quantity::FrictionForce, why.reason())));
                         continue;
                     }
                 }
@@ -316,14 +318,14 @@ impl FrictionCase {
             // Forces and moments, slips, what presses.
             let unit = |i: usize| sliding.get(i).map_or_else(|| 2 + i - sliding.len(), |k| k / 3);
             let entry = |i: usize| Entry::new(label(i), got[i], want[i], allowed[i], (unit(i), 0, 0));
-            let mut sheet = Sheet::new(Quantity::FrictionForce);
-            sheet.rows = (0..got.len()).map(label).collect();
-            sheet.entries = (0..got.len()).map(entry).collect();
+            let mut table = ResultTable::new(Quantity::FrictionForce);
+            table.rows = (0..got.len()).map(label).collect();
+            table.entries = (0..got.len()).map(entry).collect();
             let changes = other.iter().copied().enumerate().collect();
-            sheet.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
-            sheets.push((oracle, sheet));
+            table.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            tables.push((oracle, table));
         }
-        sheets
+        tables
     }
 }
 

@@ -1,5 +1,5 @@
-//! Friction: P, F_C, F_N and Φ with their derivatives by the forces, and what an increment does, with its consistent tangent:
-//! predefined of a type at drawn forces, any of a scene's connector at its states, after its history.
+//! Friction: P, F_C, F_N and Φ with their derivatives by the forces, and what an increment does, with its consistent tangent.
+//! Predefined friction of a type is judged at drawn forces, any of a scene's connector at its states, after its history.
 //!
 //! | module | question |
 //! |---|---|
@@ -9,7 +9,6 @@
 //! | `belt` | the same for a belt around a ring |
 //! | `total` | are the slopes of all forces of a connector right, with what presses its frictions? |
 //! | `golden` | what does JAX say, at states of its own? |
-//! | `handed` | where does a number of a counter-example stand, and which deck leads to it? |
 //! | `restored` | does it go on from what was saved? |
 //! | `scene` | what of a connector's friction is judged at a state? |
 //!
@@ -19,61 +18,32 @@
 mod belt;
 mod criterion;
 mod golden;
-mod handed;
 mod increment;
 mod restored;
 mod scene;
 mod solve;
 mod total;
 
-pub(super) use belt::BeltCase;
+use crate::case::failing::FrictionCase;
 pub(super) use golden::audit_golden;
-pub(super) use handed::{Place, Predefined};
 pub(super) use restored::restored;
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};
 
-use super::engine::Settings;
-use super::failing::Failing;
-use super::mutant::Mistake;
-use super::oracle::Oracle;
-use super::outcome::Check;
-use super::quantity::Quantity;
-use super::sample::Draw;
-use super::sheet::Sheet;
-use super::verdict::Verdict;
-use crate::behavior::Conditions;
-use crate::behavior::friction::{
+use crate::case::failing::Failing;
+use crate::case::quantity::Quantity;
+use crate::judge::outcome::Check;
+use crate::judge::table::ResultTable;
+use crate::judge::verdict::Verdict;
+use crate::mutants::mutant::Mistake;
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::{ConnectionType, Contact};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::scalar::Real;
+use pintle_model::behavior::Conditions;
+use pintle_model::behavior::friction::{
     Coefficient, Context, Criterion, FactorMistake, Friction, State, StickStiffness,
 };
-use crate::catalog::{ConnectionType, Contact};
-use crate::scalar::Real;
-
-/// A friction at given forces, and an increment of it.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FrictionCase {
-    /// The state, in words.
-    name: String,
-    /// What follows the names of entries: nothing for the only friction of a connector.
-    title: String,
-    friction: Friction,
-    coefficient: f64,
-    /// The forces at which the criterion is judged: tractions in the sliding components, what presses in the others.
-    point: [f64; 6],
-    /// What it remembers from before the increment.
-    before: State<f64>,
-    displacement: [f64; 6],
-    /// What presses in the increment.
-    forces: [f64; 6],
-    position: [f64; 6],
-    motion: [f64; 6],
-    /// The slip accumulated at the end.
-    accumulated_slip: f64,
-    duration: Option<f64>,
-    conditions: Conditions,
-    /// The connector's own length.
-    length: f64,
-}
 
 /// Cases of every predefined criterion of a type, spatial, with parameters and forces drawn; none for a type without, and for a
 /// belt around a ring, whose law is another.
@@ -130,18 +100,18 @@ pub fn friction_cases(connection: &ConnectionType, settings: &Settings, count: u
     found
 }
 
-/// What is judged of a friction: numbers in a sheet, by an oracle.
-type Judged = (Oracle, Sheet);
+/// What is judged of a friction: numbers in a table, by an oracle.
+type Judged = (Oracle, ResultTable);
 
-/// The checks that sheets make at a state. What an oracle calls wrong that shares functions or derivatives with the product, and an
+/// The checks that tables make at a state. What an oracle calls wrong that shares functions or derivatives with the product, and an
 /// independent one passes, is undecided.
-fn checks(sheets: Vec<Judged>, settings: &Settings, name: &str, proves: bool) -> Vec<Check> {
-    let says = |sheet: &Sheet| !sheet.entries.is_empty() || sheet.undecided.is_some();
-    let mut filled: Vec<Judged> = sheets.into_iter().filter(|(_, sheet)| says(sheet)).collect();
-    for (_, sheet) in &mut filled {
-        settings.planted.into_iter().for_each(|planted| planted.spoil_sheet(sheet));
+fn checks(tables: Vec<Judged>, settings: &Settings, name: &str, proves: bool) -> Vec<Check> {
+    let says = |table: &ResultTable| !table.entries.is_empty() || table.undecided.is_some();
+    let mut filled: Vec<Judged> = tables.into_iter().filter(|(_, table)| says(table)).collect();
+    for (_, table) in &mut filled {
+        settings.planted.into_iter().for_each(|planted| planted.spoil_table(table));
     }
-    let passes = |of: &Sheet| {
+    let passes = |of: &ResultTable| {
         let mut others = filled.iter().filter(|(oracle, other)| {
             oracle.is_independent() && (other.quantity, &other.rows) == (of.quantity, &of.rows)
         });
@@ -150,9 +120,9 @@ fn checks(sheets: Vec<Judged>, settings: &Settings, name: &str, proves: bool) ->
             !verdict.is_mismatch() && verdict != Verdict::Undecided
         })
     };
-    let judged = filled.iter().map(|(oracle, sheet)| {
-        let mut check = sheet.check_against(*oracle, proves, name, None);
-        if check.verdict == Verdict::Wrong && !oracle.is_independent() && passes(sheet) {
+    let judged = filled.iter().map(|(oracle, table)| {
+        let mut check = table.check_against(*oracle, proves, name, None);
+        if check.verdict == Verdict::Wrong && !oracle.is_independent() && passes(table) {
             check = check.overruled(name);
         }
         check
@@ -178,17 +148,17 @@ impl FrictionCase {
 
     /// The numbers at this state, and what they must be by differences on 237 bits: the criterion, its first and second derivatives, the
     /// tangent.
-    pub fn sheets(&self) -> Vec<Sheet> {
-        let sheets = self.all_sheets().into_iter();
-        sheets.filter(|sheet| sheet.quantity != Quantity::FrictionForce).collect()
+    pub fn tables(&self) -> Vec<ResultTable> {
+        let tables = self.all_tables().into_iter();
+        tables.filter(|table| table.quantity != Quantity::FrictionForce).collect()
     }
 
     /// The same with the forces that satisfy the equations of stick and slip.
-    pub(super) fn all_sheets(&self) -> Vec<Sheet> {
+    pub(super) fn all_tables(&self) -> Vec<ResultTable> {
         let settings = by_differences();
-        let mut sheets = self.criterion_sheets(&settings, true);
-        sheets.extend(self.increment_sheets(&settings, true));
-        sheets.into_iter().map(|(_, sheet)| sheet).collect()
+        let mut tables = self.criterion_tables(&settings, true);
+        tables.extend(self.increment_tables(&settings, true));
+        tables.into_iter().map(|(_, table)| table).collect()
     }
 
     /// All checks at this state, with mutants.
@@ -198,9 +168,9 @@ impl FrictionCase {
 
     /// All checks at this state: those on 237 bits if `wide`, with mutants if it `proves`.
     pub(super) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
-        let mut sheets = self.criterion_sheets(settings, wide);
-        sheets.extend(self.increment_sheets(settings, wide));
-        let mut found = checks(sheets, settings, &self.name, proves);
+        let mut tables = self.criterion_tables(settings, wide);
+        tables.extend(self.increment_tables(settings, wide));
+        let mut found = checks(tables, settings, &self.name, proves);
         found.iter_mut().for_each(|check| check.fails_at(|| Failing::Friction(Box::new(self.clone()))));
         found
     }

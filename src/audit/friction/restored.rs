@@ -4,22 +4,22 @@
 //! Of a type the predefined friction goes on by a second increment. The frictions of a scene go on from three of its states, after the
 //! first of these from what was restored before.
 
-use super::FrictionCase;
-use super::increment::{output, partials, results};
-use crate::audit::engine::Settings;
-use crate::audit::invariant::Invariant;
-use crate::audit::outcome::{Against, Check};
-use crate::audit::quantity::Quantity;
-use crate::audit::scene::Target;
-use crate::audit::sheet::{Entry, Sheet};
-use crate::audit::verdict::Score;
-use crate::behavior::Tangent;
-use crate::behavior::friction::{Branch, State};
-use crate::behavior::state::{History, Outcome};
-use crate::catalog::{COMPONENT, FORCE};
-use crate::evaluate::{Branches, Item, Plan, Sequence};
-use crate::scalar::Wide;
-use crate::scene::State as SceneState;
+use crate::case::failing::FrictionCase;
+use crate::case::quantity::Quantity;
+use crate::friction::increment::{output, partials, results};
+use crate::judge::outcome::{Against, Check};
+use crate::judge::table::{Entry, ResultTable};
+use crate::judge::verdict::Score;
+use crate::laws::Invariant;
+use crate::scene::Target;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::{COMPONENT, FORCE};
+use pintle_kinematics::scalar::Wide;
+use pintle_model::behavior::Tangent;
+use pintle_model::behavior::friction::{Branch, State};
+use pintle_model::behavior::state::{History, Outcome};
+use pintle_model::evaluate::{Branches, Item, Plan, Sequence};
+use pintle_scene::State as SceneState;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -31,11 +31,11 @@ fn through_text<T: Serialize + DeserializeOwned>(saved: &T) -> Option<T> {
 }
 
 /// Numbers with their names.
-type Named = Vec<(String, f64)>;
+type NamedNumbers = Vec<(String, f64)>;
 
 /// Whether numbers after a restored history are those without an interruption; with mutants where it `proves`.
-fn check(restored: &Named, whole: &Named, name: &str, proves: bool) -> Check {
-    let mut sheet = Sheet::new(Quantity::FrictionForce);
+fn check(restored: &NamedNumbers, whole: &NamedNumbers, name: &str, proves: bool) -> Check {
+    let mut table = ResultTable::new(Quantity::FrictionForce);
     // One number too many, or too few, moves all that follow: then none is where it must be.
     let has_all = restored.iter().map(|(title, _)| title).eq(whole.iter().map(|(title, _)| title));
     for (i, (title, want)) in whole.iter().enumerate() {
@@ -48,12 +48,12 @@ fn check(restored: &Named, whole: &Named, name: &str, proves: bool) -> Check {
         let is_far = got.is_some_and(|got| got != *want && want.is_finite());
         let got = got.filter(|_| is_same || is_far).unwrap_or(f64::NAN);
         let title = format!("{title} after a restored history");
-        sheet.rows.push(title.clone());
-        sheet.entries.push(Entry::new(title, got, Wide::from_f64(*want), 0.0, (0, 0, 0)));
+        table.rows.push(title.clone());
+        table.entries.push(Entry::new(title, got, Wide::from_f64(*want), 0.0, (0, 0, 0)));
     }
-    let judgement = sheet.judge();
+    let judgement = table.judge();
     let proves = proves && !judgement.verdict.is_mismatch();
-    let score = if proves { sheet.try_mistakes(&sheet.all_mistakes()) } else { Score::default() };
+    let score = if proves { table.try_mistakes(&table.all_mistakes()) } else { Score::default() };
     let mut check = Check::new(None, Against::Law(Invariant::Restored));
     check.add_at(judgement, score, name, None);
     check
@@ -61,13 +61,13 @@ fn check(restored: &Named, whole: &Named, name: &str, proves: bool) -> Check {
 
 impl FrictionCase {
     /// A second increment like the first, after a restored history.
-    pub(in crate::audit) fn restored(&self, proves: bool) -> Check {
+    pub(crate) fn restored(&self, proves: bool) -> Check {
         self.restored_by(proves, &through_text)
     }
 
     fn restored_by(&self, proves: bool, save: &dyn Fn(&History) -> Option<History>) -> Check {
         let input = self.input(0, 0.0);
-        let go_on = |before: &State<f64>| -> Named {
+        let go_on = |before: &State<f64>| -> NamedNumbers {
             let (outcome, tangent) = self.friction.tangent(before, &input, Branch::Decided);
             let numbers = results(&outcome).into_iter().chain([outcome.accumulated_slip]);
             let slopes = partials(&tangent).concat();
@@ -84,7 +84,7 @@ impl FrictionCase {
 }
 
 /// What a connector with friction gives at a state: forces of friction, slips, and the slopes of all forces.
-fn numbers(outcome: &Outcome, tangent: Option<&Tangent<f64>>) -> Named {
+fn numbers(outcome: &Outcome, tangent: Option<&Tangent<f64>>) -> NamedNumbers {
     let mut found = Vec::new();
     for (k, force) in outcome.friction.value.iter().enumerate() {
         found.extend(force.map(|force| (output(k), force)));
@@ -110,11 +110,7 @@ fn numbers(outcome: &Outcome, tangent: Option<&Tangent<f64>>) -> Named {
 
 /// The law of the frictions of a scene, by the place of the connector in the plan; `follows` is a plan that asks for forces of friction and
 /// their slopes.
-pub(in crate::audit) fn restored(
-    target: &Target<'_>,
-    follows: &Plan,
-    settings: &Settings,
-) -> BTreeMap<usize, Check> {
+pub(crate) fn restored(target: &Target<'_>, follows: &Plan, settings: &Settings) -> BTreeMap<usize, Check> {
     restored_by(target, follows, settings, &through_text)
 }
 
@@ -173,12 +169,12 @@ fn restored_by(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::audit::friction::friction_cases;
-    use crate::audit::verdict::Verdict;
-    use crate::catalog::TABLE;
-    use crate::connector::{Output, Request};
-    use crate::evaluate::{Model, Selection};
-    use crate::scene::{NodeMotion, Rotation, Scene};
+    use crate::friction::friction_cases;
+    use crate::judge::verdict::Verdict;
+    use pintle_kinematics::catalog::TABLE;
+    use pintle_kinematics::connector::{Output, Request};
+    use pintle_model::evaluate::{Model, Selection};
+    use pintle_scene::{NodeMotion, Rotation, Scene};
 
     /// Every predefined friction goes on from what is read again as from what it remembers; and what loses the force, the slip or all of it does
     /// not, wherever these tell.

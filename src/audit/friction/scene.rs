@@ -3,30 +3,31 @@
 //! Where what presses is not given, it is drawn, and the increment starts from rest: derivatives are functions of forces, whatever these
 //! are. The name of the state says so.
 
-use super::belt::BeltCase;
-use super::increment::output;
-use super::total::Total;
-use super::{FrictionCase, checks};
-use crate::audit::case::Case;
-use crate::audit::engine::Settings;
-use crate::audit::invariant::Invariant;
-use crate::audit::oracle::Oracle;
-use crate::audit::outcome::{Against, Check};
-use crate::audit::quantity::Quantity;
-use crate::audit::sample::Draw;
-use crate::audit::sheet::{Entry, Sheet};
-use crate::audit::verdict::Score;
-use crate::behavior::drive::Schedule;
-use crate::behavior::friction::{FLOW, State, StickStiffness};
-use crate::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
-use crate::behavior::{Beyond, Conditions, Tangent, Unknown, Wrap};
-use crate::catalog::COMPONENT;
-use crate::connector::{Output, Request};
-use crate::evaluate::{ConnectorResult, ElementBehavior};
-use crate::scalar::Wide;
+use crate::case::Case;
+use crate::case::failing::BeltCase;
+use crate::case::failing::FrictionCase;
+use crate::case::quantity::Quantity;
+use crate::friction::checks;
+use crate::friction::increment::output;
+use crate::friction::total::Total;
+use crate::judge::outcome::{Against, Check};
+use crate::judge::table::{Entry, ResultTable};
+use crate::judge::verdict::Score;
+use crate::laws::Invariant;
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::scalar::Wide;
+use pintle_model::behavior::drive::Schedule;
+use pintle_model::behavior::friction::{FLOW, State, StickStiffness};
+use pintle_model::behavior::state::{Event, History, Kinematics, Outcome, Velocities};
+use pintle_model::behavior::{Beyond, Conditions, Tangent, Unknown, Wrap};
+use pintle_model::evaluate::{ConnectorResult, ElementBehavior};
 
 /// What a connector's friction does at a state.
-pub(in crate::audit) struct Slipping {
+pub(crate) struct Slipping {
     /// The state, in words.
     name: String,
     outcome: Box<Outcome>,
@@ -44,7 +45,7 @@ const fn lacks_forces(why: Unknown) -> bool {
 }
 
 /// What a walk found at a state; nothing of a connector without friction, and of one of which a force that presses is not given.
-pub(in crate::audit) fn slipping(
+pub(crate) fn slipping(
     placed: &ConnectorResult,
     behavior: &ElementBehavior,
     case: &Case,
@@ -90,11 +91,6 @@ impl Slipping {
         })
     }
 
-    /// Its frictions that are known, without a belt.
-    pub(in crate::audit) fn cases(&self, element: &ElementBehavior) -> Vec<FrictionCase> {
-        (0..self.outcome.slips.len()).filter_map(|i| self.case(i, element)).collect()
-    }
-
     /// What a friction remembers and how far it goes, against what the state before left.
     fn carried(&self, proves: bool) -> Option<Check> {
         let previous = self.previous.as_ref()?;
@@ -126,19 +122,19 @@ impl Slipping {
                 add(format!("stick stiffness carried{number}"), got, Wide::from_f64(want), want.abs());
             }
         }
-        let mut sheet = Sheet::new(Quantity::FrictionForce);
-        sheet.rows = entries.iter().map(|entry| entry.name.clone()).collect();
-        sheet.entries = entries;
-        let score = if proves { sheet.try_mistakes(&sheet.all_mistakes()) } else { Score::default() };
+        let mut table = ResultTable::new(Quantity::FrictionForce);
+        table.rows = entries.iter().map(|entry| entry.name.clone()).collect();
+        table.entries = entries;
+        let score = if proves { table.try_mistakes(&table.all_mistakes()) } else { Score::default() };
         let mut check = Check::new(None, Against::Law(Invariant::Carried));
-        check.add_at(sheet.judge(), score, &self.name, None::<&Case>);
-        (!sheet.entries.is_empty()).then_some(check)
+        check.add_at(table.judge(), score, &self.name, None::<&Case>);
+        (!table.entries.is_empty()).then_some(check)
     }
 }
 
 /// The friction of a connector at the end of a case under forces that are drawn, after an increment from rest; nothing of a connector
 /// without friction.
-pub(in crate::audit) fn drawn(
+pub(crate) fn drawn(
     case: &Case,
     element: &ElementBehavior,
     schedule: &Schedule,
@@ -200,7 +196,7 @@ pub(in crate::audit) fn drawn(
 
 /// All checks of a connector's frictions at a state: those on 237 bits if `wide`, with mutants if it `proves`. Undecided where a friction
 /// is not known.
-pub(in crate::audit) fn audit_slipping(
+pub(crate) fn audit_slipping(
     slipping: &Slipping,
     element: &ElementBehavior,
     settings: &Settings,
@@ -241,7 +237,7 @@ pub(in crate::audit) fn audit_slipping(
     let fails = outcome.events.iter().any(|event| matches!(event, Event::Failed { .. }));
     if let Some(tangent) = tangent.as_ref().filter(|_| !fails) {
         let total = Total { behavior, outcome, tangent, conditions, length: *length };
-        found.extend(checks(total.sheets(settings, wide), settings, name, proves));
+        found.extend(checks(total.tables(settings, wide), settings, name, proves));
     }
     found
 }

@@ -1,9 +1,9 @@
 //! Equations solved on 237 bits by Newton's method, from the product's solution on: an oracle of its own, which says where it has no
 //! answer.
 
-use crate::audit::differences::FIRST_STEP;
-use crate::behavior::friction::Flag;
-use crate::scalar::{Scalar, Wide};
+use crate::oracles::differences::FIRST_STEP;
+use pintle_kinematics::scalar::{Scalar, Wide};
+use pintle_model::behavior::friction::Flag;
 
 /// Steps of Newton's method: two or three are enough from a double that is right.
 pub(super) const STEPS: usize = 12;
@@ -113,7 +113,7 @@ pub(super) fn linear(columns: &[Vec<Wide>], right: &[Wide]) -> Option<Vec<Wide>>
 #[cfg(test)]
 mod tests {
     use super::{Unsolved, root};
-    use crate::scalar::Wide;
+    use pintle_kinematics::scalar::Wide;
 
     #[test]
     fn a_root_is_found_or_missed_with_a_reason() {

@@ -1,20 +1,21 @@
-//! The slopes of all forces of a connector together (TANGENT): CTF as a function of displacements, velocities, reactions, the tension
-//! and the angle of wrap at a ring, and the time step, typed here a second time and differentiated on 237 bits.
+//! The slopes of all forces of a connector together (TANGENT). CTF is typed here a second time and differentiated on 237 bits. It
+//! is a function of displacements, velocities, reactions, the tension and the angle of wrap at a ring, and the time step.
 //!
 //! What friction makes of a reaction, ∂CSF/∂λ, has no counterpart ∂CRF/∂u: the tangent is not symmetric.
 
-use super::increment::{branch_of, exact_state, forced};
-use super::{Judged, group_sizes, reach};
-use crate::audit::differences::FIRST_STEP;
-use crate::audit::engine::Settings;
-use crate::audit::mutant::Mistake;
-use crate::audit::quantity::Quantity;
-use crate::audit::slopes::{Argument, Held, Output, Slopes};
-use crate::behavior::friction::{self, BeltInput, Branch, Context, FLOW, Input, Ordered};
-use crate::behavior::state::{Behavior, Outcome};
-use crate::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
-use crate::catalog::{COMPONENT, FORCE};
-use crate::scalar::{Differentiable, Real, Scalar, Wide};
+use crate::case::quantity::Quantity;
+use crate::friction::increment::{branch_of, exact_state, forced};
+use crate::friction::{Judged, group_sizes, reach};
+use crate::judge::slopes::{Argument, Held, Output, Slopes};
+use crate::mutants::mutant::Mistake;
+use crate::oracles::differences::FIRST_STEP;
+use crate::settings::Settings;
+use pintle_kinematics::catalog::{COMPONENT, FORCE};
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_model::behavior::friction;
+use pintle_model::behavior::friction::{BeltInput, Branch, Context, FLOW, Input, Ordered};
+use pintle_model::behavior::state::{Behavior, Outcome};
+use pintle_model::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
 
 /// u, v and λ of six components each, T2, α, Δt.
 const INPUTS: usize = 21;
@@ -34,7 +35,7 @@ pub(super) struct Total<'a> {
 }
 
 /// A component that slides, with the slopes of its friction force by Δu, what presses, Δt, T2 and α.
-type Row<R> = (usize, [R; 6], [R; 6], R, R, R);
+type SlidingSlopes<R> = (usize, [R; 6], [R; 6], R, R, R);
 
 /// Which branch an increment takes.
 type OnBranch = fn(&friction::Outcome<f64>) -> Branch;
@@ -183,7 +184,7 @@ impl Total<'_> {
         for (i, slip, before, outcome) in self.slips() {
             let state = exact_state(before);
             let frictions = &self.behavior.friction;
-            let mut rows: Vec<Row<R>> = Vec::new();
+            let mut rows: Vec<SlidingSlopes<R>> = Vec::new();
             if let Some(friction) = frictions.frictions.get(i) {
                 let input = self.input(slip, before, j, h);
                 let tangent = friction.tangent_while(&state, &input, on(outcome), self.outcome.failed).1;
@@ -265,8 +266,8 @@ impl Total<'_> {
         (sizes, reaches)
     }
 
-    /// The sheets of TANGENT: of the forces whose slopes are known.
-    pub(super) fn sheets(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+    /// The tables of TANGENT: of the forces whose slopes are known.
+    pub(super) fn tables(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let rows: Vec<usize> = (0..6)
             .filter(|k| self.tangent.unknown[*k].is_none() && !self.outcome.failed[*k])
             .filter(|k| self.behavior.available()[*k] || self.tangent.reacting[*k])
@@ -322,6 +323,6 @@ impl Total<'_> {
                 wide: Some(Box::new(|j, h| pick(self.forces_while(j, h, branch_of, true)))),
             }),
         };
-        slopes.sheets(settings, wide)
+        slopes.tables(settings, wide)
     }
 }

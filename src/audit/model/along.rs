@@ -1,17 +1,17 @@
 //! What happens along the given states: singular points on the way or near it, angles that move too far to count their turns,
 //! constraints that do not hold.
 
-use super::behavior::{Placed, violated_at_first};
-use super::certainty::Certainty;
-use super::finding::{About, Finding};
-use super::gather::Gathered;
-use super::levels::Levels;
-use crate::catalog::COMPONENT;
-use crate::connector::{Flag, Mask, Output, Request, Turned};
-use crate::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
-use crate::measure::{Margin, Measure, Unit};
-use crate::scalar::elementary::norm;
-use crate::scene::{Code, Label, Scene, Severity, Span, State};
+use crate::model::behavior::{Placed, violated_at_first};
+use crate::model::certainty::Certainty;
+use crate::model::finding::{About, Finding};
+use crate::model::gather::Gathered;
+use crate::model::levels::Levels;
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{Flag, Mask, Output, Request, Turned};
+use pintle_kinematics::measure::{Margin, Measure, Unit};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_model::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
+use pintle_scene::{Code, Label, Scene, Severity, Span, State};
 use serde::Serialize;
 use std::convert::Infallible;
 
@@ -40,7 +40,7 @@ pub struct Nearest {
     pub state: Option<u64>,
 }
 
-/// What is found at the initial state and along those given, and the least distance to a singular set on the way: angles in rad and
+/// What is found at the initial state and along those given, and the least distance to a singular set on the way. Angles in rad and
 /// lengths in units of the connector's own are compared as they are. `seen` is handed every connector at every given state.
 pub(super) fn findings(
     scene: &Scene,
@@ -211,7 +211,7 @@ impl Walk<'_> {
         let mut found: Vec<Found> = result.flags.iter().filter_map(|flag| flagged(flag, false)).collect();
         for (row, residual) in result.evaluation.residual.iter().enumerate() {
             let Some(residual) = *residual else { continue };
-            let of_length = !(crate::mpc::RHO..crate::mpc::FLOW).contains(&row);
+            let of_length = !(pintle_kinematics::mpc::RHO..pintle_kinematics::mpc::FLOW).contains(&row);
             let size = if of_length && arm > 0.0 { arm } else { 1.0 };
             let component = element.constraint.kind().row_name(row);
             if !residual.is_finite() {
@@ -350,8 +350,8 @@ fn violated(component: &str, residual: f64, of_length: bool) -> Found {
     }
 }
 
-fn class(class: crate::measure::SingularClass) -> &'static str {
-    use crate::measure::SingularClass::{BranchCut, Kink, Removable, Reversal, TrueSingularity};
+fn class(class: pintle_kinematics::measure::SingularClass) -> &'static str {
+    use pintle_kinematics::measure::SingularClass::{BranchCut, Kink, Removable, Reversal, TrueSingularity};
     match class {
         Kink => "the first derivatives jump",
         TrueSingularity => "derivatives grow without bound",

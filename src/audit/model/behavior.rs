@@ -1,23 +1,24 @@
 //! Does what is attached to components act as it looks? Stops and locks that are passed initially or never met, entries that are ignored,
 //! frictions that vanish.
 
-use super::certainty::{Certainty, Open};
-use super::finding::{About, Finding};
-use super::gather::Gathered;
-use super::geometry::{at_start, initial_positions};
-use super::levels::Levels;
-use super::pressing::nothing_presses;
-use crate::audit::bound::U;
-use crate::behavior::entry;
-use crate::behavior::friction::Coefficient;
-use crate::catalog::{
+use crate::model::certainty::{Certainty, Open};
+use crate::model::finding::{About, Finding};
+use crate::model::gather::Gathered;
+use crate::model::geometry::{at_start, initial_positions};
+use crate::model::levels::Levels;
+use crate::model::pressing::nothing_presses;
+use pintle_kinematics::catalog::{
     COMPONENT, Contact, FrictionCriterion, Load, PLANE, Quantity, SPATIAL, Traction, component_index,
 };
-use crate::connector::{Components, State};
-use crate::evaluate::{ConnectorElement, Model};
-use crate::grammar::agree;
-use crate::scene::{
-    self, Behavior, Code, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
+use pintle_kinematics::connector::{Components, State};
+use pintle_kinematics::scalar::U;
+use pintle_model::behavior::entry;
+use pintle_model::behavior::friction::Coefficient;
+use pintle_model::evaluate::{ConnectorElement, Model};
+use pintle_scene as scene;
+use pintle_scene::grammar::agree;
+use pintle_scene::{
+    Behavior, Code, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
 };
 
 /// What is found of the behaviours of connectors.

@@ -1,25 +1,28 @@
 //! How certain is a position? Coordinates are rounded numbers: to the units of doubles, and to the digits with which they are written.
 //!
-//! With the row ∂p/∂q of a position p over the nodal degrees of freedom, a coordinate X of a node with displacement U is known to
-//! u (|X| + 2|U|), for X, U and their sum are rounded, and where X is computed (of r and θ, or by the placement of an instance) to u times what is
-//! rounded on the way besides (`WrittenNode::sizes`): of an instance that is moved by t, |X − t| as it is read and |t|; the triad of a node to an angle ε, by the points of its orientation; and the formula to C u F,
-//! the bound of the audit of numbers ([`crate::audit::bound`]):
+//! The row ∂p/∂q of a position p over the nodal degrees of freedom carries what is rounded into p:
+//! - A coordinate X of a node with displacement U is known to `u (|X| + 2|U|)`, for X, U and their sum are rounded.
+//! - An X that is computed (of r and θ, or by the placement of an instance) is known to u times what is rounded on the way besides
+//!   (`WrittenNode::sizes`). Of an instance that is moved by t that is |X − t| as it is read and |t|.
+//! - The triad of a node is known to an angle ε, by the points of its orientation.
+//! - The formula is known to C u F, the bound of the audit of numbers ([`crate::judge::bound`]).
 //!
 //! > δp = Σ |∂p/∂x_i| u (|X_i| + 2|U_i|) + Σ |∂p/∂θ_i| ε + C u F,  F = |p| + Σ |∂p/∂q_j| s_j.
 //!
 //! The same sum over half a unit of the last decimal of each coordinate, displacement, rotation and orientation is what their digits leave open
 //! ([`Digits`], [`DigitsOfState`]).
 
-use super::geometry::uncertain_directions;
-use crate::audit::assembly::digits::{Digits, DigitsOfState};
-use crate::audit::bound::{C, U, scales};
-use crate::audit::case::dof_size;
-use crate::connector::{Increment, Request, State, Tally};
-use crate::evaluate::ConnectorElement;
-use crate::node::{Node, THETA_A, THETA_B, XA, XB};
-use crate::scalar::elementary::norm;
-use crate::scene::{self, End, Scene};
-use crate::vector::{add, sub};
+use crate::judge::bound::{C, scales};
+use crate::model::geometry::uncertain_directions;
+use pintle_kinematics::connector::{Increment, Request, State, Tally};
+use pintle_kinematics::node::dof_size;
+use pintle_kinematics::node::{Node, THETA_A, THETA_B, XA, XB};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::{add, sub};
+use pintle_model::evaluate::ConnectorElement;
+use pintle_scene as scene;
+use pintle_scene::{Digits, DigitsOfState, End, Scene};
 use std::cell::OnceCell;
 
 /// How far a position may be from what it is taken for: a length in the unit of the scene, or an angle (rad).
@@ -87,7 +90,7 @@ impl<'a> Certainty<'a> {
             .map(|end| given.and_then(|element| self.scene.position(element, end)).unwrap_or_default());
         let moved = sub(state.pair.b.displacement, state.pair.a.displacement);
         let length = norm(add(state.pair.reference, moved));
-        let size = std::array::from_fn::<f64, { crate::node::DOFS }, _>(|j| dof_size(j, length));
+        let size = std::array::from_fn::<f64, { pintle_kinematics::node::DOFS }, _>(|j| dof_size(j, length));
         let [value, ..] = scales(position, &row, &[], (&size, &size), (&[], &[]), 1.0);
         let formula = C * U * value.first().copied().unwrap_or_default();
         let turned = |from: usize| row[from..from + 3].iter().map(|x| x.abs()).sum::<f64>();

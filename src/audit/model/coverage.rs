@@ -1,11 +1,11 @@
 //! Which connectors, and which types, did the given states exercise?
 
-use super::finding::{About, Finding};
-use crate::audit::coverage::{Exercise, Lack};
-use crate::evaluate::{ConnectorElement, Model};
-use crate::grammar::{agree, count};
-use crate::scene::{Code, Label, Scene, Severity, Span};
+use crate::model::finding::{About, Finding};
+use crate::sampling::coverage::{Exercise, Lack};
 use indexmap::IndexMap;
+use pintle_model::evaluate::{ConnectorElement, Model};
+use pintle_scene::grammar::{agree, count};
+use pintle_scene::{Code, Label, Scene, Severity, Span};
 
 /// The names that a message lists.
 const NAMED: usize = 8;

@@ -1,13 +1,13 @@
 //! Is something there twice?
 
-use super::finding::{About, Finding};
-use super::gather::Gathered;
-use super::levels::Levels;
-use crate::catalog::component_index;
-use crate::evaluate::{ConnectorElement, Model};
-use crate::grammar::with_article;
-use crate::measure::Measure;
-use crate::scene::{Behavior, Code, Label, Mpc, Scene};
+use crate::model::finding::{About, Finding};
+use crate::model::gather::Gathered;
+use crate::model::levels::Levels;
+use pintle_kinematics::catalog::component_index;
+use pintle_kinematics::measure::Measure;
+use pintle_model::evaluate::{ConnectorElement, Model};
+use pintle_scene::grammar::with_article;
+use pintle_scene::{Behavior, Code, Label, Mpc, Scene};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 

@@ -1,7 +1,7 @@
 //! What is found in a model: code, severity, place, what it is about, and what to do.
 
-use crate::node::End;
-use crate::scene::{Code, Diagnostic, Label, Scene, Severity, Span};
+use pintle_kinematics::node::End;
+use pintle_scene::{Code, Diagnostic, Label, Scene, Severity, Span};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
@@ -53,7 +53,7 @@ impl Finding {
         remedy: impl Into<String>,
     ) -> Self {
         let diagnostic = Diagnostic::finding(code, place, message, reason).help(remedy);
-        let diagnostic = crate::scene::in_words_of(scene, diagnostic).in_scene(scene);
+        let diagnostic = pintle_scene::in_words_of(scene, diagnostic).in_scene(scene);
         Self { diagnostic, about: About::default() }
     }
 
@@ -73,14 +73,14 @@ impl Finding {
 
     /// The same, with more words at the end of the message.
     #[must_use]
-    pub(in crate::audit) fn add(mut self, words: &str) -> Self {
+    pub(crate) fn add(mut self, words: &str) -> Self {
         self.diagnostic = self.diagnostic.with_more(words);
         self
     }
 
     /// The same, with words before the message.
     #[must_use]
-    pub(in crate::audit) fn begin(mut self, words: &str) -> Self {
+    pub(crate) fn begin(mut self, words: &str) -> Self {
         self.diagnostic = self.diagnostic.with_words_before(words);
         self
     }

@@ -1,14 +1,13 @@
 //! What is found alike in many connectors of a section is told once.
 
-use super::finding::{About, Finding};
-use super::levels::Levels;
-use crate::scene::{Code, Label, Severity};
+use crate::model::finding::{About, Finding};
+use crate::model::levels::Levels;
 use indexmap::IndexMap;
+use pintle_scene::{Code, Label, Severity};
 use std::collections::HashMap;
 
-/// What findings have in common that are told as one: code, section, which of the laws of its behaviour, components, how bad each is taken to be at
-/// its own place, and the line of which a level of its own was set.
-type Common = (Code, usize, Option<usize>, Vec<String>, Option<Severity>, Option<u32>);
+/// What findings have in common that are told as one: code, section, which of the laws of its behaviour, components, and how bad each is taken to be.
+type Common = (Code, usize, Option<usize>, Vec<String>, Option<Severity>);
 
 /// Findings by what they are: of those that have all in common, the first or worst is told, and the others are counted.
 pub(super) struct Gathered<'a> {
@@ -30,8 +29,8 @@ impl<'a> Gathered<'a> {
         Self { levels, order: Vec::new(), known: HashMap::new() }
     }
 
-    /// Adds what is found of an element of a section, and of which of the laws of its behaviour where it is of one: two laws are two findings, however many
-    /// elements have them. `worse` says whether this one is to be told rather than the one so far.
+    /// Adds what is found of an element of a section, and of which of the laws of its behaviour where it is of one. Two laws are
+    /// two findings, however many elements have them. `worse` says whether this one is to be told rather than the one so far.
     pub(super) fn add(
         &mut self,
         (section, law): (usize, Option<usize>),
@@ -40,8 +39,7 @@ impl<'a> Gathered<'a> {
         worse: impl Fn(&About, &About) -> bool,
     ) {
         let severity = self.levels.of_finding(&finding);
-        let line = finding.line().filter(|_| self.levels.singles_out(&finding));
-        let key = (finding.code(), section, law, finding.about.components.clone(), severity, line);
+        let key = (finding.code(), section, law, finding.about.components.clone(), severity);
         match self.known.get(&key).and_then(|place| self.order.get_mut(*place)) {
             None => {
                 self.known.insert(key, self.order.len());

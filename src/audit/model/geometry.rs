@@ -1,19 +1,19 @@
 //! Are the directions of a scene what they look like? Orientations that are not at right angles, or lost in rounding; directions that
 //! nobody gave; axes that are not aligned.
 
-use super::finding::{About, Finding};
-use super::gather::Gathered;
-use super::levels::Levels;
-use crate::audit::bound::U;
-use crate::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
-use crate::connector::{Increment, Output, Request, State, Tally};
-use crate::evaluate::{ConnectorElement, Model};
-use crate::grammar::count;
-use crate::measure::{Measure, Unit};
-use crate::node::DOFS;
-use crate::scalar::elementary::norm;
-use crate::scene::{Code, Label, Orientation, Scene, Severity, Span, System};
-use crate::vector::{Vector, cross, dot, sub};
+use crate::model::finding::{About, Finding};
+use crate::model::gather::Gathered;
+use crate::model::levels::Levels;
+use pintle_kinematics::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
+use pintle_kinematics::connector::{Increment, Output, Request, State, Tally};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::{Vector, cross, dot, sub};
+use pintle_model::evaluate::{ConnectorElement, Model};
+use pintle_scene::grammar::count;
+use pintle_scene::{Code, Label, Orientation, Scene, Severity, Span, System};
 use std::collections::{BTreeSet, HashMap};
 use std::f64::consts::FRAC_PI_2;
 
@@ -82,7 +82,7 @@ fn orientations(scene: &Scene, model: &Model) -> Vec<Finding> {
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
         let Some(section) = scene.section(given) else { continue };
-        let ends = [crate::scene::End::A, crate::scene::End::B];
+        let ends = [pintle_scene::End::A, pintle_scene::End::B];
         for ((name, end), rule) in [&section.orientation_a, &section.orientation_b]
             .into_iter()
             .zip(ends)
@@ -142,14 +142,14 @@ pub(super) fn uncertain_directions(scene: &Scene, element: &ConnectorElement) ->
     let Some(given) = scene.connectors.get(&element.label) else { return [0.0; 2] };
     let Some(section) = scene.section(given) else { return [0.0; 2] };
     let rules = element.connector.connection().orientation;
-    let at = |end: usize, name: &Option<crate::scene::Spanned<String>>, node| {
+    let at = |end: usize, name: &Option<pintle_scene::Spanned<String>>, node| {
         let name = name.as_ref().filter(|_| rules[end].orientation != Given::Ignored)?;
         let orientation = scene.orientations.get(name.value.as_str())?;
         let point = scene.position(given, node).unwrap_or_default();
         sides(scene, &name.value, orientation, point, element).map(|(_, turned)| turned)
     };
-    let of_a = at(0, &section.orientation_a, crate::scene::End::A).unwrap_or(0.0);
-    [of_a, at(1, &section.orientation_b, crate::scene::End::B).unwrap_or(of_a)]
+    let of_a = at(0, &section.orientation_a, pintle_scene::End::A).unwrap_or(0.0);
+    [of_a, at(1, &section.orientation_b, pintle_scene::End::B).unwrap_or(of_a)]
 }
 
 /// What is found of an orientation at a point, and how bad it is (rad).
@@ -219,7 +219,7 @@ fn missing(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Fin
         connection.name,
         components.join(", ")
     );
-    let reason = format!("by {} [D]", connection.source[0]);
+    let reason = format!("by {}", connection.pages());
     let remedy =
         "name an *ORIENTATION on the line after the type, or leave it out if the global directions are meant";
     let finding = Finding::new(scene, Code::ModelOrientationDefault, place, message, reason, remedy);
@@ -232,7 +232,7 @@ pub(super) fn at_start(element: &ConnectorElement) -> State<f64> {
 }
 
 /// CP at the initial state.
-pub(super) fn initial_positions(element: &ConnectorElement) -> crate::connector::Components<f64> {
+pub(super) fn initial_positions(element: &ConnectorElement) -> pintle_kinematics::connector::Components<f64> {
     let connector = &element.connector;
     let request = Request::new(&[Output::CP], [true; 6], 0);
     let (branch, mut tally) = (connector.initial_branch(), Tally::default());
@@ -283,8 +283,7 @@ fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<
         connection.name,
         angles.join(", ")
     );
-    let sources: Vec<&str> = connection.source.iter().copied().filter(|source| !source.is_empty()).collect();
-    let reason = format!("by {}: what is held is held where it is initially", sources.join("; "));
+    let reason = format!("by {}: what is held is held where it is initially", connection.pages());
     let remedy =
         "give b the orientation of a, or leave that of b out; if the angles are meant, allow this code";
     let about = About {

@@ -1,10 +1,10 @@
 //! Do the given states move what boundary conditions hold?
 
-use super::finding::{About, Finding};
-use crate::audit::assembly::steps::{ends, of_state};
-use crate::evaluate::{Fixed, Freedom};
-use crate::grammar::count;
-use crate::scene::{Boundary, Code, Label, Scene, Span, State, Target};
+use crate::model::finding::{About, Finding};
+use pintle_assembly::steps::{ends, of_state};
+use pintle_model::evaluate::{Fixed, Freedom};
+use pintle_scene::grammar::count;
+use pintle_scene::{Boundary, Code, Label, Scene, Span, State, Target};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What counts as moved (rad, or mean lengths of connectors): well above what solvers leave.

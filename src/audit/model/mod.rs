@@ -14,10 +14,13 @@
 //! | `certainty` | how certain is a position? |
 //! | `held` | do the states move what boundary conditions hold? |
 //! | `pressing` | which contact forces are always zero? |
+//! | `assembly` | what can the whole assembly do, and what is redundant in it? |
 //! | `coverage` | which connectors and types did the states exercise? |
+//! | `still` | which nodes stand still, or cannot turn? |
 //! | `duplicates` | is something there twice? |
 
 mod along;
+mod assembly;
 mod behavior;
 mod certainty;
 mod coverage;
@@ -29,18 +32,18 @@ mod held;
 mod levels;
 mod pressing;
 mod rules;
+mod still;
 
 pub use along::Nearest;
 pub use finding::{About, Finding};
 pub use levels::{Level, Levels};
 
-use crate::audit::assembly::still::Still;
-use crate::audit::assembly::{self, Assembly};
-use crate::audit::coverage::{Coverage, Exercise, Sample};
-use crate::evaluate::Model;
-use crate::scene::{Scene, Severity, State};
+use crate::sampling::coverage::{Coverage, Exercise, Sample};
+use pintle_assembly::{Assembly, analyse_steps};
+use pintle_model::evaluate::Model;
+use pintle_scene::{Scene, Severity, State};
 use serde::Serialize;
-use std::collections::BTreeSet;
+use still::Still;
 
 /// What is found in one scene.
 #[derive(Clone, Debug, Serialize)]
@@ -56,29 +59,18 @@ pub struct ModelReport {
     pub later_steps: Vec<Assembly>,
     /// Which region of configuration space the states exercised.
     pub coverage: Coverage,
-    /// Whether the states of the coverage were drawn, for the scene gives none ([`crate::audit::drawn_coverage`]).
+    /// Whether the states of the coverage were drawn, for the scene gives none ([`crate::drawn_coverage`]).
     pub drawn: bool,
     /// How near to a singular set any connector comes, initially and at the states; `None` where no component has one.
     pub nearest: Option<Nearest>,
     /// Findings: rules first, then geometry, behaviour, duplicates, states, the assembly, coverage.
     pub findings: Vec<Finding>,
-    /// The levels of lines, `CODE@FILE:LINE`, to which a finding answers, whether it is shown or not.
-    #[serde(skip)]
-    pub answered: BTreeSet<String>,
 }
 
 impl ModelReport {
     /// The number of findings as bad as that.
     pub fn count(&self, severity: Severity) -> usize {
         self.findings.iter().filter(|finding| finding.severity() == severity).count()
-    }
-
-    /// Whether all was looked at that findings come of: no rule refuses the model, and no part of its assembly was left out.
-    pub fn is_whole(&self) -> bool {
-        let is_whole = |assembly: &Assembly| {
-            assembly.skipped.is_empty() && assembly.not_assembled.is_none() && assembly.unnamed.is_none()
-        };
-        self.assembly.is_some() && self.assembly.iter().chain(&self.later_steps).all(is_whole)
     }
 
     /// Whether the model fails: a finding is an error.
@@ -114,16 +106,15 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(held::findings(scene, states, model.length));
     let mut steps = Vec::new();
     if !is_refused {
-        match assembly::analyse_steps(scene, &model, states) {
+        match analyse_steps(scene, &model, states) {
             Ok(found) => {
-                findings.extend(assembly::findings::findings_in_steps(scene, &found, levels));
+                findings.extend(assembly::findings_in_steps(scene, &found, levels));
                 steps = found;
             }
             Err(error) => findings.push(error.into()),
         }
     }
     findings.extend(coverage::findings(scene, &model, &exercises));
-    let answered = levels.answered(&findings);
     let findings = levels.apply(findings);
     let mut steps = steps.into_iter();
     let assembly = steps.next();
@@ -137,6 +128,5 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         drawn: false,
         nearest,
         findings,
-        answered,
     }
 }

@@ -1,9 +1,9 @@
 //! Which contact forces are always zero?
 
-use crate::behavior::entry;
-use crate::catalog::{COMPONENT, PLANE, SPATIAL, component_index};
-use crate::evaluate::ConnectorElement;
-use crate::scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Row, Source};
+use pintle_kinematics::catalog::{COMPONENT, PLANE, SPATIAL, component_index};
+use pintle_model::behavior::entry;
+use pintle_model::evaluate::ConnectorElement;
+use pintle_scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Row, Source};
 
 /// Why a source of contact force is zero in every state; `None` where it need not be.
 pub(super) fn nothing_presses(

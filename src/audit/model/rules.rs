@@ -1,9 +1,9 @@
 //! Rules that the scene breaks, as the reader and the catalogue tell them.
 
-use super::finding::{About, Finding};
-use crate::evaluate::Model;
-use crate::grammar::count;
-use crate::scene::{Diagnostic, Scene};
+use crate::model::finding::{About, Finding};
+use pintle_model::evaluate::Model;
+use pintle_scene::grammar::count;
+use pintle_scene::{Diagnostic, Scene};
 
 /// Every error and warning of reading and resolving the scene.
 pub(super) fn findings(scene: &Scene, model: &Model, errors: Vec<Diagnostic>) -> Vec<Finding> {

@@ -4,28 +4,29 @@
 //! The angle of a hinge has no row among the numbers of a constraint: its derivatives
 //! are its rates as one degree of freedom moves at a time, and the truth is differences of the angle on 237 bits.
 
-use super::{MpcCase, exact, moved};
-use crate::audit::atlas::{Approach, Beside, LADDER, Rung, SIDES, classify, detectable};
-use crate::audit::bound::{C, U, scales};
-use crate::audit::case::turn;
-use crate::audit::truth::rotation;
-use crate::connector::{Output, Request, Tally, Turns};
-use crate::measure::{SingularSet, Unit};
-use crate::mpc::{
+use crate::case::failing::MpcCase;
+use crate::judge::bound::scales;
+use crate::mpc::{exact, moved};
+use crate::oracles::truth::rotation;
+use crate::singular::atlas::{Approach, Beside, LADDER, Rung, SIDES, classify};
+use pintle_kinematics::connector::{Output, Request, Tally, Turns};
+use pintle_kinematics::measure::{SingularSet, Unit};
+use pintle_kinematics::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
 };
-use crate::scalar::{Scalar, Wide};
-use crate::vector::{self, product, scale};
+use pintle_kinematics::scalar::{Scalar, Wide};
+use pintle_kinematics::so3::turn;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{product, scale};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::iter::zip;
 
 /// The degrees of freedom of rotation of both nodes, by which the angles of hinges have derivatives.
 const ROTATIONS: [usize; 6] = [THETA_S, THETA_S + 1, PSI_S - 1, THETA_M, THETA_M + 1, PSI_M - 1];
 
 /// What a set is declared of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Subject {
+enum SetOf {
     /// An equation.
     Row(usize),
     /// The angle of a hinge.
@@ -34,40 +35,29 @@ enum Subject {
 
 /// A declared set of a kind.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct DeclaredSet {
     kind: Kind,
-    subject: Subject,
+    subject: SetOf,
     set: SingularSet,
 }
 
-/// What is seen of a subject at a state, and how far off it is.
-struct Seen {
-    beside: Beside,
-    /// The error of the value in units u of its conditioned scale, and the largest of first derivatives.
-    errors: [f64; 2],
-    /// The largest error of a first derivative.
-    off: f64,
-    /// The relative error of the largest first derivative that would be noticed.
-    detectable: f64,
-}
-
 /// Every declared set of every kind, approached.
-pub(in crate::audit) fn approaches() -> Vec<Approach> {
-    let all: Vec<Point> = Kind::ALL.into_iter().flat_map(points).collect();
-    all.par_iter().map(Point::approach).collect()
+pub(crate) fn approaches() -> Vec<Approach> {
+    let all: Vec<DeclaredSet> = Kind::ALL.into_iter().flat_map(points).collect();
+    all.par_iter().map(DeclaredSet::approach).collect()
 }
 
-fn points(kind: Kind) -> Vec<Point> {
+fn points(kind: Kind) -> Vec<DeclaredSet> {
     let rows = kind.rows(false);
     let of_rows = (0..ROWS)
         .filter(|row| rows[*row])
-        .filter_map(|row| Some(Point { kind, subject: Subject::Row(row), set: kind.row_set(row)? }));
+        .filter_map(|row| Some(DeclaredSet { kind, subject: SetOf::Row(row), set: kind.row_set(row)? }));
     let of_angles = (0..kind.entry().angles.len())
-        .filter_map(|i| Some(Point { kind, subject: Subject::Angle(i), set: kind.angle_set()? }));
+        .filter_map(|i| Some(DeclaredSet { kind, subject: SetOf::Angle(i), set: kind.angle_set()? }));
     of_rows.chain(of_angles).collect()
 }
 
-impl Point {
+impl DeclaredSet {
     /// A state `distance` away, on the other side where negative, in the direction `azimuth` (rad).
     fn beside(&self, distance: f64, azimuth: f64) -> MpcCase {
         let Self { kind, subject, .. } = *self;
@@ -79,11 +69,11 @@ impl Point {
         let angles = [0.3, -0.4];
         let relative = match subject {
             // Across the link, so that it is as long as it says.
-            Subject::Row(row) if row < RHO => {
+            SetOf::Row(row) if row < RHO => {
                 body[0].displacement = [-1.0, distance * cosine, distance * sine];
                 vector::identity()
             }
-            Subject::Row(_) => {
+            SetOf::Row(_) => {
                 // No component of the half turn is zero.
                 let axis = [2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0];
                 let across = [6.0 / 7.0, 2.0 / 7.0, -3.0 / 7.0];
@@ -95,12 +85,12 @@ impl Point {
                 product(&vector::transpose(&common), &product(&violation, &allowed))
             }
             // Half a turn across the axis; what is left of it turns by twice the distance.
-            Subject::Angle(_) if kind.entry().angles.len() == 1 => {
+            SetOf::Angle(_) if kind.entry().angles.len() == 1 => {
                 let rest = vector::add(scale(e1, 2.0 * distance * cosine), scale(e2, 2.0 * distance * sine));
                 product(&turn(scale(e1, PI)), &turn(rest))
             }
             // Turned by the first axis, across both, by the second: at a right angle only the difference of the first and the last is left.
-            Subject::Angle(_) => {
+            SetOf::Angle(_) => {
                 let [first, last] = [0.7 + azimuth, -0.5 + azimuth].map(|angle| angle.rem_euclid(PI));
                 let across = turn(scale(e2, FRAC_PI_2 - distance));
                 product(&product(&turn(scale(e3, first)), &across), &turn(scale(e1, last)))
@@ -110,7 +100,7 @@ impl Point {
         master.rotation = common;
         slave.rotation = product(&common, &relative);
         let [slave, master] = body;
-        let given = if matches!(subject, Subject::Row(_)) { angles.map(Some) } else { [None; 2] };
+        let given = if matches!(subject, SetOf::Row(_)) { angles.map(Some) } else { [None; 2] };
         let still = [0.0; DOFS];
         MpcCase {
             name: format!("{} {distance:e} from {}", kind.name(), self.set.at),
@@ -126,43 +116,25 @@ impl Point {
     fn said(&self, distance: f64, azimuth: f64) -> Option<Beside> {
         let case = self.beside(distance, azimuth);
         match self.subject {
-            Subject::Row(row) => Beside::of_equation(&case.said(), row),
-            Subject::Angle(i) => Some(Beside::of_angle(&case, i)),
+            SetOf::Row(row) => Beside::of_equation(&case.said(), row),
+            SetOf::Angle(i) => Some(Beside::of_angle(&case, i)),
         }
     }
 
     /// The same, and how far off it is.
-    fn seen(&self, distance: f64) -> Option<Seen> {
+    fn rung(&self, distance: f64) -> Option<Rung> {
         let case = self.beside(distance, 0.0);
         match self.subject {
-            Subject::Row(row) => of_equation(&case, row),
-            Subject::Angle(i) => Some(of_angle(&case, i, distance.abs())),
+            SetOf::Row(row) => of_equation(&case, row, distance),
+            SetOf::Angle(i) => Some(of_angle(&case, i, distance)),
         }
     }
 
     fn approach(&self) -> Approach {
-        let rungs: Vec<Rung> = LADDER
-            .par_iter()
-            .filter_map(|distance| {
-                let seen = self.seen(*distance)?;
-                let steepness = seen.beside.steepness();
-                let [value_error, first_error] = seen.errors;
-                let first_relative = if seen.off == 0.0 { 0.0 } else { seen.off / steepness };
-                let detectable = seen.detectable;
-                Some(Rung {
-                    distance: *distance,
-                    value_error,
-                    first_error,
-                    first_relative,
-                    steepness,
-                    detectable,
-                })
-            })
-            .collect();
-        let is_exact = |rung: &Rung| rung.value_error <= C && rung.first_error <= C;
+        let rungs: Vec<Rung> = LADDER.par_iter().filter_map(|distance| self.rung(*distance)).collect();
         let (component, unit) = match self.subject {
-            Subject::Row(row) => (self.kind.row_name(row), Kind::row_unit(row)),
-            Subject::Angle(i) => (self.kind.entry().angles.get(i).copied().unwrap_or_default(), Unit::Angle),
+            SetOf::Row(row) => (self.kind.row_name(row), Kind::row_unit(row)),
+            SetOf::Angle(i) => (self.kind.entry().angles.get(i).copied().unwrap_or_default(), Unit::Angle),
         };
         Approach {
             connection: self.kind.name().to_string(),
@@ -171,7 +143,7 @@ impl Point {
             at: self.set.at,
             declared: self.set.class,
             seen: classify(&SIDES, unit, |distance, azimuth| self.said(distance, azimuth)),
-            exact: rungs.len() == LADDER.len() && rungs.iter().all(is_exact),
+            exact: rungs.len() == LADDER.len() && rungs.iter().all(Rung::is_exact),
             rungs,
         }
     }
@@ -201,7 +173,7 @@ impl Beside {
 }
 
 /// Of an equation. Second derivatives are in the scales alone.
-fn of_equation(case: &MpcCase, row: usize) -> Option<Seen> {
+fn of_equation(case: &MpcCase, row: usize, distance: f64) -> Option<Rung> {
     let got = case.said();
     let truth = case.truth(&got);
     let beside = Beside::of_equation(&got, row)?;
@@ -218,33 +190,11 @@ fn of_equation(case: &MpcCase, row: usize) -> Option<Seen> {
         (&still, &still),
         truth.nearness[row],
     );
-    Some(beside.against(value, &first, (of_value.first().copied().unwrap_or(0.0), &of_first)))
-}
-
-impl Beside {
-    /// How far off it is, in units u of conditioned scales.
-    fn against(self, value: Wide, first: &[Wide], (of_value, of_first): (f64, &[f64])) -> Seen {
-        let off = |got: f64, want: Wide| (Wide::from_f64(got) - want).abs().to_f64();
-        let units = |off: f64, scale: f64| if off == 0.0 { 0.0 } else { off / (U * scale) };
-        let value_error = units(off(self.value, value), of_value);
-        let mut worst = [0.0; 2];
-        for ((got, want), scale) in zip(zip(&self.first, first), of_first) {
-            let off = off(*got, *want);
-            worst = more(worst, [off, units(off, *scale)]);
-        }
-        let [off, first_error] = worst;
-        let detectable = detectable(zip(self.first.iter().copied(), of_first.iter().copied()));
-        Seen { beside: self, errors: [value_error, first_error], off, detectable }
-    }
-}
-
-/// The larger of each; what is not a number is larger than any.
-fn more(worst: [f64; 2], found: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|i| if found[i] <= worst[i] { worst[i] } else { found[i] })
+    Some(Rung::of(distance, [(&[beside.value], &[value], of_value), (&beside.first, &first, of_first)]))
 }
 
 /// Of the angle of hinge `i`, `distance` away from its set.
-fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
+fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Rung {
     let beside = Beside::of_angle(case, i);
     let given = exact(&case.state);
     let mut state = given;
@@ -284,7 +234,8 @@ fn of_angle(case: &MpcCase, i: usize, distance: f64) -> Seen {
     let sides = (&sizes[..], &sizes[..]);
     let [of_value, of_first, ..] =
         scales(beside.value, &slopes, second.as_flattened(), sides, (&still, &still), distance);
-    beside.against(angle(&given), &first, (of_value.first().copied().unwrap_or(0.0), &of_first))
+    let value = angle(&given);
+    Rung::of(distance, [(&[beside.value], &[value], of_value), (&beside.first, &first, of_first)])
 }
 
 #[cfg(test)]
@@ -309,8 +260,8 @@ mod tests {
             let got = case.constraint.evaluate(&case.state, &case.before, &case.turning, &request, tally);
             let margins = case.constraint.margins(&case.state, &got);
             let margin = match point.subject {
-                Subject::Row(row) => margins.rows[row],
-                Subject::Angle(i) => margins.angles[i],
+                SetOf::Row(row) => margins.rows[row],
+                SetOf::Angle(i) => margins.angles[i],
             };
             let distance = margin.map_or(f64::NAN, |margin| margin.distance);
             assert!((distance - 1e-3).abs() < 1e-8, "{point:?}: {distance}");

@@ -1,15 +1,16 @@
 //! Half a turn of violation, where ρ jumps to its opposite. On either side it is a smooth function, which goes on beyond the half turn as
 //! ρ − 2π ρ/|ρ|: the two are the sheets of the rotation vector.
 //!
-//! Where rounding decides on which side a state is, both values are right, and each has derivatives, those of its sheet. Numbers are judged
-//! on the sheet that their value is on, with the conditioned scale of that: a value, rows, second derivatives and rates of different sheets
-//! are wrong, and so is a value beyond half a turn by more than rounding.
+//! Where rounding decides on which side a state is, both values are right, and each has derivatives, those of its sheet. Numbers
+//! are judged on the sheet that their value is on, with the conditioned scale of that. A value, rows, second derivatives and rates
+//! of different sheets are wrong, and so is a value beyond half a turn by more than rounding.
 
-use super::Truth;
-use crate::audit::bound::{C, U};
-use crate::mpc::{Dofs, FLOW, RHO, Rows};
-use crate::scalar::{Real, Scalar, Wide};
-use crate::vector::{Vector, dot, scale};
+use crate::judge::bound::C;
+use crate::mpc::WideConstraint;
+use pintle_kinematics::mpc::{Dofs, FLOW, RHO, Rows};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_kinematics::vector::{Vector, dot, scale};
 use std::f64::consts::FRAC_PI_2;
 
 /// The sheet of ρ that a state is on.
@@ -41,7 +42,7 @@ fn rotation<R: Copy>(rows: &Rows<R>) -> Option<Vector<R>> {
     Some([rows[RHO]?, rows[RHO + 1]?, rows[RHO + 2]?])
 }
 
-impl Truth {
+impl WideConstraint {
     /// The same with the sheet of ρ that is principal at the state, or where rounding decides which one is, that of the numbers `got`;
     /// `inputs` are the magnitudes of what is rounded.
     pub(super) fn on_the_sheet(mut self, got: &Rows<f64>, inputs: &Dofs<f64>) -> Self {
@@ -76,15 +77,15 @@ impl Truth {
 
 #[cfg(test)]
 mod tests {
-    use super::super::MpcCase;
-    use crate::audit::case::turn;
-    use crate::audit::engine::Settings;
-    use crate::audit::planted::Planted;
-    use crate::audit::quantity::Quantity;
-    use crate::audit::sheet::Sheet;
-    use crate::audit::verdict::Verdict;
-    use crate::connector::Turns;
-    use crate::mpc::{Body, Constraint, Kind, State, Turning};
+    use crate::case::failing::MpcCase;
+    use crate::case::quantity::Quantity;
+    use crate::judge::table::ResultTable;
+    use crate::judge::verdict::Verdict;
+    use crate::settings::Planted;
+    use crate::settings::Settings;
+    use pintle_kinematics::connector::Turns;
+    use pintle_kinematics::mpc::{Body, Constraint, Kind, State, Turning};
+    use pintle_kinematics::so3::turn;
     use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
     /// Nodes turned by these rotation vectors, and hinges by these angles; everything moves.
@@ -130,8 +131,8 @@ mod tests {
         found
     }
 
-    fn of(sheets: &[Sheet], quantity: Quantity) -> &Sheet {
-        sheets.iter().find(|sheet| sheet.quantity == quantity).unwrap()
+    fn of(tables: &[ResultTable], quantity: Quantity) -> &ResultTable {
+        tables.iter().find(|table| table.quantity == quantity).unwrap()
     }
 
     /// Rounding decides the sign of the value there: no number of the product is wrong, and none beside it passes.
@@ -146,14 +147,14 @@ mod tests {
             let planted = Settings { planted: Some(Planted::WrongEntry), ..Settings::default() };
             let told = case.audit(&planted, false);
             assert!(told.iter().any(|check| check.verdict == Verdict::Wrong), "{}", case.name);
-            let sheets = case.sheets();
+            let tables = case.tables();
             for quantity in MpcCase::QUANTITIES {
-                let sheet = of(&sheets, quantity);
-                let largest = sheet.entries.iter().map(|entry| entry.got.abs()).fold(0.0, f64::max);
+                let table = of(&tables, quantity);
+                let largest = table.entries.iter().map(|entry| entry.got.abs()).fold(0.0, f64::max);
                 // Some of the second derivatives: no two rows alike.
                 let every = if quantity == Quantity::SecondDerivatives { 61 } else { 1 };
-                for (i, entry) in sheet.entries.iter().enumerate().step_by(every) {
-                    let mut wrong = sheet.clone();
+                for (i, entry) in table.entries.iter().enumerate().step_by(every) {
+                    let mut wrong = table.clone();
                     wrong.entries[i].got += 1e-9 * largest.max(1.0);
                     assert_eq!(wrong.judge().verdict, Verdict::Wrong, "{}: {}", case.name, entry.name);
                 }
@@ -167,11 +168,11 @@ mod tests {
     fn a_value_beyond_half_a_turn_is_wrong() {
         for gap in [1e-3, 1e-9, 1e-13] {
             let case = case(Kind::Beam, [[0.0, 0.0, PI - gap], [0.0; 3]], [0.0; 2]);
-            let sheets = case.sheets();
-            assert!(sheets.iter().all(|sheet| sheet.judge().verdict <= Verdict::IllConditioned), "{gap}");
-            let sheet = of(&sheets, Quantity::Value);
-            let rho3 = sheet.entries.iter().position(|entry| entry.name == "ρ3").unwrap();
-            let mut beyond = sheet.clone();
+            let tables = case.tables();
+            assert!(tables.iter().all(|table| table.judge().verdict <= Verdict::IllConditioned), "{gap}");
+            let table = of(&tables, Quantity::Value);
+            let rho3 = table.entries.iter().position(|entry| entry.name == "ρ3").unwrap();
+            let mut beyond = table.clone();
             beyond.entries[rho3].got -= 2.0 * PI;
             assert_eq!(beyond.judge().verdict, Verdict::Wrong, "{gap}");
         }

@@ -1,9 +1,9 @@
 //! Laws of a multi-point constraint, which need no reference.
 //!
-//! Everything turned by R about any point, and moved, turns δ of a BEAM and ρ with it: they are global components of vectors that the
-//! nodes carry, δ' = R δ, ρ' = R ρ. δl and δΨ stay what they are. The δ of a PIN and of a TIE is u_S − u_M: what turns is
-//! x_S − x_M = δ + X_S − X_M, so that nodes which are apart initially violate the constraint where everything turns; that is what it
-//! says. With v the vector that turns, and 0 for δl and δΨ:
+//! Everything turned by R about any point, and moved, turns δ of a BEAM and ρ with it. They are global components of vectors that
+//! the nodes carry: `δ' = R δ`, `ρ' = R ρ`. δl and δΨ stay what they are. The δ of a PIN and of a TIE is u_S − u_M: what turns is x_S −
+//! x_M = δ + X_S − X_M. So nodes which are apart initially violate the constraint where everything turns; that is what it says.
+//! With v the vector that turns, and 0 for δl and δΨ:
 //!
 //! | law | says |
 //! |---|---|
@@ -15,22 +15,26 @@
 //! The tolerance of a sum is that of its terms, which follows from the conditioning of the state. Nothing is asked of an equation on its
 //! singular set, and nothing is compared with a turned state within 1e-3 of one, or where that state is on the other sheet of ρ.
 
-use super::{MpcCase, given};
-use crate::audit::bound::{C, U, scales};
-use crate::audit::case::turn;
-use crate::audit::invariant::{
-    Asked, Demand, Invariant, IsConditioned, Related, TURN, What, axis, try_mutants,
+use crate::case::failing::MpcCase;
+use crate::case::quantity::Quantity;
+use crate::judge::bound::{C, scales};
+use crate::judge::outcome::{Against, Check};
+use crate::judge::table::{Entry, ResultTable};
+use crate::judge::verdict::Score;
+use crate::laws::{
+    Asked, Demand, Invariant, IsConditioned, Related, TURN, Term, What, along_rows, axis, try_mutants,
 };
-use crate::audit::mutant::{Changes, Mutant};
-use crate::audit::outcome::{Against, Check};
-use crate::audit::quantity::Quantity;
-use crate::audit::sheet::{Entry, Sheet};
-use crate::audit::verdict::Score;
-use crate::connector::{Request, Tally};
-use crate::mpc::{
+use crate::mpc::given;
+use crate::mutants::mutant::{Changes, Mutant};
+use pintle_kinematics::connector::{Request, Tally};
+use pintle_kinematics::mpc::{
     Body, DOFS, Dofs, Evaluation, FLOW, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
 };
-use crate::vector::{Matrix, Vector, add, apply, apply_transposed, cross, dot, product, scale, sub};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::so3::turn;
+use pintle_kinematics::vector::{
+    Matrix, Vector, add, apply, apply_transposed, cross, dot, product, scale, sub,
+};
 
 /// In radians or lengths: closer to a singular set nothing is compared with another state.
 const AWAY: f64 = 1e-3;
@@ -39,9 +43,9 @@ const AWAY: f64 = 1e-3;
 const VECTORS: [usize; 4] = [XS, THETA_S, XM, THETA_M];
 
 /// Numbers by kind, in the order of [`MpcCase::QUANTITIES`], and equation.
-struct Table([[Vec<f64>; ROWS]; MpcCase::QUANTITIES.len()]);
+struct ByEquation([[Vec<f64>; ROWS]; MpcCase::QUANTITIES.len()]);
 
-impl Table {
+impl ByEquation {
     /// Of what is known of each equation.
     fn of(mut row: impl FnMut(usize) -> Option<[Vec<f64>; 5]>) -> Self {
         let mut table = Self(Default::default());
@@ -59,7 +63,7 @@ impl Table {
     }
 }
 
-impl Related for Table {
+impl Related for ByEquation {
     fn row(&self, quantity: Quantity, row: usize) -> &[f64] {
         let kind = MpcCase::QUANTITIES.iter().position(|known| *known == quantity);
         let found = kind.and_then(|kind| self.0.get(kind)?.get(row));
@@ -74,18 +78,18 @@ struct Twin {
     spin: Vector<f64>,
     /// Ω̇.
     spin_rate: Vector<f64>,
-    numbers: Table,
-    tolerance: Table,
+    numbers: ByEquation,
+    tolerance: ByEquation,
 }
 
 /// The numbers of a constraint at a state, with what laws need to know of it.
 struct Laws<'a> {
     case: &'a MpcCase,
-    sheets: &'a [Sheet],
-    /// The equations that the rows of the sheets are of.
+    tables: &'a [ResultTable],
+    /// The equations that the rows of the tables are of.
     equations: Vec<usize>,
-    given: Table,
-    tolerance: Table,
+    given: ByEquation,
+    tolerance: ByEquation,
     nearness: [f64; ROWS],
     /// The angles of the hinges that the equations are taken at.
     taken: [f64; 2],
@@ -114,26 +118,26 @@ fn part(of: &Dofs<f64>, at: usize) -> Vector<f64> {
 }
 
 impl<'a> Laws<'a> {
-    fn new(case: &'a MpcCase, sheets: &'a [Sheet]) -> Self {
+    fn new(case: &'a MpcCase, tables: &'a [ResultTable]) -> Self {
         let equations = case.equations();
         let got = case.evaluated(&case.state);
-        let of_sheets = |number: &dyn Fn(&Entry) -> f64| {
-            Table::of(|row| {
+        let of_tables = |number: &dyn Fn(&Entry) -> f64| {
+            ByEquation::of(|row| {
                 let place = equations.iter().position(|equation| *equation == row)?;
                 Some(MpcCase::QUANTITIES.map(|quantity| {
-                    let sheet = sheets.iter().find(|sheet| sheet.quantity == quantity);
-                    let entries = sheet.and_then(|sheet| {
-                        sheet.entries.get(place * sheet.width()..(place + 1) * sheet.width())
+                    let table = tables.iter().find(|table| table.quantity == quantity);
+                    let entries = table.and_then(|table| {
+                        table.entries.get(place * table.width()..(place + 1) * table.width())
                     });
                     entries.into_iter().flatten().map(number).collect()
                 }))
             })
         };
-        let (given, tolerance) = (of_sheets(&|entry| entry.got), of_sheets(&Entry::tolerance));
+        let (given, tolerance) = (of_tables(&|entry| entry.got), of_tables(&Entry::tolerance));
         let State { slave, master, .. } = &case.state;
         Self {
             case,
-            sheets,
+            tables,
             given,
             tolerance,
             nearness: case.nearness(&got),
@@ -159,13 +163,13 @@ impl<'a> Laws<'a> {
     }
 
     fn name(&self, quantity: Quantity, row: usize, place: usize) -> &str {
-        let sheet = self.sheets.iter().find(|sheet| sheet.quantity == quantity);
+        let table = self.tables.iter().find(|table| table.quantity == quantity);
         let at = self.equations.iter().position(|equation| *equation == row);
-        let entry = sheet.zip(at).and_then(|(sheet, at)| sheet.entries.get(at * sheet.width() + place));
+        let entry = table.zip(at).and_then(|(table, at)| table.entries.get(at * table.width() + place));
         entry.map_or("", |entry| entry.name.as_str())
     }
 
-    fn sum(&self, terms: Vec<(Quantity, usize, usize, f64)>, want: f64, what: String) -> Demand {
+    fn sum(&self, terms: Vec<Term>, want: f64, what: String) -> Demand {
         // Without a truth there is no tolerance: not none at all.
         let tolerance =
             |q: Quantity, k: usize, i: usize| self.tolerance.number(q, k, i).unwrap_or(f64::INFINITY);
@@ -212,9 +216,9 @@ impl<'a> Laws<'a> {
         self.sum(terms, 0.0, format!("{name} along translation {}", i + 1))
     }
 
-    /// The same along a turn about an axis through M. With r the turn, E v = e × v, and w of degree of freedom j: J r = E v, so that
-    /// H[w] r + J_x (e × w) = E J_w for displacements w of either node, and with ½ J_θ (e × w) for their rotations, for
-    /// exp(t e^) exp(s w^) = exp(t e^ + s w^ + ½ s t (e × w)^ + …).
+    /// The same along a turn about an axis through M. With r the turn, E v = e × v, and w of degree of freedom j, `J r = E v`. So
+    /// `H[w] r + J_x (e × w) = E J_w` for displacements w of either node, and with `½ J_θ (e × w)` for their rotations. For
+    /// `exp(t e^) exp(s w^) = exp(t e^ + s w^ + ½ s t (e × w)^ + …)`.
     fn along_turn(&self, row: usize, j: Option<usize>, i: usize) -> Demand {
         let (quantity, at, name) = self.row_of(row, j);
         let arm = cross(axis(i), self.separation);
@@ -261,28 +265,11 @@ impl<'a> Laws<'a> {
         let State { velocity: v, acceleration: a, .. } = &self.case.state;
         let mut found = Vec::new();
         for row in self.smooth() {
-            let along = |rates: &Dofs<f64>| {
-                let rates = *rates;
-                let terms = (0..DOFS).map(move |j| (Quantity::FirstDerivatives, row, j, -rates[j]));
-                terms.filter(|term| term.3 != 0.0)
-            };
-            let mut terms = vec![(Quantity::Rate, row, 0, 1.0)];
-            terms.extend(along(v));
+            let (rate, acceleration, underflows) = along_rows(row, v, a);
             let what = format!("{} is J q̇", self.name(Quantity::Rate, row, 0));
-            found.push(self.sum(terms, 0.0, what));
-            let mut terms = vec![(Quantity::Acceleration, row, 0, 1.0)];
-            terms.extend(along(a));
-            let mut underflows = false;
-            for (j, x) in v.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-                for (l, y) in v.iter().enumerate().filter(|(_, y)| **y != 0.0) {
-                    underflows |= (x * y).abs() < f64::MIN_POSITIVE;
-                    if x * y != 0.0 {
-                        terms.push((Quantity::SecondDerivatives, row, j * DOFS + l, -x * y));
-                    }
-                }
-            }
+            found.push(self.sum(rate, 0.0, what));
             let what = format!("{} is J q̈ + q̇ᵀ H q̇", self.name(Quantity::Acceleration, row, 0));
-            let mut demand = self.sum(terms, 0.0, what);
+            let mut demand = self.sum(acceleration, 0.0, what);
             if underflows {
                 // Squares of the rates are lost: nothing is decided.
                 demand.allowed = f64::INFINITY;
@@ -358,8 +345,8 @@ impl<'a> Laws<'a> {
         let got = self.case.evaluated(&twin);
         let inputs = self.case.inputs(&got.taken);
         let present = |row: usize| got.residual.get(row).copied().flatten();
-        let numbers = Table::of(|row| present(row).map(|_| given(&got, row)));
-        let tolerance = Table::of(|row| {
+        let numbers = ByEquation::of(|row| present(row).map(|_| given(&got, row)));
+        let tolerance = ByEquation::of(|row| {
             present(row)?;
             let [value, first, second, ..] = given(&got, row);
             let value = value.first().copied().unwrap_or(f64::NAN);
@@ -400,7 +387,7 @@ impl<'a> Laws<'a> {
     fn is_on_another_sheet(&self, twin: &Twin) -> bool {
         /// Beyond this no rounding leads from half a turn.
         const NEAR_HALF_A_TURN: f64 = 3.0;
-        let rho = |numbers: &Table| [0, 1, 2].map(|i| numbers.at(Quantity::Value, RHO + i, 0));
+        let rho = |numbers: &ByEquation| [0, 1, 2].map(|i| numbers.at(Quantity::Value, RHO + i, 0));
         let (own, other) = (rho(&self.given), apply_transposed(&twin.rotation, rho(&twin.numbers)));
         dot(own, own) > NEAR_HALF_A_TURN * NEAR_HALF_A_TURN && dot(own, other) < 0.0
     }
@@ -455,7 +442,7 @@ impl<'a> Laws<'a> {
     }
 
     /// What is allowed of all entries with which one is turned.
-    fn around(&self, tolerance: &Table, quantity: Quantity, row: usize, place: usize) -> f64 {
+    fn around(&self, tolerance: &ByEquation, quantity: Quantity, row: usize, place: usize) -> f64 {
         let rows = self.vector_of(row).map_or(row..row + 1, |start| start..start + 3);
         let of_row = |row: usize| -> f64 {
             match quantity {
@@ -473,12 +460,12 @@ impl<'a> Laws<'a> {
 
     /// Every mistake in a quantity, of equations that are on no singular set.
     fn mutants(&self, quantity: Quantity) -> Vec<Mutant> {
-        let Some(sheet) = self.sheets.iter().find(|sheet| sheet.quantity == quantity) else {
+        let Some(table) = self.tables.iter().find(|table| table.quantity == quantity) else {
             return Vec::new();
         };
-        let width = sheet.width();
+        let width = table.width();
         let place = |(at, x): (usize, f64)| Some((*self.equations.get(at / width)?, at % width, x));
-        let made = sheet.all_mistakes().into_iter().map(|change| Mutant {
+        let made = table.all_mistakes().into_iter().map(|change| Mutant {
             mistake: change.mistake,
             changes: Changes::Many(change.changes.into_iter().filter_map(place).collect()),
         });
@@ -495,18 +482,14 @@ impl<'a> Laws<'a> {
 }
 
 impl MpcCase {
-    /// The laws that are asked of a constraint.
-    pub(in crate::audit) const LAWS: [Invariant; 4] =
-        [Invariant::RigidModes, Invariant::Frame, Invariant::Power, Invariant::Symmetry];
-
     fn evaluated(&self, state: &State<f64>) -> Evaluation<f64> {
         let (request, tally) = (Request::everything(2), &mut Tally::default());
         self.constraint.evaluate(state, &self.before, &self.turning, &request, tally)
     }
 
     /// What relates the numbers to each other; with mutants of them where `proves`.
-    pub(super) fn laws(&self, sheets: &[Sheet], proves: bool) -> Vec<Check> {
-        let laws = Laws::new(self, sheets);
+    pub(super) fn laws(&self, tables: &[ResultTable], proves: bool) -> Vec<Check> {
+        let laws = Laws::new(self, tables);
         let sizes = self.sizes();
         let size = |quantity: Quantity, place: usize| laws.size_of(&sizes, quantity, place);
         let made = Self::QUANTITIES.map(|quantity| if proves { laws.mutants(quantity) } else { Vec::new() });
@@ -531,9 +514,9 @@ impl MpcCase {
     }
 
     /// The sum that a law demands something of, by the words in which it is told.
-    pub(in crate::audit) fn sum_of_law(&self, law: Invariant, what: &str) -> Option<f64> {
-        let sheets = self.judged();
-        let laws = Laws::new(self, &sheets);
+    pub(crate) fn sum_of_law(&self, law: Invariant, what: &str) -> Option<f64> {
+        let tables = self.judged();
+        let laws = Laws::new(self, &tables);
         let demand = laws.demands(law).into_iter().find(|demand| demand.what.to_string() == what)?;
         Some(demand.sum(|quantity, row, place| laws.given.number(quantity, row, place)))
     }
@@ -542,12 +525,12 @@ impl MpcCase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::audit::engine::Settings;
-    use crate::audit::planted::Planted;
-    use crate::audit::sample::Draw;
-    use crate::audit::verdict::Verdict;
-    use crate::connector::Turns;
-    use crate::mpc::{Constraint, Kind, Turning};
+    use crate::judge::verdict::Verdict;
+    use crate::settings::Planted;
+    use crate::settings::Settings;
+    use pintle_kinematics::connector::Turns;
+    use pintle_kinematics::draw::Draw;
+    use pintle_kinematics::mpc::{Constraint, Kind, Turning};
     use std::f64::consts::PI;
 
     /// Regions: anywhere, on another scale, far away, nodes that coincide initially, nodes that nearly meet, a constraint that holds but for
@@ -601,7 +584,7 @@ mod tests {
         }
     }
 
-    const PSI: usize = crate::mpc::PSI_M;
+    const PSI: usize = pintle_kinematics::mpc::PSI_M;
 
     /// Every law holds of every kind everywhere, and of the mutants of its numbers that change enough none survives.
     #[test]
@@ -610,7 +593,7 @@ mod tests {
             let draw = &mut Draw::new(kind.name());
             for region in 0..2 * REGIONS {
                 let case = drawn(kind, region % REGIONS, draw);
-                let checks = case.laws(&case.sheets(), region < REGIONS);
+                let checks = case.laws(&case.tables(), region < REGIONS);
                 // So near to its kink a LINK is not compared with itself turned.
                 let is_near = kind == Kind::Link && region % REGIONS == 4;
                 assert_eq!(checks.len() + usize::from(is_near), MpcCase::LAWS.len(), "{}", case.name);
@@ -640,16 +623,16 @@ mod tests {
             let case = drawn(kind, 0, &mut Draw::new(kind.name()));
             let right = case.judged();
             for quantity in MpcCase::QUANTITIES {
-                let mut sheets = right.clone();
-                let sheet = sheets.iter_mut().find(|sheet| sheet.quantity == quantity).unwrap();
-                let all = sheet.entries.iter_mut();
+                let mut tables = right.clone();
+                let table = tables.iter_mut().find(|table| table.quantity == quantity).unwrap();
+                let all = table.entries.iter_mut();
                 let largest = all.max_by(|x, y| x.got.abs().total_cmp(&y.got.abs())).unwrap();
                 if largest.got == 0.0 {
                     continue;
                 }
                 largest.got = -largest.got;
                 let found: Vec<Verdict> =
-                    case.laws(&sheets, false).iter().map(|check| check.verdict).collect();
+                    case.laws(&tables, false).iter().map(|check| check.verdict).collect();
                 assert!(found.contains(&Verdict::Wrong), "{}: {quantity:?} {found:?}", case.name);
                 broken += 1;
             }

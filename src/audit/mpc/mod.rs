@@ -9,47 +9,33 @@ mod cut;
 mod laws;
 mod mistakes;
 
-use super::bound::scales;
-use super::case::{is_still, turn};
-use super::differences::{self, Directions, FIRST_STEP, NOISE};
-use super::engine::Settings;
-use super::failing::Failing;
-use super::oracle::{Oracle, nearness};
-use super::outcome::Check;
-use super::quantity::Quantity;
-use super::sheet::{Entry, Sheet};
-use super::sides::Sides;
-use super::truth::rotation;
-use super::verdict::Verdict;
-use crate::connector::{Output, Request, Tally, Turns};
-use crate::measure::{SingularClass, Unit};
-use crate::mpc::{
+use crate::case::failing::Failing;
+use crate::case::failing::MpcCase;
+use crate::case::is_still;
+use crate::case::quantity::Quantity;
+use crate::judge::bound::scales;
+use crate::judge::outcome::Check;
+use crate::judge::table::{Entry, ResultTable};
+use crate::judge::verdict::Verdict;
+use crate::oracles::differences;
+use crate::oracles::differences::{Directions, FIRST_STEP, NOISE};
+use crate::oracles::oracle::{Oracle, nearness};
+use crate::oracles::truth::rotation;
+use crate::settings::Settings;
+use crate::singular::sides::Sides;
+use pintle_kinematics::connector::{Output, Request, Tally, Turns};
+use pintle_kinematics::measure::{SingularClass, Unit};
+use pintle_kinematics::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
     Turning, XM, XS,
 };
-use crate::scalar::{Differentiable, Real, Scalar, Wide};
-use crate::vector::{self, add, product, sub};
-
-/// A constraint at a state.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MpcCase {
-    /// The constraint and the state, in words.
-    pub name: String,
-    /// The constraint.
-    pub constraint: Constraint<f64>,
-    /// The state.
-    pub state: State<f64>,
-    /// How the first node turned against the second since the state before.
-    pub turning: Turning<f64>,
-    /// The angles of its hinges that the states before left.
-    pub before: [Turns<f64>; 2],
-    /// The size of lengths.
-    pub length: f64,
-}
+use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::so3::turn;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{add, product, sub};
 
 /// The constraint and its state on 237-bit numbers.
-struct Truth {
+struct WideConstraint {
     constraint: Constraint<Wide>,
     /// The state as it is given, which values are of.
     given: State<Wide>,
@@ -91,24 +77,24 @@ impl MpcCase {
         if !settings.oracles.contains(&Oracle::WideDifferences) {
             return Vec::new();
         }
-        let mut sheets = self.judged();
+        let mut tables = self.judged();
         if let Some(planted) = settings.planted {
-            sheets.iter_mut().for_each(|sheet| planted.spoil_sheet(sheet));
+            tables.iter_mut().for_each(|table| planted.spoil_table(table));
         }
-        let needs = |sheet: &Sheet| proves || sheet.judge().verdict == Verdict::Wrong;
-        if sheets.iter().any(needs) {
-            self.add_mistakes(&mut sheets);
+        let needs = |table: &ResultTable| proves || table.judge().verdict == Verdict::Wrong;
+        if tables.iter().any(needs) {
+            self.add_mistakes(&mut tables);
         }
         // Those of one state are formed in their order.
-        let is_lost = |sheet: &&Sheet| sheet.entries.iter().any(|entry| !entry.got.is_finite());
+        let is_lost = |table: &&ResultTable| table.entries.iter().any(|entry| !entry.got.is_finite());
         let stage = if self.is_finite() {
-            sheets.iter().find(is_lost).map(|sheet| sheet.quantity.name())
+            tables.iter().find(is_lost).map(|table| table.quantity.name())
         } else {
             Some("state")
         };
         let mut checks: Vec<Check> =
-            sheets.iter().map(|sheet| sheet.check(proves, &self.name, None)).collect();
-        checks.extend(self.laws(&sheets, proves));
+            tables.iter().map(|table| table.check(proves, &self.name, None)).collect();
+        checks.extend(self.laws(&tables, proves));
         for check in &mut checks {
             check.name_stage(|| stage);
             check.fails_at(|| Failing::Mpc(Box::new(self.clone())));
@@ -126,10 +112,10 @@ impl MpcCase {
     }
 
     /// The numbers at this state, and what they must be: equations, their derivatives, rates and accelerations.
-    pub fn sheets(&self) -> Vec<Sheet> {
-        let mut sheets = self.judged();
-        self.add_mistakes(&mut sheets);
-        sheets
+    pub fn tables(&self) -> Vec<ResultTable> {
+        let mut tables = self.judged();
+        self.add_mistakes(&mut tables);
+        tables
     }
 
     /// min(1, distance of each equation to where it has no derivative on its sheet), 0 there.
@@ -148,7 +134,7 @@ impl MpcCase {
     }
 
     /// The case on 237 bits, at the angles that the product takes.
-    fn truth(&self, got: &Evaluation<f64>) -> Truth {
+    fn truth(&self, got: &Evaluation<f64>) -> WideConstraint {
         let nearness = self.nearness(got);
         let mut state = exact(&self.state);
         state.angles = got.taken.map(|angle| Some(Wide::from_f64(angle)));
@@ -162,28 +148,19 @@ impl MpcCase {
             body.rotation = rotation(body.rotation);
         }
         let (constraint, sizes) = (self.constraint.exact(), self.sizes());
-        let truth = Truth { constraint, given, state, sizes, nearness, sheet: None };
+        let truth = WideConstraint { constraint, given, state, sizes, nearness, sheet: None };
         truth.on_the_sheet(&got.residual, &self.inputs(&got.taken))
     }
 
     /// The numbers without mistakes.
-    fn judged(&self) -> Vec<Sheet> {
+    fn judged(&self) -> Vec<ResultTable> {
         let got = self.said();
-        let mut sheets = self.sheets_of(&got, &self.truth(&got));
-        sheets.retain(|sheet| !sheet.entries.is_empty());
-        sheets
+        let mut tables = self.tables_of(&got, &self.truth(&got));
+        tables.retain(|table| !table.entries.is_empty());
+        tables
     }
 
-    /// What is judged of a constraint.
-    pub(super) const QUANTITIES: [Quantity; 5] = [
-        Quantity::Value,
-        Quantity::FirstDerivatives,
-        Quantity::SecondDerivatives,
-        Quantity::Rate,
-        Quantity::Acceleration,
-    ];
-
-    fn sheets_of(&self, got: &Evaluation<f64>, truth: &Truth) -> Vec<Sheet> {
+    fn tables_of(&self, got: &Evaluation<f64>, truth: &WideConstraint) -> Vec<ResultTable> {
         let kind = self.constraint.kind();
         let rows: Vec<usize> = (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect();
         let value = truth.values_of(truth.given);
@@ -191,7 +168,7 @@ impl MpcCase {
         let second = truth.second();
         let [rate, acceleration] = truth.rates();
         let singular = truth.nearness.contains(&0.0).then(|| (truth.sides(), truth.hessian()));
-        let mut sheets: Vec<Sheet> = Self::QUANTITIES.map(Sheet::new).into();
+        let mut tables: Vec<ResultTable> = Self::QUANTITIES.map(ResultTable::new).into();
         for row in rows {
             let name = kind.row_name(row);
             let narrow = |of: &[Wide]| of.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();
@@ -225,27 +202,27 @@ impl MpcCase {
             let [rate, acceleration] = [&rate, &acceleration].map(|of| vec![of[row].unwrap_or(zero)]);
             let wanted = [vec![value], gradient, matrix, rate, acceleration];
             let numbers = given(got, row).into_iter().zip(wanted);
-            for ((sheet, scales), (got, want)) in sheets.iter_mut().zip(scales).zip(numbers) {
+            for ((table, scales), (got, want)) in tables.iter_mut().zip(scales).zip(numbers) {
                 let column = |j: usize| kind.column_name(j);
                 let units = |j: usize| match j {
                     XS..THETA_S | XM..THETA_M => 0,
                     PSI_S | PSI_M => 2,
                     _ => 1,
                 };
-                sheet.rows.push(match sheet.quantity {
+                table.rows.push(match table.quantity {
                     Quantity::FirstDerivatives => format!("∂{name}"),
                     Quantity::SecondDerivatives => format!("∂²{name}"),
                     Quantity::Rate => format!("d{name}/dt"),
                     Quantity::Acceleration => format!("d²{name}/dt²"),
                     _ => name.to_string(),
                 });
-                if sheet.quantity == Quantity::FirstDerivatives {
-                    sheet.columns = (0..DOFS).map(|j| column(j).to_string()).collect();
+                if table.quantity == Quantity::FirstDerivatives {
+                    table.columns = (0..DOFS).map(|j| column(j).to_string()).collect();
                 }
                 for (i, ((got, want), scale)) in got.into_iter().zip(want).zip(scales).enumerate() {
                     let (x, y) = (i / DOFS, i % DOFS);
-                    let row_name = sheet.rows.last().cloned().unwrap_or_default();
-                    let (name, class) = match sheet.quantity {
+                    let row_name = table.rows.last().cloned().unwrap_or_default();
+                    let (name, class) = match table.quantity {
                         Quantity::FirstDerivatives => (format!("{row_name}/∂{}", column(i)), (units(i), 0)),
                         Quantity::SecondDerivatives => {
                             let [less, more] = [units(x).min(units(y)), units(x).max(units(y))];
@@ -255,8 +232,8 @@ impl MpcCase {
                     };
                     let class = (row / 3, class.0, class.1);
                     let mut entry = Entry::new(name, got, want, scale, class);
-                    entry.error = truth.own_error(sheet.quantity, value_scale, row);
-                    let of_entry = sides.and_then(|sides| match sheet.quantity {
+                    entry.error = truth.own_error(table.quantity, value_scale, row);
+                    let of_entry = sides.and_then(|sides| match table.quantity {
                         Quantity::FirstDerivatives => sides.first[i][row],
                         // The equations of one vector share their singular set: none of them has a gradient there.
                         Quantity::SecondDerivatives | Quantity::Acceleration => {
@@ -265,7 +242,7 @@ impl MpcCase {
                         Quantity::Rate => sides.rate[row],
                         _ => None,
                     });
-                    let angles = match sheet.quantity {
+                    let angles = match table.quantity {
                         Quantity::FirstDerivatives => units(i) == 1,
                         Quantity::SecondDerivatives => units(x) == 1 && units(y) == 1,
                         Quantity::Rate | Quantity::Acceleration => true,
@@ -277,11 +254,11 @@ impl MpcCase {
                         entry.want = sides.nearest(got);
                         entry.sides = Some(sides).filter(|sides| sides.differ(entry.tolerance()));
                     }
-                    sheet.entries.push(entry);
+                    table.entries.push(entry);
                 }
             }
         }
-        sheets
+        tables
     }
 }
 
@@ -333,7 +310,7 @@ pub fn moved<R: Differentiable>(state: &State<R>, by: &Dofs<R>) -> State<R> {
     }
 }
 
-impl Truth {
+impl WideConstraint {
     fn evaluate(&self, state: &State<Wide>, request: &Request) -> Evaluation<Wide> {
         let zero = Turns { turns: Wide::zero(), principal: Wide::zero() };
         self.constraint.evaluate(state, &[zero; 2], &Turning::none(), request, &mut Tally::default())

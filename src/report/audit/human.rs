@@ -1,13 +1,13 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
-use super::super::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use super::summary::{
-    LEGEND, Outcome, Row, detectable, headline, outcome, self_test as tested, sides, symbols, telling,
-    undecided,
+use crate::audit::summary::{
+    AuditOutcome, LEGEND, SubjectRow, detectable, headline, outcome, self_test as tested, sides, symbols,
+    telling, undecided,
 };
-use crate::audit::certificate::Certificate;
-use crate::audit::{Against, Approach, Check, Compared, Comparison, Report, Subject, Verdict};
-use crate::grammar::{agree, count};
+use crate::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
+use pintle_audit::oracles::certificate::Certificate;
+use pintle_audit::{Against, Approach, Check, Compared, Comparison, Report, Subject, Verdict};
+use pintle_scene::grammar::{agree, count};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -19,7 +19,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     if !report.subjects.is_empty() {
         numbers(out, report, width, verbose)?;
     }
-    super::model::human(out, &report.models, width)?;
+    crate::audit::model::human(out, &report.models, width)?;
     verdict(out, report)
 }
 
@@ -98,7 +98,7 @@ fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) ->
 
 /// Which numbers no state exercises, and which laws were not asked: once for each list of them.
 fn left_out(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
-    for (text, subjects) in super::summary::left_out(report) {
+    for (text, subjects) in crate::audit::summary::left_out(report) {
         for line in wrap(&format!("{}: {text}", some_of(&subjects)), width.saturating_sub(2)) {
             writeln!(out, "  {}", styled(DIM, line))?;
         }
@@ -142,7 +142,7 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn cells(subject: &Subject) -> Vec<String> {
-    let row = Row::of(subject);
+    let row = SubjectRow::of(subject);
     let mut cells = vec![row.name];
     cells.extend(row.verdicts.map(word));
     cells.extend([row.states, row.independent].map(|states| states.to_string()));
@@ -280,7 +280,7 @@ fn self_test(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 }
 
 fn verdict(out: &mut dyn Write, report: &Report) -> io::Result<()> {
-    let is_clean = outcome(report) == Outcome::Clean;
+    let is_clean = outcome(report) == AuditOutcome::Clean;
     let text = if is_clean { headline(report) } else { styled(CARE, headline(report)) };
     writeln!(out, "\n{}", styled(BOLD, text))
 }

@@ -1,20 +1,20 @@
 //! JUnit XML: a suite per connector, a case per check; a suite per model, a case per finding.
 
-use super::model::{gap, place, word};
-use super::summary::{laws_not_asked, not_exercised, sides, undecided, without_witness};
-use crate::audit::assembly::Assembly;
-use crate::audit::model::{Finding, ModelReport};
-use crate::audit::{Check, Report, Verdict};
-use crate::grammar::count;
-use crate::scene::Severity;
+use crate::audit::model::{gap, place, word};
+use crate::audit::summary::{laws_not_asked, not_exercised, sides, undecided, without_witness};
+use pintle_assembly::Assembly;
+use pintle_audit::model::{Finding, ModelReport};
+use pintle_audit::{Check, Report, Verdict};
+use pintle_scene::Severity;
+use pintle_scene::grammar::count;
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 
-/// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped, and a failure where the
-/// audit was asked to be strict. A suite for each model has a case for the rank of its assembly, and one for each of its findings: one that
-/// is an error fails, others pass and are told on standard output. `classname` is what a test is of: the connector, the constraint or the type, the
-/// model, the code of a finding. No test has a `time`: each gathers numbers of many states, judged in parallel with those of others, and two reports
-/// of the same numbers are the same to the byte.
+/// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped, and a failure
+/// where the audit was asked to be strict. A suite for each model has a case for the rank of its assembly, and one for each of its
+/// findings. A finding that is an error fails, others pass and are told on standard output. `classname` is what a test is of: the
+/// connector, the constraint or the type, the model, the code of a finding. No test has a `time`. Each gathers numbers of many
+/// states, judged in parallel with those of others, and two reports of the same numbers are the same to the byte.
 ///
 /// # Errors
 /// Where the stream cannot be written to.

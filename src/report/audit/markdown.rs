@@ -1,12 +1,12 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
-use super::summary::{
-    LEGEND, Outcome, Row, detectable, headline, left_out, outcome, self_test, sides, symbols, telling,
-    undecided,
+use crate::audit::summary::{
+    AuditOutcome, LEGEND, SubjectRow, detectable, headline, left_out, outcome, self_test, sides, symbols,
+    telling, undecided,
 };
-use crate::audit::model::{Finding, ModelReport};
-use crate::audit::{Check, Report, Subject};
-use crate::grammar::count;
+use pintle_audit::model::{Finding, ModelReport};
+use pintle_audit::{Check, Report, Subject};
+use pintle_scene::grammar::count;
 use std::io::{self, Write};
 
 /// Rows of a table that are shown at once; a longer table is folded.
@@ -87,10 +87,10 @@ impl Page {
 
 fn head(report: &Report) -> String {
     let mark = match outcome(report) {
-        Outcome::Failed => "❌",
-        Outcome::Undecided => "❔",
-        Outcome::Warned => "⚠️",
-        Outcome::Clean => "✅",
+        AuditOutcome::Failed => "❌",
+        AuditOutcome::Undecided => "❔",
+        AuditOutcome::Warned => "⚠️",
+        AuditOutcome::Clean => "✅",
     };
     let test = self_test(report);
     format!(
@@ -198,7 +198,7 @@ fn table(page: &mut Page, report: &Report) {
     );
     page.add(&heading);
     let row = |subject: &Subject| {
-        let row = Row::of(subject);
+        let row = SubjectRow::of(subject);
         let worst = row.worst.map(|units| units.map_or("–".into(), |units| format!("{units:.2}")));
         let seen = detectable(subject).map_or("–".into(), |delta| format!("{delta:.0e}"));
         let verdicts = row.verdicts.map(|verdict| {
@@ -256,7 +256,7 @@ fn models(page: &mut Page, report: &Report) {
     let mut models: Vec<&ModelReport> = report.models.iter().collect();
     models.sort_by_key(|model| !model.fails());
     for model in models {
-        let title = format!("\n### {}: {}\n", escaped(&model.scene), super::model::headline(model));
+        let title = format!("\n### {}: {}\n", escaped(&model.scene), crate::audit::model::headline(model));
         let mut findings: Vec<&Finding> = model.findings.iter().collect();
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
         let lines: Vec<String> = findings.into_iter().map(line).collect();
@@ -271,9 +271,9 @@ fn models(page: &mut Page, report: &Report) {
 fn line(finding: &Finding) -> String {
     let line = format!(
         "- **{}** `{}` {}: {}",
-        super::model::word(finding.severity()),
+        crate::audit::model::word(finding.severity()),
         finding.code(),
-        escaped(&super::model::place(finding)),
+        escaped(&crate::audit::model::place(finding)),
         escaped(finding.message())
     );
     match finding.remedy() {

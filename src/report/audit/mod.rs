@@ -13,7 +13,7 @@ pub use human::human;
 pub use junit::junit;
 pub use markdown::{LIMIT as MARKDOWN_LIMIT, markdown};
 
-use crate::audit::Report;
+use pintle_audit::Report;
 use std::io::{self, Write};
 
 /// The schema of the JSON report.
@@ -49,7 +49,7 @@ struct Document<'a> {
 struct Described {
     name: &'static str,
     meaning: &'static str,
-    shares: crate::audit::oracle::Shares,
+    shares: pintle_audit::oracles::oracle::Shares,
     independent: bool,
 }
 
@@ -74,9 +74,9 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     });
     let document = Document {
         schema: SCHEMA,
-        commit: crate::COMMIT,
-        signs: super::SIGNS,
-        rows: super::ROWS,
+        commit: pintle_bench::COMMIT,
+        signs: crate::SIGNS,
+        rows: crate::ROWS,
         oracles: oracles.collect(),
         mismatches: report.mismatches(),
         undecided: report.undecided(),
@@ -91,4 +91,56 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     };
     serde_json::to_writer_pretty(&mut *out, &document).map_err(io::Error::from)?;
     writeln!(out)
+}
+
+/// A report as an assertion.
+pub trait AssertOk {
+    /// Panics with the report for reading, unless nothing is wrong and something is verified: for `#[test]`s. A claim on numbers, that
+    /// derivatives are those of the function or that the formula is the manual's, is verified where an independent oracle has judged it; what
+    /// is undecided is no pass. The claim on the declaration, which no routine's numbers bear on, is not asked.
+    ///
+    /// ```should_panic
+    /// # use pintle_audit::{Candidate, Oracle, Settings};
+    /// # use pintle_report::audit::AssertOk;
+    /// # use pintle_kinematics::catalog::ConnectionType;
+    /// # use pintle_kinematics::connector::Definition;
+    /// # use pintle_kinematics::node::{Node, Pair};
+    /// # use pintle_kinematics::vector::identity;
+    /// # let node = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+    /// # let pair = Pair { reference: [2.0, 0.0, 0.0], a: node, b: node };
+    /// # let axial = Definition::new(ConnectionType::named("AXIAL", None).unwrap(), pair);
+    /// # let routine = |state: &pintle_kinematics::connector::State<f64>| {
+    /// #     let d = state.pair.separation();
+    /// #     let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+    /// #     let row = std::array::from_fn(|j| match j { 0..3 => -d[j] / length, 7..10 => d[j - 7] / length, _ => 0.0 });
+    /// #     ([Some(length - 2.0), None, None, None, None, None], [Some(row), None, None, None, None, None])
+    /// # };
+    /// // Right or not: dual numbers share with ours how derivatives come about, and no other witness is asked.
+    /// let settings = Settings { states: 20, atlas: false, oracles: [Oracle::NodalDual].into(), ..Settings::default() };
+    /// Candidate::new("my AXIAL", &axial).settings(settings).check(routine).assert_ok();
+    /// ```
+    ///
+    /// # Panics
+    /// Where a number is wrong, nothing was compared, a mutant survived, or the derivative or the formula of a subject is undecided; the message ends
+    /// with what was not decided and how to get a decision.
+    #[track_caller]
+    fn assert_ok(&self);
+}
+
+impl AssertOk for Report {
+    #[track_caller]
+    fn assert_ok(&self) {
+        let open = self.open_claims();
+        let is_proven = self.survivors() == 0 && self.contradictions() == 0;
+        let fine = self.mismatches() == 0 && is_proven && self.compared() > 0 && open.is_empty();
+        if !fine {
+            let mut text = Vec::new();
+            let written = human(&mut text, self, 100, false);
+            let text = written.map(|()| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
+            #[expect(clippy::panic, reason = "an assertion for tests")]
+            {
+                panic!("{}{}", anstream::adapter::strip_str(&text), open.concat());
+            }
+        }
+    }
 }

@@ -1,12 +1,12 @@
 //! What is found in the models of an audit, for reading: findings, the assembly, coverage.
 
-use super::super::layout::{BOLD, CARE, DIM, styled, wrap};
-use crate::audit::assembly::{Assembly, Position, Unnamed};
-use crate::audit::coverage::Histogram;
-use crate::audit::model::{Finding, ModelReport, Nearest};
-use crate::grammar::{count, ranges};
-use crate::measure::Unit;
-use crate::scene::Severity;
+use crate::layout::{BOLD, CARE, DIM, styled, wrap};
+use pintle_assembly::{Assembly, Position};
+use pintle_audit::model::{Finding, ModelReport, Nearest};
+use pintle_audit::sampling::coverage::Histogram;
+use pintle_kinematics::measure::Unit;
+use pintle_scene::Severity;
+use pintle_scene::grammar::{count, ranges};
 use std::io::{self, Write};
 
 /// Writes every model: its findings, then what its assembly can do, then what its states exercised.
@@ -126,9 +126,9 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
             count(assembly.parts, "part")
         ));
     }
-    if let Some(Unnamed { count: number, why, .. }) = &assembly.unnamed {
-        let constraints = count(*number, "redundant constraint");
-        lines.push(format!("{constraints} counted and not named: {}", why.meaning()));
+    if assembly.unnamed > 0 {
+        let constraints = count(assembly.unnamed, "redundant constraint");
+        lines.push(format!("{constraints} counted and not named"));
     }
     lines.extend(along(assembly));
     if !assembly.unread.is_empty() {

@@ -1,7 +1,7 @@
 //! What every form of the report says of a subject, counted once.
 
-use crate::audit::{Against, Cause, Check, Fared, Quantity, Report, Subject, Verdict};
-use crate::grammar::count;
+use pintle_audit::{Against, Cause, Check, Fared, Quantity, Report, Subject, Verdict};
+use pintle_scene::grammar::count;
 use std::collections::BTreeMap;
 
 /// What the columns of the table of verdicts say.
@@ -9,7 +9,7 @@ pub(super) const LEGEND: &str = "independent: of the states, those at which ever
      that is noticed, median";
 
 /// The line of a subject in the table of verdicts.
-pub(super) struct Row {
+pub(super) struct SubjectRow {
     pub(super) name: String,
     /// On derivative, formula, declaration.
     pub(super) verdicts: [Verdict; 3],
@@ -23,14 +23,14 @@ pub(super) struct Row {
 /// The quantities of components, and all of behaviour in one.
 const COLUMNS: usize = Quantity::ALL.len() + 1;
 
-/// The headings of the columns of [`Row::worst`].
+/// The headings of the columns of [`SubjectRow::worst`].
 pub(super) fn symbols() -> [&'static str; COLUMNS] {
     let mut symbols = ["F"; COLUMNS];
     symbols.iter_mut().zip(Quantity::ALL).for_each(|(symbol, quantity)| *symbol = quantity.symbol());
     symbols
 }
 
-impl Row {
+impl SubjectRow {
     pub(super) fn of(subject: &Subject) -> Self {
         Self {
             name: subject.name.clone(),
@@ -199,7 +199,7 @@ pub(super) fn by_mistake(report: &Report) -> BTreeMap<Cause, OfKind> {
 
 /// How an audit came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(super) enum AuditOutcome {
     /// Nothing is wrong, undecided or warned of.
     Clean,
     /// A finding is a warning, and nothing is worse.
@@ -211,18 +211,18 @@ pub(super) enum Outcome {
 }
 
 /// How an audit came out: every form of the report shows the same.
-pub(super) fn outcome(report: &Report) -> Outcome {
+pub(super) fn outcome(report: &Report) -> AuditOutcome {
     let is_open = report.undecided() > 0;
     let fails_as_open = report.settings.strict && report.is_open();
     let is_unproven = report.survivors() > 0 || report.contradictions() > 0;
     if report.mismatches() > 0 || is_unproven || report.failing_models() > 0 || fails_as_open {
-        Outcome::Failed
+        AuditOutcome::Failed
     } else if is_open {
-        Outcome::Undecided
+        AuditOutcome::Undecided
     } else if report.warnings() > 0 {
-        Outcome::Warned
+        AuditOutcome::Warned
     } else {
-        Outcome::Clean
+        AuditOutcome::Clean
     }
 }
 

@@ -3,17 +3,17 @@
 //! A part is read like a deck of its own. An instance is a copy of it, moved and turned, whose nodes and elements are called
 //! `INSTANCE.NUMBER` and whose sets and orientations `INSTANCE.NAME`; what its own lines add counts in the axes of the part, too.
 
-use super::connector::RawMpc;
-use super::sets::{OtherElements, SetBuilder};
-use super::{Deck, keywords};
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
-use crate::scene::label::{Instance, Label};
-use crate::scene::labelled::LabelSet;
-use crate::scene::lexer::{Items, Keyword};
-use crate::scene::model::{Scene, Target, TransformKind};
-use crate::scene::orientation::{Definition, Orientation, System, minus, scaled, sin_cos_degrees};
-use crate::scene::span::{Span, Spanned};
-use crate::scene::written::Placement;
+use crate::deck::connector::RawMpc;
+use crate::deck::sets::{OtherElements, SetBuilder};
+use crate::deck::{Deck, keywords};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::label::labelled::LabelSet;
+use crate::label::{Instance, Label};
+use crate::lexer::{Items, Keyword};
+use crate::model::{Scene, Target, TransformKind};
+use crate::orientation::{Definition, Orientation, System, minus, scaled, sin_cos_degrees};
+use crate::span::{Span, Spanned};
+use crate::written::Placement;
 use indexmap::IndexMap;
 use indexmap::map::Entry;
 

@@ -1,18 +1,19 @@
 //! `*CONNECTOR BEHAVIOR` and its suboptions.
 
-use super::mesh::not_negative;
-use super::table::{self, no_rows, raw, records, rows};
-use super::{Deck, Host, misplaced};
-use crate::scene::behavior::{
+use crate::behavior::{
     Affected, Behavior, Damage, DamageCriterion, DamageEvolution, DamageEvolutionKind, Damping, DampingKind,
     Degradation, DerivedTerm, Elasticity, Failure, Friction, FrictionCoefficient, FrictionKind, FrictionLaw,
     Hardening, HardeningKind, Independent, Law, Limits, Lock, Operator, Plasticity, Potential,
     PotentialFunction, PotentialOperator, PotentialTerm, Row, Softening, Source, Stop, TableOptions,
 };
-use crate::scene::choice::Choice;
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::lexer::{Data, Item, Keyword, normal};
-use crate::scene::span::{Span, Spanned};
+use crate::choice::Choice;
+use crate::deck::mesh::not_negative;
+use crate::deck::table;
+use crate::deck::table::{no_rows, raw, records, rows};
+use crate::deck::{Deck, Host, misplaced};
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::lexer::{Data, Item, Keyword, normal};
+use crate::span::{Span, Spanned};
 
 pub(super) fn behavior(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("NAME")?;
@@ -241,7 +242,7 @@ fn source(
     name: Result<Spanned<String>>,
     span: Span,
 ) -> Result<Spanned<Source>> {
-    let numeric = integer || crate::scene::lexer::parse_number(text).is_ok();
+    let numeric = integer || crate::lexer::parse_number(text).is_ok();
     let source = if numeric { Source::Component(component?) } else { Source::Derived(name?.value) };
     Ok(Spanned::new(source, span))
 }

@@ -1,12 +1,12 @@
 //! Connector sections and multi-point constraints.
 
-use super::Deck;
-use super::history::target;
-use crate::mpc;
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
-use crate::scene::lexer::{Data, Item, Keyword, normal};
-use crate::scene::model::{ConnectorSection, MpcKind, Target};
-use crate::scene::span::{Span, Spanned};
+use crate::deck::Deck;
+use crate::deck::history::target;
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::lexer::{Data, Item, Keyword, normal};
+use crate::model::{ConnectorSection, MpcKind, Target};
+use crate::span::{Span, Spanned};
+use pintle_kinematics::mpc;
 
 pub(super) fn section(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let element_set = keyword.need_name("ELSET")?;
@@ -106,7 +106,7 @@ const KEPT: &[&str] = &[
 ];
 
 pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    super::mesh::take_input(deck, keyword)?;
+    crate::deck::mesh::take_input(deck, keyword)?;
     let user = keyword.has("USER");
     let mut warnings: Vec<Diagnostic> = Vec::new();
     while let Some(line) = deck.lexer.row()? {

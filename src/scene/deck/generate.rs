@@ -1,13 +1,13 @@
 //! `*NGEN` and `*ELGEN`: nodes on straight lines, and elements in rows, of which a deck gives the first.
 
-use super::Deck;
-use super::mesh::{add_connector, add_point};
-use super::sets::{MAX_MEMBERS, SetBuilder};
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::label::Label;
-use crate::scene::lexer::{Item, Items, Keyword, MAX_LABEL};
-use crate::scene::model::{ConnectorElement, Node, PointElement};
-use crate::scene::span::Span;
+use crate::deck::Deck;
+use crate::deck::mesh::{add_connector, add_point};
+use crate::deck::sets::{MAX_MEMBERS, SetBuilder};
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::label::Label;
+use crate::lexer::{Item, Items, Keyword, MAX_LABEL};
+use crate::model::{ConnectorElement, Node, PointElement};
+use crate::span::Span;
 use indexmap::map::Entry;
 
 impl Deck<'_> {

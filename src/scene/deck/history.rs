@@ -1,15 +1,15 @@
 //! Steps and what happens in them: procedures, motions, loads, boundary conditions, output requests.
 
-use super::mesh::degree_of_freedom;
-use super::{Deck, misplaced};
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
-use crate::scene::lexer::{Item, Keyword, normal};
-use crate::scene::model::{
+use crate::deck::mesh::degree_of_freedom;
+use crate::deck::{Deck, misplaced};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::lexer::{Item, Keyword, normal};
+use crate::model::{
     Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
     ConnectorMotion, DistributedLoad, MotionType, Operation, OutputRequest, Procedure, Solver, Step, Target,
     Times,
 };
-use crate::scene::span::Spanned;
+use crate::span::Spanned;
 use indexmap::IndexMap;
 
 /// A number or a set.

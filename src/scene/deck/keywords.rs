@@ -1,15 +1,15 @@
 //! The keywords that are understood: where they may stand, and which parameters they take.
 
-use super::{Deck, assembly, behavior, connector, generate, history, mesh};
-use crate::scene::behavior::{
+use crate::behavior::{
     Basis, DamageCriterion, DamageEvolutionKind, DampingKind, Degradation, Extrapolation,
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialOperator, RateInterpolation,
     Softening,
 };
-use crate::scene::choice::Choice;
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
-use crate::scene::lexer::Keyword;
-use crate::scene::model::{
+use crate::choice::Choice;
+use crate::deck::{Deck, assembly, behavior, connector, generate, history, mesh};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::lexer::Keyword;
+use crate::model::{
     AmplitudeDefinition, AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation,
     TransformKind,
 };

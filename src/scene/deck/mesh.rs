@@ -1,18 +1,18 @@
 //! Nodes, sets, elements, orientations, and the properties of point elements.
 
-use super::sets::SetBuilder;
-use super::{Deck, table};
-use crate::scene::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
-use crate::scene::freedom::element_rotates;
-use crate::scene::label::{Instance, Label};
-use crate::scene::labelled::LabelSet;
-use crate::scene::lexer::{Data, Item, Items, Keyword};
-use crate::scene::model::{
+use crate::deck::sets::SetBuilder;
+use crate::deck::{Deck, table};
+use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
+use crate::freedom::element_rotates;
+use crate::label::labelled::LabelSet;
+use crate::label::{Instance, Label};
+use crate::lexer::{Data, Item, Items, Keyword};
+use crate::model::{
     ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Scene,
     Transform, TransformKind,
 };
-use crate::scene::orientation::{Definition, Orientation, System, sin_cos_degrees};
-use crate::scene::span::Span;
+use crate::orientation::{Definition, Orientation, System, sin_cos_degrees};
+use crate::span::Span;
 use indexmap::map::Entry;
 
 pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
@@ -106,7 +106,7 @@ pub(super) fn element_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
 }
 
 fn members(
-    lexer: &mut crate::scene::lexer::Lexer<'_>,
+    lexer: &mut crate::lexer::Lexer<'_>,
     keyword: &Keyword,
     instance: Option<Instance>,
     set: &mut SetBuilder,
@@ -158,9 +158,9 @@ fn range(line: &Data<'_>, instance: Option<Instance>, set: &mut SetBuilder, what
     if step == 0 {
         return error("an increment of 0 never ends".to_owned(), "use an increment of at least 1");
     }
-    if (last - first) / step >= super::MAX_MEMBERS {
+    if (last - first) / step >= crate::deck::MAX_MEMBERS {
         return error(
-            format!("the range has more than {} members", super::MAX_MEMBERS),
+            format!("the range has more than {} members", crate::deck::MAX_MEMBERS),
             "split the set, or use a larger increment",
         );
     }
@@ -176,7 +176,7 @@ enum ElementType {
 
 fn element_type(keyword: &Keyword) -> Result<ElementType> {
     let Some(value) = keyword.get("TYPE") else { return Err(keyword.missing("TYPE")) };
-    let name = crate::scene::lexer::normal(value.text());
+    let name = crate::lexer::normal(value.text());
     let points = PointKind::ALL;
     let connectors = ["CONN3D2", "CONN2D2"];
     Ok(match name.as_str() {

@@ -13,18 +13,19 @@ mod mesh;
 mod resolve;
 mod sets;
 mod table;
-pub(in crate::scene) mod write;
+pub(crate) mod write;
 
-use super::behavior::Behavior;
-use super::choice::Choice;
-use super::diagnostic::{Code, Diagnostic, Result, nearest};
-use super::document::form::Document;
-use super::document::{self, Format};
-use super::include::{Disk, Files, Named, NoFiles};
-use super::labelled::LabelSet;
-use super::lexer::{Keyword, Lexer, Value, not_utf8};
-use super::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
-use super::span::{Span, Spanned};
+use crate::behavior::Behavior;
+use crate::choice::Choice;
+use crate::diagnostic::{Code, Diagnostic, Result, nearest};
+use crate::document;
+use crate::document::Format;
+use crate::document::form::Document;
+use crate::include::{Disk, Files, Named, NoFiles};
+use crate::label::labelled::LabelSet;
+use crate::lexer::{Keyword, Lexer, Value, not_utf8};
+use crate::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
+use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage};
 use sets::{OtherElements, SetBuilder};
@@ -77,13 +78,13 @@ impl Scene {
     /// Like [`parse_bytes`](Self::parse_bytes), including what `files` has.
     ///
     /// ```
-    /// use pintle::scene::{Label, Scene};
+    /// use pintle_scene::{Label, Scene};
     /// use std::collections::BTreeMap;
     ///
     /// let files = BTreeMap::from([("mesh.inp".to_string(), "1, 0., 0., 0.\n2, 1., 0., 0.\n")]);
     /// let scene = Scene::parse_with("deck.inp", b"*NODE\n*INCLUDE, INPUT=mesh.inp\n", &files)?;
     /// assert_eq!(scene.nodes[&Label::from(2)].coordinates, [1.0, 0.0, 0.0]);
-    /// # Ok::<(), pintle::scene::Diagnostic>(())
+    /// # Ok::<(), pintle_scene::Diagnostic>(())
     /// ```
     ///
     /// # Errors
@@ -313,7 +314,7 @@ impl Deck<'_> {
             (self.behavior_open, self.host) = (false, Host::None);
         }
         if let Some(step) = self.step.as_mut().filter(|_| keywords::is_procedure(&keyword.name)) {
-            history::set_procedure(step, super::model::Procedure::Other(keyword.name.clone()), keyword)?;
+            history::set_procedure(step, crate::model::Procedure::Other(keyword.name.clone()), keyword)?;
         }
         for parameter in ["REF NODE", "TIE NSET"] {
             // A value that is neither a node nor a set names nothing that is kept.

@@ -1,15 +1,16 @@
 //! References between the parts of a deck, once all of it is known.
 
-use super::Deck;
-use super::connector::RawMpc;
-use super::mesh::duplicate_element;
-use super::sets::{self, Kind, Known, Member, OtherElements, unknown_set};
-use crate::scene::behavior::{Behavior, FrictionKind, Potential, Source};
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
-use crate::scene::label::Label;
-use crate::scene::labelled::{Beside, LabelMap, LabelSet};
-use crate::scene::model::{Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
-use crate::scene::span::{Span, Spanned};
+use crate::behavior::{Behavior, FrictionKind, Potential, Source};
+use crate::deck::Deck;
+use crate::deck::connector::RawMpc;
+use crate::deck::mesh::duplicate_element;
+use crate::deck::sets;
+use crate::deck::sets::{Kind, Known, Member, OtherElements, unknown_set};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
+use crate::label::Label;
+use crate::label::labelled::{Beside, LabelMap, LabelSet};
+use crate::model::{Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
+use crate::span::{Span, Spanned};
 use std::cell::OnceCell;
 
 pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {

@@ -1,10 +1,10 @@
 //! Sets while they are read, and what they contain once everything is known.
 
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
-use crate::scene::label::{Instance, Label};
-use crate::scene::labelled::{LabelSet, LabelState};
-use crate::scene::model::Set;
-use crate::scene::span::{Span, Spanned};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::label::labelled::{LabelSet, LabelState};
+use crate::label::{Instance, Label};
+use crate::model::Set;
+use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 use std::cell::OnceCell;
 use std::collections::HashMap;

@@ -1,9 +1,9 @@
 //! Tables of numbers: records of several columns, temperature and field variables.
 
-use crate::scene::behavior::Row;
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::lexer::Lexer;
-use crate::scene::span::Span;
+use crate::behavior::Row;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::lexer::Lexer;
+use crate::span::Span;
 
 /// Items on one data line of a table.
 pub(super) const PER_LINE: usize = 8;

@@ -1,9 +1,9 @@
 //! Values of a [`Tree`] as types that derive `Deserialize`. An error knows the innermost value that is at fault.
 
-use super::super::diagnostic::{Code, Diagnostic, suggest};
-use super::super::lexer::{NotANumber, parse_number};
-use super::super::span::Span;
-use super::tree::{Key, Tree, Value};
+use crate::diagnostic::{Code, Diagnostic, suggest};
+use crate::document::tree::{Key, Tree, Value};
+use crate::lexer::{NotANumber, parse_number};
+use crate::span::Span;
 use serde::de::value::{SeqDeserializer, StrDeserializer};
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer, MapAccess, SeqAccess,

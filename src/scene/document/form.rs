@@ -1,25 +1,25 @@
 //! How a scene is written in TOML and JSON. The JSON Schema is made from these types.
 
-pub(in crate::scene) use super::value::{
-    Component, Entries, Item, Member, OneOrMany, Parameter, Point, PointOrNode, Row, Source, Target,
-};
-use crate::scene::behavior::{
+use crate::behavior::{
     Basis, DamageCriterion, DamageEvolutionKind, DampingKind, Degradation, Extrapolation,
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialFunction, PotentialOperator,
     RateInterpolation, Softening, TableOptions,
 };
-use crate::scene::model::{
+pub(crate) use crate::document::value::{
+    Component, Entries, Item, Member, OneOrMany, Parameter, Point, PointOrNode, Row, Source, Target,
+};
+use crate::model::{
     AmplitudeDefinition, AmplitudeTime, AmplitudeValue, ConditionKind, DefaultAmplitude, Dimension,
     MotionType, Operation, PointKind, TransformKind,
 };
-use crate::scene::orientation::System;
-use crate::scene::span::{Span, Spanned};
-use crate::scene::states::Motion;
+use crate::orientation::System;
+use crate::span::{Span, Spanned};
+use crate::states::Motion;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The version of the form.
-pub(in crate::scene) const SCHEMA: &str = "pintle-scene/1";
+pub(crate) const SCHEMA: &str = "pintle-scene/1";
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
@@ -44,7 +44,7 @@ macro_rules! form {
             }
         }
         impl $name {
-            pub(in crate::scene) fn options(&self) -> Options {
+            pub(crate) fn options(&self) -> Options {
                 (self.extrapolation, self.regularize, self.rtol)
             }
             pub(super) fn set_options(&mut self, table: TableOptions) {
@@ -61,16 +61,16 @@ macro_rules! form {
         $(#[$meta])*
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
-        pub(in crate::scene) struct $name {
-            $($(#[$needed_meta])* pub(in crate::scene) $needed: $needed_type,)*
+        pub(crate) struct $name {
+            $($(#[$needed_meta])* pub(crate) $needed: $needed_type,)*
             $($(#[$field_meta])* #[serde(default, skip_serializing_if = "is_default")]
-              pub(in crate::scene) $field: $type,)*
+              pub(crate) $field: $type,)*
         }
     };
 }
 
 /// Extrapolation, regularisation, tolerance.
-pub(in crate::scene) type Options = (Option<Extrapolation>, Option<bool>, Option<Spanned<f64>>);
+pub(crate) type Options = (Option<Extrapolation>, Option<bool>, Option<Spanned<f64>>);
 
 /// A value that was not read anywhere.
 pub(super) fn placeless<T>(value: T) -> Spanned<T> {
@@ -200,7 +200,7 @@ form! {
 /// How the points of an orientation are given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub(in crate::scene) enum Definition {
+pub(crate) enum Definition {
     /// Global coordinates.
     Coordinates,
     /// Nodes of the scene.

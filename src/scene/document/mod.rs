@@ -1,7 +1,7 @@
 //! Scenes in TOML and JSON.
 //!
 //! Both are read into one tree of values with places ([`tree`]), and from it into the types of [`form`], which are
-//! also what the JSON Schema is made from. A document then stands for a deck ([`super::deck::write`]), whose lines
+//! also what the JSON Schema is made from. A document then stands for a deck ([`crate::deck::write`]), whose lines
 //! know their places in the document: the reader of decks checks it, and says where it is at fault.
 
 pub(super) mod de;
@@ -11,13 +11,13 @@ mod value;
 mod wording;
 mod write;
 
-use super::deck;
-use super::diagnostic::{Code, Diagnostic, Result};
-use super::include::{Named, NoFiles};
-use super::label::Label;
-use super::model::{Scene, Skipped};
-use super::span::{Span, Spanned};
-use super::states;
+use crate::deck;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::include::{Named, NoFiles};
+use crate::label::Label;
+use crate::model::{Scene, Skipped};
+use crate::span::{Span, Spanned};
+use crate::states;
 use form::{Document, SCHEMA};
 use serde::Deserialize;
 use std::io::Read;
@@ -50,7 +50,7 @@ impl Format {
 }
 
 /// The diagnostic in the words of the form that a scene was read from.
-pub(crate) fn in_words_of(scene: &Scene, diagnostic: Diagnostic) -> Diagnostic {
+pub fn in_words_of(scene: &Scene, diagnostic: Diagnostic) -> Diagnostic {
     match Format::of_path(Path::new(&scene.name)) {
         Format::Deck => diagnostic,
         Format::Toml | Format::Json => wording::of_document(diagnostic),

@@ -1,7 +1,7 @@
 //! A document as a tree of values, each of which knows where it was read; TOML and JSON give the same trees.
 
-use super::super::diagnostic::{Code, Diagnostic, Result};
-use super::super::span::Span;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::span::Span;
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;

@@ -1,9 +1,9 @@
 //! The values of a scene's form that derived implementations cannot read, write or describe: values with their place, values by name,
 //! values of several kinds, rows of tables.
 
-use super::de::PLACED;
-use super::form::{FullRow, List, Name, Range, placeless};
-use crate::scene::span::{Span, Spanned};
+use crate::document::de::PLACED;
+use crate::document::form::{FullRow, List, Name, Range, placeless};
+use crate::span::{Span, Spanned};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeSeq};
@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 
 /// Values by name, in their order.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::scene) struct Entries<T>(pub(in crate::scene) Vec<(Name, T)>);
+pub(crate) struct Entries<T>(pub(crate) Vec<(Name, T)>);
 
 impl<T> Default for Entries<T> {
     fn default() -> Self {
@@ -156,7 +156,7 @@ macro_rules! simple {
 
 /// A component of relative motion; its range is for the reader of decks to check.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(in crate::scene) struct Component(pub(in crate::scene) u64);
+pub(crate) struct Component(pub(crate) u64);
 
 simple! {
     Component, "a component, 1 to 6", {"type": "integer", "minimum": 1, "maximum": 6};
@@ -165,7 +165,7 @@ simple! {
 
 /// A number, or nothing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(in crate::scene) struct Item(pub(in crate::scene) Option<f64>);
+pub(crate) struct Item(pub(crate) Option<f64>);
 
 #[expect(clippy::cast_precision_loss, reason = "the nearest double is meant")]
 const fn nearest(number: u64) -> f64 {
@@ -187,7 +187,7 @@ simple! {
 /// A node or element number, a number of an instance such as CRANK-1.5, or the name of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(in crate::scene) enum Target {
+pub(crate) enum Target {
     /// A number.
     Number(u64),
     /// A label with an instance, or a set.
@@ -218,7 +218,7 @@ simple! {
 /// A component, or the name of a derived component.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(in crate::scene) enum Source {
+pub(crate) enum Source {
     /// A component.
     Component(u64),
     /// A derived component.
@@ -240,7 +240,7 @@ simple! {
 
 /// A value of a parameter, or that it has none.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::scene) struct Parameter(pub(in crate::scene) Option<String>);
+pub(crate) struct Parameter(pub(crate) Option<String>);
 
 simple! {
     Parameter, "a text, or true for a parameter without a value",
@@ -291,7 +291,7 @@ macro_rules! listed {
 
 /// One to three coordinates; those that are not given are 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub(in crate::scene) struct Point(pub(in crate::scene) Vec<Spanned<f64>>);
+pub(crate) struct Point(pub(crate) Vec<Spanned<f64>>);
 
 listed! {
     Point, "a list of up to three coordinates",
@@ -306,7 +306,7 @@ listed! {
 /// Three coordinates, or a node.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(in crate::scene) enum PointOrNode {
+pub(crate) enum PointOrNode {
     /// Coordinates.
     Point(Vec<Spanned<f64>>),
     /// A node.
@@ -330,7 +330,7 @@ listed! {
 
 /// One text or a list of them.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(in crate::scene) struct OneOrMany(pub(in crate::scene) Vec<Name>);
+pub(crate) struct OneOrMany(pub(crate) Vec<Name>);
 
 impl Serialize for OneOrMany {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -382,7 +382,7 @@ listed! {
 /// A member of a set: a node or element, another set, or a range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(in crate::scene) enum Member {
+pub(crate) enum Member {
     /// A number, or a text as [`Target`] has it.
     One(Target),
     /// Numbers at equal distances.
@@ -426,10 +426,10 @@ impl JsonSchema for Member {
 
 /// A row of a table: its columns, or columns with a temperature and field variables.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(in crate::scene) struct Row {
-    pub(in crate::scene) values: List<Item>,
-    pub(in crate::scene) temperature: Option<Spanned<f64>>,
-    pub(in crate::scene) fields: List<Item>,
+pub(crate) struct Row {
+    pub(crate) values: List<Item>,
+    pub(crate) temperature: Option<Spanned<f64>>,
+    pub(crate) fields: List<Item>,
 }
 
 impl Serialize for Row {

@@ -1,6 +1,6 @@
 //! Messages of the reader of decks, in the words of documents.
 
-use super::super::diagnostic::Diagnostic;
+use crate::diagnostic::Diagnostic;
 
 /// What decks call things, and what documents call them; longer names first.
 const WORDS: &[(&str, &str)] = &[

@@ -1,9 +1,10 @@
 //! Forces from JSON, as they are read.
 
-use super::{ElementForces, ForceSign, Group, Owner, StateForces, Take};
-use crate::scene::diagnostic::{Code, Result};
-use crate::scene::model::Scene;
-use crate::scene::states::{self, Context, Fault, Source};
+use crate::diagnostic::{Code, Result};
+use crate::forces::{ElementForces, ForceSign, Group, Owner, StateForces, Take};
+use crate::model::Scene;
+use crate::states;
+use crate::states::{Context, Fault, Source};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -55,9 +56,9 @@ pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &
 }
 
 /// The forces of one state by element number.
-pub(in crate::scene) struct JsonForces<'a> {
-    pub(in crate::scene) context: Context<'a>,
-    pub(in crate::scene) sign: ForceSign,
+pub(crate) struct JsonForces<'a> {
+    pub(crate) context: Context<'a>,
+    pub(crate) sign: ForceSign,
 }
 
 struct JsonGroups<'a>(JsonFile<'a>);

@@ -1,9 +1,10 @@
 //! Files of component forces: held as a whole, or read state by state.
 
-use super::{ForceSign, Group, StateForces, Take, document, table};
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::model::Scene;
-use crate::scene::states::{self, Source, State, StateMark};
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::forces::{ForceSign, Group, StateForces, Take, document, table};
+use crate::model::Scene;
+use crate::states;
+use crate::states::{Source, State, StateMark};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

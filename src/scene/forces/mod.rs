@@ -1,9 +1,11 @@
 //! Component forces of connectors, state by state, as FE codes export them.
 //!
 //! # Names
-//! `f1` `f2` `f3` `m1` `m2` `m3`, or `CTF1` … `CTM3`: the total force CTF = CEF + CVF + CSF + CRF − CCF of each component. `CRF1` …
-//! `CRM3`: the reaction, which is the total force of a constrained component; of an available one it is a part, and the total has
-//! to be given. Components that a connector does not have may be 0.
+//! - `f1` `f2` `f3` `m1` `m2` `m3`, or `CTF1` … `CTM3`: the total force `CTF = CEF + CVF + CSF + CRF − CCF` of each component.
+//! - `CRF1` … `CRM3`: the reaction, which is the total force of a constrained component; of an available one it is a part, and the
+//!   total has to be given.
+//!
+//! Components that a connector does not have may be 0.
 //!
 //! # CSV
 //! The first line names the columns, in any order and case: `element`, `state` (the number of the state: its own, or counted from 0) or
@@ -14,8 +16,8 @@
 //! file of states has the same under `forces` beside `nodes`.
 //!
 //! # Multi-point constraints
-//! `element` may be the nodes of an MPC, `10-20-30`: f1 f2 f3 and m1 m2 m3 are then the force and the moment that it puts on its first,
-//! dependent node, global components; those that it does not transmit may be 0.
+//! The `element` may be the nodes of an MPC, `10-20-30`. Then f1 f2 f3 and m1 m2 m3 are the force and the moment that it puts on
+//! its first, dependent node, global components. Those that it does not transmit may be 0.
 //!
 //! # Signs
 //! [`ForceSign`]: internal, positive resists growth of the component, unless the forces of constraints are said to be those on b.
@@ -27,17 +29,18 @@ mod table;
 pub(super) use document::JsonForces;
 pub use file::{ForceFile, ForceStream, StateIndex};
 
-use super::diagnostic::{Code, Result};
-use super::label::Label;
-use super::model::{Mpc, Scene};
-use super::span::{Span, Spanned};
-use super::states::{self, Fault};
+use crate::diagnostic::{Code, Result};
+use crate::label::Label;
+use crate::model::{Mpc, Scene};
+use crate::span::{Span, Spanned};
+use crate::states;
+use crate::states::Fault;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// What a positive force means (decision D-14).
+/// What a positive force means.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForceSign {

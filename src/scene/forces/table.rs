@@ -1,10 +1,11 @@
 //! Forces from CSV, as they are read.
 
-use super::{ElementForces, ForceSign, Group, KEYS, NAMES, Owner, StateForces, Take};
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::model::Scene;
-use crate::scene::span::Span;
-use crate::scene::states::{self, CsvRow, Source};
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::forces::{ElementForces, ForceSign, Group, KEYS, NAMES, Owner, StateForces, Take};
+use crate::model::Scene;
+use crate::span::Span;
+use crate::states;
+use crate::states::{CsvRow, Source};
 use std::collections::HashSet;
 
 /// Hands on the forces of a table, state by state.

@@ -1,11 +1,11 @@
 //! Data lines and their items, and the places of lines that were not written as a deck.
 
-use super::value::{Value, component, integer, name, normal, number, word};
-use super::{Keyword, KeywordParameter, MAX_LABEL};
-use crate::scene::choice::Choice;
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::label::{Label, LabelError};
-use crate::scene::span::{Span, Spanned};
+use crate::choice::Choice;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::label::{Label, LabelError};
+use crate::lexer::value::{Value, component, integer, name, normal, number, word};
+use crate::lexer::{Keyword, KeywordParameter, MAX_LABEL};
+use crate::span::{Span, Spanned};
 
 /// Where the lines and items of a deck come from that was not written as a deck.
 #[derive(Debug, Default)]

@@ -6,9 +6,10 @@
 mod item;
 mod value;
 
-use super::diagnostic::{Code, Diagnostic, Result};
-use super::include::{self, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES};
-use super::span::Span;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::include;
+use crate::include::{Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES};
+use crate::span::Span;
 use std::io::{BufRead, Read};
 
 pub(crate) use item::{Data, Item, Items, Places};
@@ -366,7 +367,7 @@ pub(crate) fn not_utf8(place: Span) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::{Keyword, Lexer, NotANumber, parse_number};
-    use crate::scene::{Code, NoFiles};
+    use crate::{Code, NoFiles};
 
     fn lexer(text: &str) -> Lexer<'_> {
         Lexer::new("deck.inp", Box::new(text.as_bytes()), &NoFiles)

@@ -1,7 +1,7 @@
 //! What an item says: a number, a name, a component, a word.
 
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
-use crate::scene::span::{Span, Spanned};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::span::{Span, Spanned};
 
 /// The value of a parameter or an item of a data line, detached from the buffer.
 #[derive(Debug, Clone)]

@@ -1,21 +1,21 @@
 //! States from JSON, as they are read.
 
-use super::source::{Source, unreadable};
-use super::table::empty;
-use super::{Fault, Motion, SCHEMA, State, Take, check_motion, check_node, check_number, label};
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::forces::{ForceSign, JsonForces, StateForces};
-use crate::scene::freedom::NodeFreedom;
-use crate::scene::model::Scene;
-use crate::scene::span::Span;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::forces::{ForceSign, JsonForces, StateForces};
+use crate::freedom::NodeFreedom;
+use crate::model::Scene;
+use crate::span::Span;
+use crate::states::source::{Source, unreadable};
+use crate::states::table::empty;
+use crate::states::{Fault, Motion, SCHEMA, State, Take, check_motion, check_node, check_number, label};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use std::cell::{Cell, RefCell};
 use std::io;
 
 /// Carries the scene, and the fault of our own that stopped the reading, through serde.
 #[derive(Clone, Copy)]
-pub(in crate::scene) struct Context<'a> {
-    pub(in crate::scene) scene: &'a Scene,
+pub(crate) struct Context<'a> {
+    pub(crate) scene: &'a Scene,
     freedom: &'a NodeFreedom,
     fault: &'a Cell<Option<Fault>>,
     /// What becomes of a state: a fault stops the reading, and none does so too.
@@ -23,7 +23,7 @@ pub(in crate::scene) struct Context<'a> {
 }
 
 impl Context<'_> {
-    pub(in crate::scene) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
+    pub(crate) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
         let error = E::custom(&fault.message);
         self.fault.set(Some(fault));
         error
@@ -69,7 +69,7 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
 }
 
 /// Reads a document with `take`; `form` shows an example in the remedy.
-pub(in crate::scene) fn read_json<'de, R: serde_json::de::Read<'de>, T>(
+pub(crate) fn read_json<'de, R: serde_json::de::Read<'de>, T>(
     reader: &mut serde_json::Deserializer<R>,
     source: Source<'_>,
     scene: &Scene,
@@ -128,7 +128,7 @@ seed!(JsonStates, (), deserialize_seq, "an array of states");
 seed!(JsonState, State, deserialize_map, "an object with `time`, `nodes` and `forces`");
 seed!(JsonNodes, State, deserialize_map, "an object with a motion for each node number");
 
-pub(in crate::scene) fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
+pub(crate) fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
     if seen { Err(E::duplicate_field(name)) } else { Ok(()) }
 }
 

@@ -2,28 +2,31 @@
 //!
 //! # CSV
 //! The first line names the columns, in any order; columns that are not there are 0:
-//! `state`, `time`, `node`, `u1` `u2` `u3` (displacement), `ur1` `ur2` `ur3` (rotation vector) or `q0` `q1` `q2`
-//! `q3` (quaternion), `v1` `v2` `v3`, `vr1` `vr2` `vr3` (spatial angular velocity), `a1` `a2` `a3`, `ar1` `ar2`
-//! `ar3` (spatial angular acceleration), `flow`, `flow_v`, `flow_a`. Only `node` is needed. Rows with the same
-//! number in `state` form one state; the numbers increase, and reports call the states by them. Lines that begin with #
-//! are comments.
-//! In an assembly, `node` is `INSTANCE.NUMBER`, such as `CRANK-1.5`; likewise in JSON.
+//! - `state`, `time`, `node`;
+//! - `u1` `u2` `u3` (displacement), `ur1` `ur2` `ur3` (rotation vector) or `q0` `q1` `q2` `q3` (quaternion);
+//! - `v1` `v2` `v3`, `vr1` `vr2` `vr3` (spatial angular velocity);
+//! - `a1` `a2` `a3`, `ar1` `ar2` `ar3` (spatial angular acceleration);
+//! - `flow`, `flow_v`, `flow_a`.
+//!
+//! Only `node` is needed. Rows with the same number in `state` form one state; the numbers increase, and reports call the states by
+//! them. Lines that begin with # are comments. In an assembly, `node` is `INSTANCE.NUMBER`, such as `CRANK-1.5`; likewise in JSON.
 //!
 //! # JSON
-//! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0],
-//! "rotation": [0, 0, 7.5]}}}]}`, with the names of [`NodeMotion`]; `rotation` or `quaternion`. A state may have a
-//! `number`, and beside `nodes` component forces by element number: `"forces": {"101": {"f1": 2.5}}` ([`super::ElementForces`]).
+//! `{"schema": "pintle-states/1", "states": [{"time": 0.5, "nodes": {"2": {"displacement": [0, 0, 0], "rotation": [0, 0, 7.5]}}}]}`,
+//! with the names of [`NodeMotion`]; `rotation` or `quaternion`. A state may have a `number`, and beside `nodes` component forces
+//! by element number: `"forces": {"101": {"f1": 2.5}}` ([`crate::ElementForces`]).
 
 mod document;
 mod source;
 mod table;
 
-use super::diagnostic::{Code, Diagnostic, Result};
-use super::forces::{self, ElementForces, GivenForces};
-use super::freedom::NodeFreedom;
-use super::label::{Label, LabelError};
-use super::model::Scene;
-use super::span::{Span, Spanned};
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::forces;
+use crate::forces::{ElementForces, GivenForces};
+use crate::freedom::NodeFreedom;
+use crate::label::{Label, LabelError};
+use crate::model::Scene;
+use crate::span::{Span, Spanned};
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};

@@ -1,9 +1,9 @@
 //! Where states are read from: a text, or a file that is never held as a whole.
 
-use super::{State, document, table};
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::model::Scene;
-use crate::scene::span::Span;
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::model::Scene;
+use crate::span::Span;
+use crate::states::{State, document, table};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::ops::ControlFlow;
@@ -13,14 +13,14 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// A text, or a file; bytes are counted after a byte order mark.
 #[derive(Clone, Copy)]
-pub(in crate::scene) enum Source<'a> {
+pub(crate) enum Source<'a> {
     Text(&'a str),
     File(&'a Path),
 }
 
 impl<'a> Source<'a> {
     /// The text from a byte on.
-    pub(in crate::scene) fn reader(self, start: u64) -> io::Result<Box<dyn BufRead + 'a>> {
+    pub(crate) fn reader(self, start: u64) -> io::Result<Box<dyn BufRead + 'a>> {
         match self {
             Self::Text(text) => {
                 let start = usize::try_from(start).unwrap_or(usize::MAX);
@@ -74,7 +74,7 @@ fn skip_line(reader: &mut impl BufRead) -> io::Result<u64> {
 /// are.
 ///
 /// ```
-/// use pintle::scene::{Diagnostic, Scene, StateStream};
+/// use pintle_scene::{Diagnostic, Scene, StateStream};
 /// # let path = std::env::temp_dir().join(format!("pintle-stream-{}.csv", std::process::id()));
 /// # std::fs::write(&path, "state,node,u1\n0,1,0.5\n1,1,0.75\n")?;
 /// let scene = Scene::parse("one.inp", "*NODE\n1, 0., 0., 0.\n")?;
@@ -140,7 +140,7 @@ impl StateStream {
 }
 
 /// An error in a file, with its place shown.
-pub(in crate::scene) fn located_in(path: &Path, error: Diagnostic) -> Diagnostic {
+pub(crate) fn located_in(path: &Path, error: Diagnostic) -> Diagnostic {
     let name = path.display().to_string();
     let mut errors = [error];
     match Source::File(path).reader(0) {
@@ -152,7 +152,7 @@ pub(in crate::scene) fn located_in(path: &Path, error: Diagnostic) -> Diagnostic
 }
 
 /// Whether a file of `what` is JSON rather than CSV, by its ending.
-pub(in crate::scene) fn is_json(path: &Path, what: &str) -> Result<bool> {
+pub(crate) fn is_json(path: &Path, what: &str) -> Result<bool> {
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
     match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("csv") => Ok(false),
@@ -168,25 +168,25 @@ pub(in crate::scene) fn is_json(path: &Path, what: &str) -> Result<bool> {
 }
 
 /// A file that cannot be read.
-pub(in crate::scene) fn unreadable(error: &io::Error) -> Diagnostic {
+pub(crate) fn unreadable(error: &io::Error) -> Diagnostic {
     let message = format!("cannot be read: {error}");
     Diagnostic::error(Code::Unreadable, Span::default(), message, "")
         .help("check the path and its permissions")
 }
 
 /// The name and text of a file of `what`, and whether it is JSON rather than CSV.
-pub(in crate::scene) fn text_of(path: &Path, what: &str) -> Result<(String, String, bool)> {
+pub(crate) fn text_of(path: &Path, what: &str) -> Result<(String, String, bool)> {
     let name = path.display().to_string();
     let is_json = is_json(path, what)?;
     let text = std::fs::read_to_string(path).map_err(|error| unreadable(&error).in_file(&name))?;
     Ok((name, text, is_json))
 }
 
-pub(in crate::scene) fn without_mark(text: &str) -> &str {
+pub(crate) fn without_mark(text: &str) -> &str {
     text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
 }
 
-pub(in crate::scene) fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
+pub(crate) fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
     let mut errors = [error];
     Diagnostic::attach(&mut errors, name, text.as_bytes());
     let [error] = errors;

@@ -1,13 +1,13 @@
 //! States, and other rows, from CSV, as they are read.
 
-use super::source::{Source, unreadable};
-use super::{NodeMotion, State, Take, check_motion, check_node, label, rotation};
-use crate::scene::diagnostic::{Code, Diagnostic, Result, suggest};
-use crate::scene::freedom::NodeFreedom;
-use crate::scene::label::Label;
-use crate::scene::lexer::{NotANumber, parse_number};
-use crate::scene::model::Scene;
-use crate::scene::span::Span;
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::freedom::NodeFreedom;
+use crate::label::Label;
+use crate::lexer::{NotANumber, parse_number};
+use crate::model::Scene;
+use crate::span::Span;
+use crate::states::source::{Source, unreadable};
+use crate::states::{NodeMotion, State, Take, check_motion, check_node, label, rotation};
 use std::io::{self, BufRead};
 
 const COLUMNS: [&str; 28] = [
@@ -16,7 +16,7 @@ const COLUMNS: [&str; 28] = [
 ];
 
 /// Hands on the rows of a table, whose columns `find` knows by the fields of its first line; `known` lists them.
-pub(in crate::scene) fn csv_rows(
+pub(crate) fn csv_rows(
     source: Source<'_>,
     known: &[&'static str],
     find: impl Fn(&str) -> Option<&'static str>,
@@ -127,7 +127,7 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
     Ok(())
 }
 
-pub(in crate::scene) fn empty(what: &str) -> Diagnostic {
+pub(crate) fn empty(what: &str) -> Diagnostic {
     Diagnostic::error(Code::StatesEmpty, Span::default(), format!("the file has no {what}"), "")
         .help("give a header line and at least one row, or leave the file out for the initial state")
 }
@@ -196,7 +196,7 @@ fn header_columns(
 }
 
 /// A row of a table. Where it stands is found when it is asked for.
-pub(in crate::scene) struct CsvRow<'a> {
+pub(crate) struct CsvRow<'a> {
     record: &'a csv::StringRecord,
     columns: &'a [&'static str],
     source: Source<'a>,
@@ -207,17 +207,17 @@ impl CsvRow<'_> {
         self.columns.contains(&column)
     }
 
-    pub(in crate::scene) fn span(&self) -> Span {
+    pub(crate) fn span(&self) -> Span {
         row_span(self.record, self.source)
     }
 
-    pub(in crate::scene) fn field(&self, column: &str) -> Option<&str> {
+    pub(crate) fn field(&self, column: &str) -> Option<&str> {
         let index = self.columns.iter().position(|known| *known == column)?;
         self.record.get(index).filter(|field| !field.is_empty())
     }
 
     /// Where a field stands; the whole row if it has quotation marks.
-    pub(in crate::scene) fn place(&self, column: &str) -> Span {
+    pub(crate) fn place(&self, column: &str) -> Span {
         let index = self.columns.iter().position(|known| *known == column);
         let found = row_line(self.record, self.source);
         let (Some(index), Some((start, line, row))) = (index, found) else { return self.span() };
@@ -231,7 +231,7 @@ impl CsvRow<'_> {
         Span::new(0, line, start + (before + lead) as u64, field.trim().len())
     }
 
-    pub(in crate::scene) fn number(&self, column: &str) -> Result<Option<f64>> {
+    pub(crate) fn number(&self, column: &str) -> Result<Option<f64>> {
         let Some(field) = self.field(column) else { return Ok(None) };
         parse_number(field).map(Some).map_err(|why| {
             let (code, message, remedy) = match why {
@@ -250,7 +250,7 @@ impl CsvRow<'_> {
         })
     }
 
-    pub(in crate::scene) fn integer(&self, column: &str) -> Result<Option<u64>> {
+    pub(crate) fn integer(&self, column: &str) -> Result<Option<u64>> {
         let Some(field) = self.field(column) else { return Ok(None) };
         field.parse().map(Some).map_err(|_| {
             let message = format!("`{field}` in column {column} is not a whole number");
@@ -264,7 +264,7 @@ impl CsvRow<'_> {
         })
     }
 
-    pub(in crate::scene) fn label(&self, column: &str) -> Result<Option<Label>> {
+    pub(crate) fn label(&self, column: &str) -> Result<Option<Label>> {
         let Some(field) = self.field(column) else { return Ok(None) };
         label(field, column)
             .map(Some)

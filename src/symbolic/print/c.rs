@@ -1,10 +1,11 @@
 //! C99.
 
-use super::{Language, Level, Text, call};
-use crate::symbolic::graph::{Node, Number};
-use crate::symbolic::input::{Input, Shape};
+use crate::graph::{Node, Number};
+use crate::input::{Input, Shape};
+use crate::print::{Language, Level, Text, call};
 
-pub(crate) struct C;
+/// Expressions in C99.
+pub struct C;
 
 /// A double in C, Rust and Python.
 pub(super) fn double(x: f64) -> Text {

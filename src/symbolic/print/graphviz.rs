@@ -1,9 +1,9 @@
 //! Expression graphs for Graphviz.
 
-use super::text::{PART, Unicode};
-use super::{Language, Text};
-use crate::symbolic::graph::{Graph, Id, Node};
-use crate::symbolic::input::Inputs;
+use crate::graph::{Graph, Id, Node};
+use crate::input::Inputs;
+use crate::print::text::{PART, Unicode};
+use crate::print::{Language, Text};
 
 /// The graph that `roots` are formed from, in the DOT language: `dot -Tsvg` draws it. Arrows lead from operands to what is formed of
 /// them; those of operands that may not be exchanged are numbered.

@@ -1,11 +1,12 @@
 //! Python on JAX arrays.
 
-use super::c::{coefficient, double, number, quotient};
-use super::{Language, Text, call};
-use crate::symbolic::graph::{Node, Number};
-use crate::symbolic::input::{Input, Shape};
+use crate::graph::{Node, Number};
+use crate::input::{Input, Shape};
+use crate::print::c::{coefficient, double, number, quotient};
+use crate::print::{Language, Text, call};
 
-pub(crate) struct Jax;
+/// Expressions in Python on JAX arrays.
+pub struct Jax;
 
 /// The entry of an input in Python.
 pub(super) fn indexed(input: &Input, place: usize) -> Text {

@@ -1,15 +1,16 @@
 //! Formulas in LaTeX.
 
-use super::text::PART;
-use super::{Language, Level, Text};
-use crate::symbolic::graph::{Node, Number};
-use crate::symbolic::input::{Input, Shape};
+use crate::graph::{Node, Number};
+use crate::input::{Input, Shape};
+use crate::print::text::PART;
+use crate::print::{Language, Level, Text};
 
-pub(crate) struct Latex;
+/// Expressions in LaTeX.
+pub struct Latex;
 
 impl Latex {
     /// A symbol of the sources: `R_r`, `F_C^int`, `M_C1^int`, `α`, `Ψa`, `f1`.
-    pub(crate) fn symbol(symbol: &str) -> String {
+    pub fn symbol(symbol: &str) -> String {
         let (front, exponent) = symbol.split_once('^').map_or((symbol, None), |(f, e)| (f, Some(e)));
         let (base, index) = front.split_once('_').map_or_else(
             || {

@@ -4,20 +4,20 @@ mod c;
 mod graphviz;
 mod jax;
 mod latex;
-pub(crate) mod runtime;
+pub mod runtime;
 mod rust;
 mod sympy;
 mod text;
 
-pub(crate) use c::C;
-pub(crate) use jax::Jax;
-pub(crate) use latex::Latex;
-pub(crate) use rust::Rust;
-pub(crate) use sympy::Sympy;
-pub(crate) use text::Unicode;
+pub use c::C;
+pub use jax::Jax;
+pub use latex::Latex;
+pub use rust::Rust;
+pub use sympy::Sympy;
+pub use text::Unicode;
 
-use super::graph::{Graph, Id, Node, Number};
-use super::input::{Input, Inputs};
+use crate::graph::{Graph, Id, Node, Number};
+use crate::input::{Input, Inputs};
 use std::collections::{BTreeSet, HashMap};
 
 pub use graphviz::graphviz;
@@ -35,8 +35,9 @@ pub(crate) enum Level {
 
 /// A printed expression.
 #[derive(Clone, Debug)]
-pub(crate) struct Text {
-    pub(crate) text: String,
+pub struct Text {
+    /// The expression as written.
+    pub text: String,
     pub(crate) level: Level,
 }
 
@@ -56,7 +57,7 @@ impl Text {
 }
 
 /// A language, or a notation.
-pub(crate) trait Language {
+pub trait Language {
     /// A constant.
     fn number(&self, number: Number) -> Text;
 
@@ -111,11 +112,13 @@ pub(crate) trait Language {
 
 /// A straight-line program: statements in order, and the text of each result.
 #[derive(Debug)]
-pub(crate) struct Listing {
-    pub(crate) statements: Vec<String>,
-    pub(crate) results: Vec<Text>,
+pub struct Listing {
+    /// The assignments, in order: each uses those before it.
+    pub statements: Vec<String>,
+    /// The expression of each result.
+    pub results: Vec<Text>,
     /// The functions called, by the name of their node.
-    pub(crate) called: BTreeSet<&'static str>,
+    pub called: BTreeSet<&'static str>,
 }
 
 /// The name by which the runtime knows what a node calls; none for what every language has.
@@ -135,12 +138,12 @@ const fn called(node: &Node) -> Option<&'static str> {
 }
 
 /// Prints `results` as a straight-line program: every expression that occurs twice is formed once.
-pub(crate) fn listing(graph: &Graph, inputs: &Inputs, results: &[Id], language: &dyn Language) -> Listing {
+pub fn listing(graph: &Graph, inputs: &Inputs, results: &[Id], language: &dyn Language) -> Listing {
     named_listing(graph, inputs, results, &HashMap::new(), language)
 }
 
 /// As [`listing`]; what occurs more than once and has a name already keeps it.
-pub(crate) fn named_listing(
+pub fn named_listing(
     graph: &Graph,
     inputs: &Inputs,
     results: &[Id],

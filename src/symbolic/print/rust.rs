@@ -1,11 +1,12 @@
 //! Rust.
 
-use super::c::{coefficient, double, number, quotient, unsigned};
-use super::{Language, Text, call};
-use crate::symbolic::graph::{Node, Number};
-use crate::symbolic::input::{Input, Shape};
+use crate::graph::{Node, Number};
+use crate::input::{Input, Shape};
+use crate::print::c::{coefficient, double, number, quotient, unsigned};
+use crate::print::{Language, Text, call};
 
-pub(crate) struct Rust;
+/// Expressions in Rust.
+pub struct Rust;
 
 impl Language for Rust {
     fn number(&self, of: Number) -> Text {

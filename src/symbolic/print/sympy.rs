@@ -1,12 +1,13 @@
 //! Python on SymPy expressions.
 
-use super::c::{coefficient, quotient};
-use super::jax::indexed;
-use super::{Language, Level, Text, call};
-use crate::symbolic::graph::{Node, Number};
-use crate::symbolic::input::Input;
+use crate::graph::{Node, Number};
+use crate::input::Input;
+use crate::print::c::{coefficient, quotient};
+use crate::print::jax::indexed;
+use crate::print::{Language, Level, Text, call};
 
-pub(crate) struct Sympy;
+/// Expressions in Python on SymPy expressions.
+pub struct Sympy;
 
 impl Language for Sympy {
     fn number(&self, of: Number) -> Text {

@@ -1,10 +1,11 @@
 //! Formulas in Unicode, for a terminal.
 
-use super::{Language, Level, Text};
-use crate::symbolic::graph::{Node, Number};
-use crate::symbolic::input::{Input, Shape};
+use crate::graph::{Node, Number};
+use crate::input::{Input, Shape};
+use crate::print::{Language, Level, Text};
 
-pub(crate) struct Unicode;
+/// Expressions in Unicode, for a terminal.
+pub struct Unicode;
 
 /// The names of the parts of a quaternion.
 pub(super) const PART: [&str; 4] = ["w", "x", "y", "z"];

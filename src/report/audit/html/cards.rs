@@ -1,12 +1,13 @@
 //! Which figures are shown: matrices, steps, singular points, the smallest errors noticed.
 
-use super::figure::{Curve, LogPlot, Place};
-use super::prose::full_name;
-use super::{Supplement, figure};
-use crate::audit::model::Nearest;
-use crate::audit::{Approach, Check, Quantity, Report, Subject, U};
-use crate::report::audit::model as of_assembly;
-use crate::report::audit::summary::is_sharp;
+use crate::audit::html::figure::{Curve, LogPlot, Medium};
+use crate::audit::html::prose::full_name;
+use crate::audit::html::{Supplement, figure};
+use crate::audit::model as of_assembly;
+use crate::audit::summary::is_sharp;
+use pintle_audit::model::Nearest;
+use pintle_audit::{Approach, Check, Quantity, Report, Subject};
+use pintle_kinematics::scalar::U;
 
 pub(super) struct Card {
     pub(super) name: String,
@@ -30,10 +31,10 @@ pub(super) struct ApproachCard {
 }
 
 pub(super) fn cards(supplement: &Supplement<'_>) -> Vec<Card> {
-    let card = |shown: &crate::audit::Illustration| Card {
+    let card = |shown: &pintle_audit::Illustration| Card {
         name: shown.subject.clone(),
         caption: format!("{}; worst {:.2} tolerances", shown.state, shown.comparison.worst()),
-        heat: figure::heat(&shown.subject, &shown.comparison, Place::Page),
+        heat: figure::heat(&shown.subject, &shown.comparison, Medium::Page),
     };
     supplement.illustrations.iter().map(card).collect()
 }
@@ -44,10 +45,10 @@ pub(super) fn omitted(report: &Report, supplement: &Supplement<'_>) -> String {
 }
 
 pub(super) fn step_cards(supplement: &Supplement<'_>) -> Vec<StepCard> {
-    let has_curves = |shown: &&crate::audit::Illustration| !shown.steps.remainder.is_empty();
-    let card = |shown: &crate::audit::Illustration| StepCard {
+    let has_curves = |shown: &&pintle_audit::Illustration| !shown.steps.remainder.is_empty();
+    let card = |shown: &pintle_audit::Illustration| StepCard {
         name: shown.subject.clone(),
-        svg: figure::steps(shown, Place::Page),
+        svg: figure::steps(shown, Medium::Page),
     };
     supplement.illustrations.iter().filter(has_curves).map(card).collect()
 }
@@ -60,7 +61,7 @@ pub(super) struct ApproachCurve {
     pub(super) colour: u8,
     /// What it is, below the figures of a page.
     pub(super) said: &'static str,
-    of: fn(&crate::audit::atlas::Rung) -> f64,
+    of: fn(&pintle_audit::singular::atlas::Rung) -> f64,
 }
 
 /// The curves of a singular set.
@@ -92,7 +93,7 @@ pub(super) const APPROACH: [ApproachCurve; 4] = [
 ];
 
 /// The figure of a singular set.
-pub(super) fn approach(found: &Approach, place: Place) -> String {
+pub(super) fn approach(found: &Approach, place: Medium) -> String {
     let curve = |ApproachCurve { name, colour, of, .. }| Curve {
         name,
         is_main: false,
@@ -105,7 +106,7 @@ pub(super) fn approach(found: &Approach, place: Place) -> String {
         x_name: "distance to the singular set",
         y_name: "roundings; size",
         curves: APPROACH.map(curve).into(),
-        levels: vec![(crate::audit::C, "tolerance")],
+        levels: vec![(pintle_audit::C, "tolerance")],
         has_legend: false,
     };
     plot.svg(place)
@@ -121,7 +122,7 @@ pub(super) fn approaches<'a>(
 
 pub(super) fn approach_card(found: &Approach, report: &Report, supplement: &Supplement<'_>) -> ApproachCard {
     let (class, class_name) = if found.is_confirmed() {
-        let (name, _) = crate::report::words::singular_class(found.declared);
+        let (name, _) = crate::words::singular_class(found.declared);
         ("pass", format!("{name}, confirmed"))
     } else {
         ("wrong", found.told())
@@ -131,7 +132,7 @@ pub(super) fn approach_card(found: &Approach, report: &Report, supplement: &Supp
         at: found.at,
         class: class.into(),
         class_name,
-        svg: approach(found, Place::Page),
+        svg: approach(found, Medium::Page),
         came: came(found, report, supplement),
     }
 }
@@ -145,12 +146,12 @@ pub(super) fn came(found: &Approach, report: &Report, supplement: &Supplement<'_
     if !approaches(report, supplement).find(is_same).is_some_and(|first| std::ptr::eq(first, found)) {
         return String::new();
     }
-    let is_of = |(scene, nearest): &(&super::Audited<'_>, &Nearest)| {
+    let is_of = |(scene, nearest): &(&crate::audit::html::Audited<'_>, &Nearest)| {
         let element = scene.model.connectors.iter().find(|element| element.label == nearest.element);
         let is_type = element.is_some_and(|element| element.definition().connection.name == found.connection);
         is_type && nearest.component == found.component && nearest.at == found.set
     };
-    let of_scene = |scene: &'_ super::Audited<'_>| {
+    let of_scene = |scene: &'_ crate::audit::html::Audited<'_>| {
         report.models.iter().find(|model| model.scene == scene.scene.name)?.nearest.as_ref()
     };
     let all = supplement.scenes.iter().filter_map(|scene| Some((scene, of_scene(scene)?)));
@@ -172,11 +173,11 @@ pub(super) fn confirmed(report: &Report, supplement: &Supplement<'_>) -> String 
 }
 
 /// The smallest error that is noticed, by connector: a plot against the rank.
-pub(super) fn strip(report: &Report, place: Place) -> String {
+pub(super) fn strip(report: &Report, place: Medium) -> String {
     let sharp = |subject: &Subject| {
         let is_it = |check: &&Check| check.quantity == Some(Quantity::FirstDerivatives) && is_sharp(check);
         let scores = || subject.checks.iter().filter(is_it).map(|check| &check.score);
-        let most = |of: fn(&crate::audit::Score) -> Option<f64>| scores().filter_map(of).fold(0.0, f64::max);
+        let most = |of: fn(&pintle_audit::Score) -> Option<f64>| scores().filter_map(of).fold(0.0, f64::max);
         [most(|score| score.detectable_median), most(|score| score.detectable)]
     };
     let mut all: Vec<(String, [f64; 2])> = report

@@ -1,13 +1,13 @@
 //! The isometric drawing of a scene: nodes, triads, connectors coloured by verdict.
 
-use super::figure::{Place, lines, rendered};
-use super::labels::Labels;
-use crate::audit::Verdict;
-use crate::audit::model::Finding;
-use crate::evaluate::{Model, MpcElement};
-use crate::scene::{End, Label, Scene, Severity};
-use crate::vector::{Matrix, Vector, add, column, scale};
+use crate::audit::html::figure::{Medium, lines, rendered};
+use crate::audit::html::labels::Labels;
 use askama::Template;
+use pintle_audit::Verdict;
+use pintle_audit::model::Finding;
+use pintle_kinematics::vector::{Matrix, Vector, add, column, scale};
+use pintle_model::evaluate::{Model, MpcElement};
+use pintle_scene::{End, Label, Scene, Severity};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Connectors that are drawn at most: more than that is no picture any more.
@@ -286,7 +286,7 @@ impl Drawing {
     }
 
     /// The picture.
-    pub(super) fn svg(&self, title: &str, place: Place) -> String {
+    pub(super) fn svg(&self, title: &str, place: Medium) -> String {
         let hinges = || self.pieces.iter().flat_map(|piece| piece.hinges.iter().map(|(_, at, _)| *at));
         let points = || self.pieces.iter().flat_map(|piece| piece.ends).chain(hinges()).map(projected);
         let bounds = |axis: usize| {
@@ -382,7 +382,7 @@ impl Drawing {
             }
         });
         let (mut heading, mut keys) = (Vec::new(), Vec::new());
-        if place == Place::File {
+        if place == Medium::File {
             heading = lines(title, WIDTH);
             let mut x = 16.0;
             for colour in Colour::all().filter(|colour| self.has(*colour)) {

@@ -1,20 +1,20 @@
 //! Figures as SVG: plots on log axes, heat maps. In a page they take its colours, light or dark; as files they bring their own.
 
-use super::labels::Area;
-use crate::audit::{Comparison, Illustration};
+use crate::audit::html::labels::Area;
 use askama::Template;
+use pintle_audit::{Comparison, Illustration};
 
 /// The style of figures.
-pub(super) const STYLE: &str = include_str!("figure.css");
+pub(super) const STYLE: &str = include_str!("templates/figure.css");
 
 /// Where a figure goes: into a page, or into a file of its own, which brings its style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum Medium {
     Page,
     File,
 }
 
-impl Place {
+impl Medium {
     pub(super) const fn style(self) -> Option<&'static str> {
         match self {
             Self::Page => None,
@@ -164,10 +164,10 @@ fn rounded(x: f64) -> f64 {
 
 impl LogPlot<'_> {
     /// The plot as SVG.
-    pub(crate) fn svg(&self, place: Place) -> String {
+    pub(crate) fn svg(&self, place: Medium) -> String {
         let (width, left, right, top) = (420.0, 48.0, 408.0, 26.0);
         // A file has nobody else to name its curves.
-        let has_legend = self.has_legend || place == Place::File;
+        let has_legend = self.has_legend || place == Medium::File;
         let mut height = if self.has_legend { 330.0 } else { 250.0 };
         let bottom = height - 44.0;
         let in_two = self.curves.iter().all(|curve| curve.name.chars().count() < 28);
@@ -205,7 +205,7 @@ impl LogPlot<'_> {
         let curves: Vec<Drawn> = curves.collect();
         let ways: Vec<Vec<[f64; 2]>> =
             curves.iter().map(|curve| curve.dots.iter().map(|dot| [dot.x, dot.y]).collect()).collect();
-        let titles = if self.heading.is_empty() && place == Place::Page {
+        let titles = if self.heading.is_empty() && place == Medium::Page {
             Vec::new()
         } else {
             lines(self.title, width)
@@ -341,11 +341,11 @@ pub(super) fn title(shown: &Illustration) -> String {
 }
 
 /// Errors of ∂f·v against the step.
-pub(super) fn steps(shown: &Illustration, place: Place) -> String {
+pub(super) fn steps(shown: &Illustration, place: Medium) -> String {
     let plot = LogPlot {
         title: &match place {
-            Place::Page => format!("{}: error of ∂f·v against the step", shown.subject),
-            Place::File => format!("{}: error of ∂f·v against the step", title(shown)),
+            Medium::Page => format!("{}: error of ∂f·v against the step", shown.subject),
+            Medium::File => format!("{}: error of ∂f·v against the step", title(shown)),
         },
         heading: Vec::new(),
         x_name: "step h",
@@ -435,7 +435,7 @@ fn class(units: f64) -> &'static str {
 }
 
 /// A Jacobian: colour is error in units of the tolerance, structure is what is not an open square.
-pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String {
+pub(super) fn heat(title: &str, comparison: &Comparison, place: Medium) -> String {
     const SIZE: [f64; 2] = [24.0, 20.0];
     const GAP: f64 = 2.0;
     const BETWEEN_BLOCKS: f64 = 7.0;
@@ -470,7 +470,7 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Place) -> String
     }
     let (width, mut height) = (x + 2.0, y + 2.0);
     let (mut heading, mut keys) = (Vec::new(), Vec::new());
-    if place == Place::File {
+    if place == Medium::File {
         for text in lines(title, width) {
             heading.push(Line { class: "label", y: 14.0 * (heading.len() + 1) as f64, text });
         }
@@ -527,17 +527,17 @@ struct StripTemplate<'a> {
 
 /// Pairs of positive numbers by name, side by side on one log axis: the first a dot, the second a ring. A file names what stands where,
 /// as far as there is room.
-pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Place) -> String {
+pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Medium) -> String {
     /// More names than that are no names any more.
     const NAMED: usize = 80;
     let (width, height, left, right) = (1000.0, 190.0, 48.0, 992.0);
     let axis = Axis::new(all.iter().flat_map(|(_, pair)| *pair), height - 12.0, 12.0);
     let gap = (right - left) / all.len().max(1) as f64;
-    let is_named = place == Place::File && all.len() <= NAMED;
+    let is_named = place == Medium::File && all.len() <= NAMED;
     // One scene is named once, in the title.
     let scene = |name: &str| name.rsplit_once(": ").map(|(scene, _)| scene.to_string()).unwrap_or_default();
     let of = all.first().map(|(name, _)| scene(name)).unwrap_or_default();
-    let is_one = place == Place::File && !of.is_empty() && all.iter().all(|(name, _)| scene(name) == of);
+    let is_one = place == Medium::File && !of.is_empty() && all.iter().all(|(name, _)| scene(name) == of);
     let title = &if is_one { format!("{of}: {title}") } else { title.to_string() };
     let short = |name: &str| if is_one { name[of.len() + 2..].to_string() } else { name.to_string() };
     let dots = all.iter().enumerate().map(|(i, (name, [dot, ring]))| StripDot {
@@ -550,7 +550,7 @@ pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Place) -> St
     let dots: Vec<StripDot> = dots.collect();
     let longest =
         dots.iter().flat_map(|dot| &dot.name).map(|name| name.chars().count()).max().unwrap_or_default();
-    let (head, foot) = if place == Place::File { (44.0, 10.0 + 5.8 * longest as f64) } else { (0.0, 0.0) };
+    let (head, foot) = if place == Medium::File { (44.0, 10.0 + 5.8 * longest as f64) } else { (0.0, 0.0) };
     rendered(&StripTemplate {
         title,
         style: place.style(),
@@ -640,7 +640,7 @@ pub(super) fn coverage(title: &str, maps: &[Map]) -> String {
     let keys = keys.map(|(i, (class, name))| Key { x: left + i as f64 * 180.0, y, class, name });
     rendered(&CoverageTemplate {
         title,
-        style: Place::File.style(),
+        style: Medium::File.style(),
         width,
         height: y + 26.0,
         heading,
@@ -652,7 +652,7 @@ pub(super) fn coverage(title: &str, maps: &[Map]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::node::{DOF, DOFS};
+    use pintle_kinematics::node::{DOF, DOFS};
 
     #[test]
     fn axes_hold_their_values_in_whole_decades() {
@@ -684,12 +684,12 @@ mod tests {
     #[test]
     fn a_wrong_entry_is_marked() {
         let mut comparison = Comparison::default();
-        let fine = crate::audit::Compared { got: 1.0, want: 1.0, tolerance: 1e-15, units: 0.0 };
-        let mut row = [crate::audit::Compared { got: 0.0, want: 0.0, ..fine }; DOFS];
-        (row[0], row[4]) = (fine, crate::audit::Compared { got: 0.0, units: f64::INFINITY, ..fine });
+        let fine = pintle_audit::Compared { got: 1.0, want: 1.0, tolerance: 1e-15, units: 0.0 };
+        let mut row = [pintle_audit::Compared { got: 0.0, want: 0.0, ..fine }; DOFS];
+        (row[0], row[4]) = (fine, pintle_audit::Compared { got: 0.0, units: f64::INFINITY, ..fine });
         comparison.columns = DOF.map(String::from).to_vec();
         comparison.rows = vec![("ur1".to_string(), row.to_vec())];
-        let svg = heat("<x>", &comparison, Place::File);
+        let svg = heat("<x>", &comparison, Medium::File);
         assert!(svg.contains("&#60;x&#62;") && svg.contains("<style>"), "{svg}");
         let count = |what: &str| svg.matches(what).count();
         assert_eq!(
@@ -706,15 +706,15 @@ mod tests {
     #[test]
     fn what_is_zero_to_rounding_is_shown_as_zero() {
         let mut comparison = Comparison::default();
-        let zero = crate::audit::Compared { got: 0.0, want: 0.0, tolerance: 1e-15, units: 0.0 };
+        let zero = pintle_audit::Compared { got: 0.0, want: 0.0, tolerance: 1e-15, units: 0.0 };
         let mut row = [zero; DOFS];
-        row[3] = crate::audit::Compared { want: -2e-17, units: 0.02, ..zero };
-        row[4] = crate::audit::Compared { got: 3e-16, want: -3e-16, units: 0.6, ..zero };
-        row[5] = crate::audit::Compared { want: 2e-15, units: 2.0, ..zero };
-        row[0] = crate::audit::Compared { got: 1.0, want: 1.0 + 3e-16, units: 0.3, ..zero };
+        row[3] = pintle_audit::Compared { want: -2e-17, units: 0.02, ..zero };
+        row[4] = pintle_audit::Compared { got: 3e-16, want: -3e-16, units: 0.6, ..zero };
+        row[5] = pintle_audit::Compared { want: 2e-15, units: 2.0, ..zero };
+        row[0] = pintle_audit::Compared { got: 1.0, want: 1.0 + 3e-16, units: 0.3, ..zero };
         comparison.columns = DOF.map(String::from).to_vec();
         comparison.rows = vec![("u1".to_string(), row.to_vec())];
-        let svg = heat("AXIAL", &comparison, Place::Page);
+        let svg = heat("AXIAL", &comparison, Medium::Page);
         let count = |what: &str| svg.matches(what).count();
         assert_eq!(
             [count("\"zero\""), count("\"bad\""), count("\"h3\""), count("\"h1\"")],

@@ -1,14 +1,14 @@
 //! What was found in models: findings, the assembly as a whole, and which states were covered.
 
-use super::figure;
-use super::figure::{Bin, Map};
-use super::prose::{grouped, grouped_signed, sentence};
-use crate::audit::Report;
-use crate::audit::assembly::Assembly;
-use crate::audit::coverage::Histogram;
-use crate::audit::model::ModelReport;
-use crate::grammar::count;
-use crate::report::audit::model as of_assembly;
+use crate::audit::html::figure;
+use crate::audit::html::figure::{Bin, Map};
+use crate::audit::html::prose::{grouped, grouped_signed, sentence};
+use crate::audit::model as of_assembly;
+use pintle_assembly::Assembly;
+use pintle_audit::Report;
+use pintle_audit::model::ModelReport;
+use pintle_audit::sampling::coverage::Histogram;
+use pintle_scene::grammar::count;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub(super) struct FindingRow {

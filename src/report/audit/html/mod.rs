@@ -11,11 +11,11 @@ mod problems;
 mod prose;
 mod self_test;
 
-use crate::audit::{Approach, Illustration, Report, Verdict};
-use crate::evaluate::Model;
-use crate::scene::Scene;
 use drawing::{Drawing, Worst};
-use figure::Place;
+use figure::Medium;
+use pintle_audit::{Approach, Illustration, Report, Verdict};
+use pintle_model::evaluate::Model;
+use pintle_scene::Scene;
 use std::io::{self, Write};
 
 /// A scene that was audited, to be drawn.
@@ -58,12 +58,12 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
     for shown in &supplement.illustrations {
         let name = file_name(&shown.subject);
         let title = figure::title(shown);
-        found.push((format!("jacobian-{name}.svg"), figure::heat(&title, &shown.comparison, Place::File)));
+        found.push((format!("jacobian-{name}.svg"), figure::heat(&title, &shown.comparison, Medium::File)));
         if !shown.steps.remainder.is_empty() {
-            found.push((format!("steps-{name}.svg"), figure::steps(shown, Place::File)));
+            found.push((format!("steps-{name}.svg"), figure::steps(shown, Medium::File)));
         }
     }
-    let noticed = cards::strip(report, Place::File);
+    let noticed = cards::strip(report, Medium::File);
     if !noticed.is_empty() {
         found.push(("smallest-error-noticed.svg".to_string(), noticed));
     }
@@ -76,13 +76,13 @@ pub fn figures(report: &Report, supplement: &Supplement<'_>) -> Vec<(String, Str
         let nth = |n: usize| if n == 1 { String::new() } else { format!("-{n}") };
         let mut names = (1..).map(|n| format!("singular-{name}{}.svg", nth(n)));
         let name = names.find(|name| found.iter().all(|(taken, _)| taken != name));
-        found.extend(name.map(|name| (name, cards::approach(approach, Place::File))));
+        found.extend(name.map(|name| (name, cards::approach(approach, Medium::File))));
     }
     for scene in &supplement.scenes {
         let drawing = drawing(report, scene);
         if !drawing.is_empty() {
             let name = file_name(scene.name);
-            found.push((format!("scene-{name}.svg"), drawing.svg(scene.name, Place::File)));
+            found.push((format!("scene-{name}.svg"), drawing.svg(scene.name, Medium::File)));
         }
     }
     // Names that became equal get numbers.
@@ -101,7 +101,7 @@ fn drawing(report: &Report, scene: &Audited<'_>) -> Drawing {
     let of_scene: std::collections::HashMap<&str, Verdict> = report
         .subjects
         .iter()
-        .filter(|subject| super::summary::scene(subject).is_none_or(|name| name == scene.name))
+        .filter(|subject| crate::audit::summary::scene(subject).is_none_or(|name| name == scene.name))
         .map(|subject| (subject.name.as_str(), subject.verdict()))
         .collect();
     let models = report.models.iter().filter(|model| model.scene == scene.scene.name);

@@ -1,23 +1,24 @@
 //! The page: what stands in which section.
 
-use super::cards::{
+use crate::audit::html::cards::{
     APPROACH, ApproachCard, ApproachCurve, Card, StepCard, approach_card, approaches, cards, confirmed,
     omitted, step_cards, strip,
 };
-use super::drawing::{Colour, Drawing, name_of};
-use super::figure::{Place, STYLE};
-use super::found::{CoverageSection, ModelSection, coverage, model};
-use super::problems::{ProblemGroup, problems};
-use super::prose::{capital, full_name, grouped};
-use super::self_test::{KindRow, ScoreRow, kinds, left_out, scores, survivors};
-use super::{Supplement, drawing};
-use crate::audit::certificate::Certificate;
-use crate::audit::oracle::Shares;
-use crate::audit::{Report, Subject, Verdict};
-use crate::bench::Environment;
-use crate::report::audit::summary::{self, Outcome, Row, detectable, headline, symbols};
-use crate::scene::Severity;
+use crate::audit::html::drawing::{Colour, Drawing, name_of};
+use crate::audit::html::figure::{Medium, STYLE};
+use crate::audit::html::found::{CoverageSection, ModelSection, coverage, model};
+use crate::audit::html::problems::{ProblemGroup, problems};
+use crate::audit::html::prose::{capital, full_name, grouped};
+use crate::audit::html::self_test::{KindRow, ScoreRow, kinds, left_out, scores, survivors};
+use crate::audit::html::{Supplement, drawing};
+use crate::audit::summary;
+use crate::audit::summary::{AuditOutcome, SubjectRow, detectable, headline, symbols};
 use askama::Template;
+use pintle_audit::oracles::certificate::Certificate;
+use pintle_audit::oracles::oracle::Shares;
+use pintle_audit::{Report, Subject, Verdict};
+use pintle_bench::Environment;
+use pintle_scene::Severity;
 use std::io;
 
 /// A verdict's class and words.
@@ -97,22 +98,25 @@ struct PageTemplate {
 pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<String> {
     let outcome = headline(report);
     let (tone, sign) = match summary::outcome(report) {
-        Outcome::Failed => ("bad", "✗"),
-        Outcome::Undecided => ("open", "?"),
-        Outcome::Warned => ("warned", "!"),
-        Outcome::Clean => ("good", "✓"),
+        AuditOutcome::Failed => ("bad", "✗"),
+        AuditOutcome::Undecided => ("open", "?"),
+        AuditOutcome::Warned => ("warned", "!"),
+        AuditOutcome::Clean => ("good", "✓"),
     };
     let drawn = supplement.scenes.iter().map(|scene| (scene.name, drawing(report, scene)));
     let drawn: Vec<(&str, Drawing)> = drawn.filter(|(_, drawing)| !drawing.is_empty()).collect();
     let colour_key = colour_key(report, &drawn);
     let drawings = drawn
         .iter()
-        .map(|(name, drawing)| Figure { svg: drawing.svg(name, Place::Page), caption: drawing.caption(name) })
+        .map(|(name, drawing)| Figure {
+            svg: drawing.svg(name, Medium::Page),
+            caption: drawing.caption(name),
+        })
         .collect();
     let mut page = PageTemplate {
-        css: include_str!("page.css"),
+        css: include_str!("templates/page.css"),
         figure_css: STYLE,
-        js: include_str!("page.js"),
+        js: include_str!("templates/page.js"),
         headline_capital: capital(&outcome),
         headline: outcome,
         tone,
@@ -137,7 +141,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
             .collect(),
         approach_key: APPROACH,
         confirmed: confirmed(report, supplement),
-        detectable: strip(report, Place::Page),
+        detectable: strip(report, Medium::Page),
         scores: scores(report),
         kinds: kinds(report),
         survivors: survivors(report),
@@ -205,7 +209,7 @@ fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
 }
 
 fn verdict_row(subject: &Subject) -> VerdictRow {
-    let row = Row::of(subject);
+    let row = SubjectRow::of(subject);
     let name = full_name(subject);
     let words = row.verdicts.map(|verdict| verdict.headline().name()).join(" ");
     let worst = row.worst.map(|units| match units {
@@ -249,7 +253,7 @@ fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static st
     lines.extend([
         ("date", here.date),
         ("compiler", format!("{} for {}", here.rustc, here.target)),
-        ("numbers", env!("PINTLE_NUMBERS").to_string()),
+        ("numbers", pintle_bench::NUMBERS.to_string()),
         ("system", here.system),
         ("processor", here.processor),
         ("threads", rayon::current_num_threads().to_string()),
@@ -262,7 +266,7 @@ fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static st
             ),
         ),
         ("seed", settings.seed.clone()),
-        ("signs", crate::report::SIGNS.to_string()),
+        ("signs", crate::SIGNS.to_string()),
     ]);
     lines
 }

@@ -1,11 +1,12 @@
 //! What needs a look: what went wrong, subject by subject, what tells most first.
 
-use super::figure;
-use super::figure::Place;
-use super::prose::{capital, full_name, sentence};
-use crate::audit::{Check, Report, Subject};
-use crate::grammar::count;
-use crate::report::audit::summary::{self, is_sharp, telling};
+use crate::audit::html::figure;
+use crate::audit::html::figure::Medium;
+use crate::audit::html::prose::{capital, full_name, sentence};
+use crate::audit::summary;
+use crate::audit::summary::{is_sharp, telling};
+use pintle_audit::{Check, Report, Subject};
+use pintle_scene::grammar::count;
 
 /// What is to be said of one subject: what tells most, and the rest.
 pub(super) struct ProblemGroup {
@@ -101,7 +102,7 @@ pub(super) fn problem(subject: &Subject, check: &Check) -> Problem {
             .map(|(sentence, code)| (capital(&sentence), code.as_str()))
             .collect(),
         heat: check.comparison.as_ref().filter(|_| is_sharp(check)).map_or_else(String::new, |comparison| {
-            figure::heat(&full_name(subject), comparison, Place::Page)
+            figure::heat(&full_name(subject), comparison, Medium::Page)
         }),
         numbers,
         more,

@@ -1,7 +1,7 @@
 //! How a text becomes a sentence of the page.
 
-use crate::audit::Subject;
-use crate::report::audit::summary::{self};
+use crate::audit::summary;
+use pintle_audit::Subject;
 
 /// With a capital, where it begins with a word of the language: symbols stay what they are (μ, ur1, e1a, x_b).
 pub(super) fn capital(text: &str) -> String {

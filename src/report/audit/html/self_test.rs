@@ -1,8 +1,9 @@
 //! Would it have noticed? How mutants fared, and what was left out.
 
-use super::prose::{full_name, grouped};
-use crate::audit::{Against, Cause, Report};
-use crate::report::audit::summary::{self, OfKind};
+use crate::audit::html::prose::{full_name, grouped};
+use crate::audit::summary;
+use crate::audit::summary::OfKind;
+use pintle_audit::{Against, Cause, Report};
 use std::collections::BTreeMap;
 
 pub(super) struct ScoreRow {

@@ -1,13 +1,13 @@
 //! Connector behaviours, one keyword after the other.
 
-use super::{Deck, Name, dependencies, fields, quoted, refuse};
-use crate::scene::choice::Choice;
-use crate::scene::diagnostic::{Code, Result};
-use crate::scene::document::form;
-use crate::scene::document::form::{
+use crate::choice::Choice;
+use crate::deck::write::{Deck, Name, dependencies, fields, quoted, refuse};
+use crate::diagnostic::{Code, Result};
+use crate::document::form;
+use crate::document::form::{
     Behavior, Damage, Entries, Friction, Hardening, Independent, Law, Lock, Plasticity, Potential, Source,
 };
-use crate::scene::span::{Span, Spanned};
+use crate::span::{Span, Spanned};
 
 impl Deck {
     pub(super) fn behavior(&mut self, name: &Name, behavior: &Spanned<Behavior>) -> Result<()> {

@@ -1,16 +1,16 @@
 //! Boundary conditions, motions, loads, steps and requests of output.
 
-use super::{Deck, Name, has_control, plain, quoted, refuse, yes_no};
-use crate::scene::choice::Choice;
-use crate::scene::deck::history::NAMED;
-use crate::scene::deck::keywords;
-use crate::scene::deck::table::PER_LINE;
-use crate::scene::diagnostic::{Code, Result, suggest};
-use crate::scene::document::form;
-use crate::scene::document::form::{Boundary, Step};
-use crate::scene::lexer::normal;
-use crate::scene::model::{MotionType, Operation};
-use crate::scene::span::{Span, Spanned};
+use crate::choice::Choice;
+use crate::deck::history::NAMED;
+use crate::deck::keywords;
+use crate::deck::table::PER_LINE;
+use crate::deck::write::{Deck, Name, has_control, plain, quoted, refuse, yes_no};
+use crate::diagnostic::{Code, Result, suggest};
+use crate::document::form;
+use crate::document::form::{Boundary, Step};
+use crate::lexer::normal;
+use crate::model::{MotionType, Operation};
+use crate::span::{Span, Spanned};
 
 impl Deck {
     pub(super) fn actuation(

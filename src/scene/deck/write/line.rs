@@ -1,12 +1,12 @@
 //! Lines of a deck and their items: keywords, parameters, numbers, rows of tables.
 
-use super::{Deck, Name, fields, label_or_name, number, on_off, quoted, refuse};
-use crate::scene::choice::Choice;
-use crate::scene::deck::table::PER_LINE;
-use crate::scene::diagnostic::{Code, Result};
-use crate::scene::document::form;
-use crate::scene::document::form::{Item, Options, Row, Target};
-use crate::scene::span::{Span, Spanned};
+use crate::choice::Choice;
+use crate::deck::table::PER_LINE;
+use crate::deck::write::{Deck, Name, fields, label_or_name, number, on_off, quoted, refuse};
+use crate::diagnostic::{Code, Result};
+use crate::document::form;
+use crate::document::form::{Item, Options, Row, Target};
+use crate::span::{Span, Spanned};
 
 impl Deck {
     pub(super) fn item(&mut self, text: &str, span: Span) {

@@ -1,13 +1,13 @@
 //! Nodes, instances, sets and orientations.
 
-use super::{Deck, MEMBERS_PER_LINE, Name, has_control, refuse};
-use crate::scene::diagnostic::{Code, Result};
-use crate::scene::document::form;
-use crate::scene::document::form::{Document, Entries, Member, PointOrNode, Target};
-use crate::scene::label::{Instance, Label};
-use crate::scene::model::{Dimension, PointKind};
-use crate::scene::orientation::System;
-use crate::scene::span::{Span, Spanned};
+use crate::deck::write::{Deck, MEMBERS_PER_LINE, Name, has_control, refuse};
+use crate::diagnostic::{Code, Result};
+use crate::document::form;
+use crate::document::form::{Document, Entries, Member, PointOrNode, Target};
+use crate::label::{Instance, Label};
+use crate::model::{Dimension, PointKind};
+use crate::orientation::System;
+use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 
 impl Deck {

@@ -9,11 +9,11 @@ mod line;
 mod mesh;
 mod property;
 
-use crate::scene::diagnostic::{Code, Diagnostic, Result};
-use crate::scene::document::form::{Document, Row};
-use crate::scene::label::{Label, LabelError};
-use crate::scene::lexer::{Places, normal};
-use crate::scene::span::{Span, Spanned};
+use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::document::form::{Document, Row};
+use crate::label::{Label, LabelError};
+use crate::lexer::{Places, normal};
+use crate::span::{Span, Spanned};
 use mesh::instances;
 
 /// Members of a set on one data line.
@@ -24,15 +24,15 @@ const NODES_PER_LINE: usize = 15;
 
 /// A deck, and where its items come from.
 #[derive(Default)]
-pub(in crate::scene) struct Deck {
-    pub(in crate::scene) text: String,
-    pub(in crate::scene) places: Places,
+pub(crate) struct Deck {
+    pub(crate) text: String,
+    pub(crate) places: Places,
     /// Has the line an item yet?
     begun: bool,
 }
 
 /// The deck that a document stands for.
-pub(in crate::scene) fn deck(document: &Document) -> Result<Deck> {
+pub(crate) fn deck(document: &Document) -> Result<Deck> {
     let mut deck = Deck::default();
     deck.heading(&document.heading)?;
     deck.mesh(document)?;
@@ -115,7 +115,7 @@ fn fields(rows: &[Spanned<Row>]) -> usize {
 
 fn dependencies(count: Option<Spanned<u64>>) -> usize {
     let count = count.map_or(0, |count| count.value);
-    usize::try_from(count).unwrap_or(usize::MAX).min(crate::scene::deck::MAX_DEPENDENCIES)
+    usize::try_from(count).unwrap_or(usize::MAX).min(crate::deck::MAX_DEPENDENCIES)
 }
 
 /// A label as a deck writes it, or a name.

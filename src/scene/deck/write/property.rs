@@ -1,11 +1,11 @@
 //! Sections, constraints, point elements and amplitudes.
 
-use super::{Deck, NODES_PER_LINE, Name, dependencies, plain, quoted, refuse, yes_no};
-use crate::scene::deck::table::PER_LINE;
-use crate::scene::diagnostic::{Code, Result};
-use crate::scene::document::form;
-use crate::scene::document::form::Document;
-use crate::scene::span::Spanned;
+use crate::deck::table::PER_LINE;
+use crate::deck::write::{Deck, NODES_PER_LINE, Name, dependencies, plain, quoted, refuse, yes_no};
+use crate::diagnostic::{Code, Result};
+use crate::document::form;
+use crate::document::form::Document;
+use crate::span::Spanned;
 
 impl Deck {
     pub(super) fn properties(&mut self, document: &Document) -> Result<()> {

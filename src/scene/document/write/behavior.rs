@@ -1,14 +1,15 @@
 //! A behaviour as a document.
 
-use super::{
-    component, components, dependencies, entries, independent, items, list, maybe, raw, table, unless,
-};
-use crate::scene::behavior::{
+use crate::behavior::{
     Affected, Behavior, Damage, DamageEvolution, Friction, FrictionKind, FrictionLaw, Hardening, Law, Limits,
     Potential, Source, TableOptions,
 };
-use crate::scene::document::form::{self, placeless};
-use crate::scene::span::Spanned;
+use crate::document::form;
+use crate::document::form::placeless;
+use crate::document::write::{
+    component, components, dependencies, entries, independent, items, list, maybe, raw, table, unless,
+};
+use crate::span::Spanned;
 
 pub(super) fn behavior(behavior: &Behavior) -> form::Behavior {
     let Behavior {
@@ -46,7 +47,7 @@ pub(super) fn behavior(behavior: &Behavior) -> form::Behavior {
         constitutive_reference: reference.collect(),
         elasticity: list(elasticity, |elasticity| law(&elasticity.law, elasticity.table)),
         damping: list(damping, |damping| {
-            let kind = crate::scene::behavior::DampingKind::Viscous;
+            let kind = crate::behavior::DampingKind::Viscous;
             form::Law {
                 r#type: (damping.kind != kind).then_some(damping.kind),
                 ..law(&damping.law, damping.table)
@@ -134,7 +135,7 @@ fn source(given: &Spanned<Source>) -> Spanned<form::Source> {
 }
 
 fn potential(potential: &Potential) -> Spanned<form::Potential> {
-    use crate::scene::behavior::{PotentialFunction, PotentialOperator};
+    use crate::behavior::{PotentialFunction, PotentialOperator};
     let Potential { operator, exponent, terms, span: _ } = potential;
     placeless(form::Potential {
         terms: list(terms, |term| form::PotentialTerm {

@@ -3,18 +3,19 @@
 mod behavior;
 mod text;
 
-use super::form::{self, Document, Entries, Item, placeless};
-use super::{Format, SCHEMA};
-use crate::scene::behavior::{Independent, Row};
-use crate::scene::deck;
-use crate::scene::diagnostic::Result;
-use crate::scene::label::Label;
-use crate::scene::model::{
+use crate::behavior::{Independent, Row};
+use crate::deck;
+use crate::diagnostic::Result;
+use crate::document::form;
+use crate::document::form::{Document, Entries, Item, placeless};
+use crate::document::{Format, SCHEMA};
+use crate::label::Label;
+use crate::model::{
     Amplitude, Application, Boundary, ConditionKind, ConnectorMotion, Dimension, Discrete, MotionType,
     MpcKind, Operation, Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
 };
-use crate::scene::orientation::{Definition, Orientation, System};
-use crate::scene::span::Spanned;
+use crate::orientation::{Definition, Orientation, System};
+use crate::span::Spanned;
 use behavior::behavior;
 use serde_json::Value;
 use text::{json_text, toml_text};
@@ -128,12 +129,12 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         warnings: _,
         written: _,
     } = scene;
-    let connector = |element: &super::super::model::ConnectorElement| form::Connector {
+    let connector = |element: &crate::model::ConnectorElement| form::Connector {
         a: element.a.map(label),
         b: element.b.map(label),
         dimension: (element.dimension != Dimension::Three).then_some(element.dimension),
     };
-    let section = |section: &super::super::model::ConnectorSection| form::ConnectorSection {
+    let section = |section: &crate::model::ConnectorSection| form::ConnectorSection {
         element_set: name(&section.element_set),
         r#type: form::OneOrMany(section.type_names.iter().map(name).collect()),
         behavior: section.behavior.as_ref().map(name),
@@ -221,8 +222,8 @@ fn entries<K: ToString, T, F, S>(given: &indexmap::IndexMap<K, T, S>, form: impl
     given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
 }
 
-fn entries_of(state: &crate::scene::states::State) -> Entries<Entries<Spanned<f64>>> {
-    let named = |forces: &crate::scene::forces::ElementForces| {
+fn entries_of(state: &crate::states::State) -> Entries<Entries<Spanned<f64>>> {
+    let named = |forces: &crate::forces::ElementForces| {
         forces.named().map(|(name, value)| (name.to_owned(), placeless(value))).collect()
     };
     let elements = state.forces.iter().map(|(element, forces)| (element.to_string(), named(forces)));
@@ -451,8 +452,7 @@ fn step(step: &Step, scene: &Scene, dropped: &mut Vec<String>) -> form::Step {
         minimum: maybe(times.minimum),
         maximum: maybe(times.maximum),
     });
-    let known = |load: &&super::super::model::DistributedLoad| match load.target.as_ref().map(|on| &on.value)
-    {
+    let known = |load: &&crate::model::DistributedLoad| match load.target.as_ref().map(|on| &on.value) {
         Some(Target::Label(label)) => {
             scene.connectors.contains_key(label) || scene.point_elements.contains_key(label)
         }

@@ -1,0 +1,189 @@
+//! What is judged: one connector, where its history left it, and the states that lead to the one in question.
+
+pub mod failing;
+pub mod hex;
+pub mod quantity;
+pub mod stage;
+
+use pintle_kinematics::connector::{
+    Branch, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns,
+};
+use pintle_kinematics::measure::Unit;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::scalar::{Differentiable, Real};
+use pintle_kinematics::so3::{self, turn};
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector, add, apply, product, sub, transpose};
+use serde::{Deserialize, Serialize};
+
+/// One state of a path, and the increment that leads to it.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Step {
+    /// The state.
+    pub state: State<f64>,
+    /// What happened to the nodes since the state before.
+    pub increment: Increment<f64>,
+}
+
+impl Step {
+    /// From one pair to the next at rest, by less than half a turn of each node.
+    pub fn between(before: &Pair<f64>, after: Pair<f64>) -> Self {
+        let turned =
+            |old: &Node<f64>, new: &Node<f64>| so3::log(&product(&new.triad, &transpose(&old.triad)));
+        let increment = Increment {
+            rotation: [turned(&before.a, &after.a), turned(&before.b, &after.b)],
+            whole_turns: [[0.0; 3]; 2],
+            flow: [after.a.flow - before.a.flow, after.b.flow - before.b.flow],
+        };
+        Self { state: State { pair: after, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }, increment }
+    }
+}
+
+/// A connector and a path of it; what is judged is the end of the path.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// The type and the region of configuration space, in words.
+    pub name: String,
+    /// The connector.
+    pub definition: Definition,
+    /// What the states before the path left; `None` is the initial branch.
+    pub start: Option<Branch<f64>>,
+    /// At least one state.
+    pub path: Vec<Step>,
+    /// s, the connector's own length: max(|d|, |d₀|, a reference length).
+    pub length: f64,
+}
+
+impl Case {
+    /// The connector, on doubles.
+    pub fn connector(&self) -> Connector<f64> {
+        Connector::new(&self.definition)
+    }
+
+    /// The state judged, and the increment that leads to it; `None` for an empty path.
+    pub fn last(&self) -> Option<&Step> {
+        self.path.last()
+    }
+
+    /// Whether the fourth power of a length at the end, of which second derivatives are formed on the way, is no normal double, or its
+    /// reciprocal is none.
+    pub(super) fn is_out_of_range(&self) -> bool {
+        let Some(step) = self.last() else { return false };
+        let apart = [step.state.pair.separation(), step.state.pair.reference];
+        let lengths = apart.into_iter().map(norm).chain([self.length]);
+        let mut lengths = lengths.filter(|length| *length != 0.0);
+        lengths.any(|length| !length.powi(4).is_normal() || !length.powi(-4).is_normal())
+    }
+
+    /// The branch that the states before the end leave.
+    pub fn branch_before(&self, connector: &Connector<f64>) -> Branch<f64> {
+        let mut branch = self.start.unwrap_or_else(|| connector.initial_branch());
+        let Some((_, before)) = self.path.split_last() else { return branch };
+        for step in before {
+            branch = connector.advance(&step.state, &step.increment, &branch);
+        }
+        branch
+    }
+
+    /// The evaluation of `request` at the end, and how much was computed for it; `None` for an empty path.
+    pub fn evaluation(&self, request: &Request) -> Option<(Evaluation<f64>, Tally)> {
+        let connector = self.connector();
+        let branch = self.branch_before(&connector);
+        let step = self.last()?;
+        let mut tally = Tally::default();
+        Some((connector.evaluate(&step.state, &step.increment, &branch, request, &mut tally), tally))
+    }
+
+    /// Whether the initial state is clear of the singular sets by `start`, and the end by `end`, in radians and in lengths of
+    /// the connector.
+    pub fn is_clear(&self, start: f64, end: f64) -> bool {
+        let connector = self.connector();
+        let mut branch = self.start.unwrap_or_else(|| connector.initial_branch());
+        let rest = State { pair: self.definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let clear = |state: &State<f64>, branch: &Branch<f64>, least: f64| {
+            connector.margins(state, branch, [true; 6]).iter().flatten().all(|margin| {
+                let unit = if margin.set.unit == Unit::Length { self.length } else { 1.0 };
+                margin.distance >= least * unit
+            })
+        };
+        if !clear(&rest, &branch, start) {
+            return false;
+        }
+        let Some((last, before)) = self.path.split_last() else { return false };
+        for step in before {
+            branch = connector.advance(&step.state, &step.increment, &branch);
+            if !clear(&step.state, &branch, 0.0) {
+                return false;
+            }
+        }
+        branch = connector.advance(&last.state, &last.increment, &branch);
+        clear(&last.state, &branch, end)
+    }
+}
+
+/// The same pair on another real number, exactly.
+pub fn exact_pair<R: Real>(pair: &Pair<f64>) -> Pair<R> {
+    let node = |node: &Node<f64>| Node {
+        displacement: vector::exact(node.displacement),
+        triad: vector::exact_matrix(&node.triad),
+        flow: R::from_f64(node.flow),
+    };
+    Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) }
+}
+
+/// The same state on another real number, exactly.
+pub fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
+    State {
+        pair: exact_pair(&state.pair),
+        velocity: state.velocity.map(R::from_f64),
+        acceleration: state.acceleration.map(R::from_f64),
+    }
+}
+
+/// The same branch on another real number, exactly.
+pub fn exact_branch<R: Real>(branch: &Branch<f64>) -> Branch<R> {
+    let exact = |t: Turns<f64>| Turns { turns: R::from_f64(t.turns), principal: R::from_f64(t.principal) };
+    Branch {
+        turns: branch.turns.map(exact),
+        torsion: exact(branch.torsion),
+        rotation_vector: vector::exact(branch.rotation_vector),
+        euler_sign: R::from_f64(branch.euler_sign),
+        accumulated: R::from_f64(branch.accumulated),
+        accumulated_rest: R::from_f64(branch.accumulated_rest),
+    }
+}
+
+/// Whether a rotation vector is none at all: nothing that is moved on purpose turns as little as that.
+pub(super) fn is_still<R: Differentiable>(rotation: &Vector<R>) -> bool {
+    let least = R::from_f64(f64::MIN_POSITIVE);
+    rotation.iter().all(|x| R::holds(x.magnitude().less(least)))
+}
+
+/// The pair with its degrees of freedom moved by finite amounts: U + δx, exp(δθ^) C, Ψ + δΨ. Written apart from
+/// [`Pair::moved`], and used on numbers without derivatives.
+pub fn moved<R: Differentiable>(pair: &Pair<R>, by: &[R; DOFS]) -> Pair<R> {
+    let node = |node: &Node<R>, at: usize| {
+        let rotation = [by[at + 3], by[at + 4], by[at + 5]];
+        Node {
+            displacement: add(node.displacement, [by[at], by[at + 1], by[at + 2]]),
+            triad: if is_still(&rotation) { node.triad } else { product(&turn(rotation), &node.triad) },
+            flow: node.flow + by[at + 6],
+        }
+    };
+    Pair { reference: pair.reference, a: node(&pair.a, 0), b: node(&pair.b, DOFS / 2) }
+}
+
+/// The pair after the rigid motion of space that turns it by R and gives node a the displacement `translation`.
+pub fn carried(pair: &Pair<f64>, rotation: &Matrix<f64>, translation: Vector<f64>) -> Pair<f64> {
+    // U_b' − U_a' must give R D = R (X_b − X_a + U_b − U_a) with the same X_b − X_a.
+    let carried = apply(rotation, pair.separation());
+    let mut moved = *pair;
+    moved.a.displacement = translation;
+    moved.b.displacement = add(translation, sub(carried, pair.reference));
+    moved.a.triad = product(rotation, &pair.a.triad);
+    moved.b.triad = product(rotation, &pair.b.triad);
+    moved
+}

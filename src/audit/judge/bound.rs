@@ -1,0 +1,169 @@
+//! The bound: how far two right answers may be apart, from the conditioning of the state and nothing else.
+//!
+//! With s_j the size of degree of freedom j (1 rad, or the connector's length), u = 2⁻⁵³, f a function with rows ∂f and second
+//! derivatives ∂²f,
+//!
+//! > F = |f| + Σ_k |∂f/∂q_k| s_k,  F₂ = F + Σ_jk |∂²f/∂q_j∂q_k| s_j s_k,
+//!
+//! | of | tolerance |
+//! |---|---|
+//! | a value | C u F |
+//! | a first derivative | C u (F/s_j + Σ_k abs(∂²f/∂q_j∂q_k) s_k) + (C u/δ)² abs(∂f/∂q_j) |
+//! | a second derivative | C u F₂/(s_j s_k) · max(1, 1/δ) |
+//! | a rate | Σ_j tol_j abs(q̇_j) |
+//! | nodal forces of a unit force, their derivatives | as a first and a second derivative; without the value in F where the force is not conjugate to the component |
+//! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
+//!
+//! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set, in
+//! radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ, rounding may bring the
+//! state that much closer. A derivative that grows like 1/δ grows by `1/(1 − C u/δ)` more than its slope says. So do the tolerances
+//! of all derivatives, by 2 at most. Beside a set rows are directions that a rounding turns by u/δ. At a symmetric state an entry
+//! is an extremum, which changes by the square of that alone. On a set ∂f is the steepest of the derivatives on its sides, along
+//! which rounding moves the value. Lengths enter only relative to s, so the verdict is the same in millimetres and metres and far
+//! from the origin.
+
+use crate::case::quantity::{Entries, Numbers, Quantity};
+use pintle_kinematics::node::dof_size;
+use pintle_kinematics::node::{DOFS, NodalRates};
+use pintle_kinematics::scalar::U;
+
+/// C, stated in every report: how many roundings of the conditioned scale are allowed. The worst ever measured over the
+/// catalogue is in `verify/audit/mod.rs`.
+pub const C: f64 = 4.0;
+
+/// The conditioned scales of a function of n degrees of freedom: of its value, first and second derivatives (row by row), rate and
+/// acceleration.
+///
+/// - `size` holds s_j;
+/// - `input` holds the magnitudes of the numbers that are rounded, s_j but where a number is larger than that, as an angle of many
+///   turns is;
+/// - `rates` holds the velocities and accelerations;
+/// - `nearness` is δ, 0 on a singular set.
+pub fn scales(
+    value: f64,
+    first: &[f64],
+    second: &[f64],
+    (size, input): (&[f64], &[f64]),
+    (velocity, acceleration): (&[f64], &[f64]),
+    nearness: f64,
+) -> [Vec<f64>; 5] {
+    let n = size.len();
+    let times = |row: &[f64], by: &[f64]| row.iter().zip(by).map(|(x, s)| x.abs() * s.abs()).sum::<f64>();
+    let f = value.abs() + times(first, input);
+    let bent: Vec<f64> = second.chunks(n.max(1)).map(|row| times(row, input)).collect();
+    let f2 = f + times(&bent, input);
+    let near = if nearness > 0.0 { (1.0 / nearness).max(1.0) } else { 1.0 };
+    let closer = if nearness > 0.0 { 1.0 / (1.0 - (C * U / nearness).min(0.5)) } else { 1.0 };
+    // Of a direction near a set, an extremum at a symmetric state, a rounding changes nothing to first order: to second, (C u/δ)² of it.
+    let turned = if nearness > 0.0 { (C * U / nearness).min(0.5).powi(2) / (C * U) } else { 0.0 };
+    let row: Vec<f64> = size
+        .iter()
+        .zip(&bent)
+        .zip(first)
+        .map(|((s, bent), first)| closer * (f / s + bent) + turned * first.abs())
+        .collect();
+    let near = closer * near;
+    let matrix: Vec<f64> = size.iter().flat_map(|s| size.iter().map(move |t| near * f2 / s / t)).collect();
+    let fastest = velocity.iter().zip(size).fold(0.0_f64, |most, (v, s)| most.max(v.abs() / s));
+    let rate = times(&row, velocity);
+    let faster = times(&row, acceleration) + near * f2 * fastest * fastest;
+    [vec![f], row, matrix, vec![rate], vec![faster]]
+}
+
+/// Tolerances and scales of everything that is judged at one state.
+#[derive(Clone, Debug, Default)]
+pub struct Bound {
+    tolerance: Numbers<f64>,
+    scale: Numbers<f64>,
+    /// Whether it rests on numbers of 237 bits, which do not overflow.
+    is_of_wide: bool,
+    /// The size of lengths.
+    length: f64,
+}
+
+impl Bound {
+    /// From derivatives that are trusted: the wide oracle's, where it was asked.
+    pub fn new(
+        truth: &Numbers<f64>,
+        velocity: &NodalRates<f64>,
+        acceleration: &NodalRates<f64>,
+        length: f64,
+        nearness: f64,
+    ) -> Self {
+        Self::of_components(truth, velocity, acceleration, length, &[nearness; 6])
+    }
+
+    /// The same with the nearness of each component to its own singular sets.
+    pub fn of_components(
+        truth: &Numbers<f64>,
+        velocity: &NodalRates<f64>,
+        acceleration: &NodalRates<f64>,
+        length: f64,
+        nearness: &[f64; 6],
+    ) -> Self {
+        let size: [f64; DOFS] = std::array::from_fn(|j| dof_size(j, length));
+        let mut of = Self { length, ..Self::default() };
+        let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
+        for k in 0..6 {
+            let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
+            let of = |quantity: Quantity| -> Vec<f64> {
+                (0..quantity.entries()).map(|i| truth.entries(quantity).get(k, i).unwrap_or(0.0)).collect()
+            };
+            let (first, second) = (of(Quantity::FirstDerivatives), of(Quantity::SecondDerivatives));
+            let found =
+                self::scales(value, &first, &second, (&size, &size), (velocity, acceleration), nearness[k]);
+            for (scale, entries) in scales.iter_mut().zip(found) {
+                scale.0[k] = Some(entries);
+            }
+        }
+        for k in 0..6 {
+            let of = |quantity: Quantity| truth.entries(quantity).0[k].as_deref();
+            let Some(rows) = of(Quantity::NodalForces) else { continue };
+            let changes = of(Quantity::GeometricStiffness).unwrap_or_default();
+            // Where they are the rows of the component they round as those do: by its value too, which of an angle of many turns is all of them.
+            let is_own = of(Quantity::FirstDerivatives) == Some(rows);
+            let value = truth.entries(Quantity::Value).get(k, 0).filter(|_| is_own).unwrap_or(0.0);
+            let still = ([0.0; DOFS], [0.0; DOFS]);
+            let [_, row, matrix, ..] =
+                self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), nearness[k]);
+            scales[Quantity::NodalForces as usize].0[k] = Some(row);
+            scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
+        }
+        for (quantity, scale) in Quantity::ALL.into_iter().zip(scales) {
+            of.tolerance.set(quantity, scale.map(|_, _, x| C * U * x));
+            of.scale.set(quantity, scale);
+        }
+        of
+    }
+
+    /// The same from numbers of 237 bits, if so: what has no finite scale then is formed of numbers beyond the range of doubles.
+    #[must_use]
+    pub(super) fn of_wide(self, is_of_wide: bool) -> Self {
+        Self { is_of_wide, ..self }
+    }
+
+    /// An entry times the sizes of the degrees of freedom by which it is a derivative: as large in millimetres as in metres.
+    pub(super) fn sized(&self, quantity: Quantity, i: usize, entry: f64) -> f64 {
+        entry * quantity.entry_size(i, self.length)
+    }
+
+    /// Whether an entry, which must be `want`, lies or is formed of numbers beyond the range of doubles.
+    pub(super) fn overflows(&self, quantity: Quantity, k: usize, i: usize, want: f64) -> bool {
+        self.is_of_wide && (want.is_infinite() || !self.scale(quantity, k, i).is_finite())
+    }
+
+    /// How far an entry may be from the truth, where that is known.
+    pub fn known(&self, quantity: Quantity, k: usize, i: usize) -> Option<f64> {
+        self.tolerance.entries(quantity).get(k, i)
+    }
+
+    /// How far an entry may be from the truth.
+    pub fn tolerance(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        self.known(quantity, k, i).unwrap_or(0.0)
+    }
+
+    /// The conditioned scale of an entry: the tolerance is C u times it.
+    pub fn scale(&self, quantity: Quantity, k: usize, i: usize) -> f64 {
+        self.scale.entries(quantity).get(k, i).unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,87 @@
+//! Why is it wrong? Wrong numbers are matched against what known mistakes make of the right ones: those of the self-test
+//! ([`crate::mutants::mutant`]) and changes of convention.
+//!
+//! Numbers of a connector's components are [`Symptoms`]; those of multi-point constraints, frictions and slopes of behaviour stand in
+//! a [`ResultTable`](crate::judge::table::ResultTable).
+//!
+//! A mistake *fits* where every entry that it makes is the one given, within the tolerance. One that fits is believed where chance
+//! would not do it. Chance meets an entry off by n tolerances once in n, so that it is worth log₂ n bits. All entries explained
+//! must be worth log₂(1000 N) bits together, N being the number of mistakes tried. A mistake explains more than another where the
+//! entries that only it explains are worth log₂ 1000 bits; those that explain as much are named beside it, for at this state they
+//! make the same numbers. Where nothing is believed, that is said. Numbers that have lost digits besides are tried again with
+//! tolerances so much wider.
+
+mod component;
+mod matching;
+mod table;
+
+use pintle_scene::Code;
+use pintle_scene::grammar::count;
+use serde::Serialize;
+
+pub use crate::mutants::cause::Cause;
+pub use component::{Symptoms, conventions, diagnose};
+pub use table::diagnose_table;
+
+/// One mistake that explains wrong entries.
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Explained {
+    /// The mistake.
+    #[serde(skip)]
+    pub cause: Cause,
+    /// Its code.
+    #[schemars(with = "String")]
+    pub code: Code,
+    /// What equals what, and what that means.
+    pub sentence: String,
+    /// Others that make the same numbers at this state.
+    #[schemars(with = "Vec<String>")]
+    pub also: Vec<Code>,
+}
+
+/// Why numbers are wrong.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Diagnosis {
+    /// The mistakes that explain wrong entries, the one that explains most first.
+    pub causes: Vec<Explained>,
+    /// Wrong entries that no known mistake explains.
+    pub unexplained: usize,
+}
+
+impl Diagnosis {
+    /// One line for each mistake, and one for what nothing explains, with codes.
+    pub fn lines(&self) -> Vec<(String, Code)> {
+        let mut lines: Vec<(String, Code)> =
+            self.causes.iter().map(|found| (found.said(), found.code)).collect();
+        if self.unexplained > 0 {
+            let besides = if self.causes.is_empty() { "" } else { " besides" };
+            let entries = count(self.unexplained, "wrong entry");
+            lines.push((format!("no known mistake explains {entries}{besides}"), Code::DiagnosisUnknown));
+        }
+        lines
+    }
+
+    /// Whether known mistakes explain all that is wrong.
+    pub fn is_whole(&self) -> bool {
+        self.unexplained == 0 && !self.causes.is_empty()
+    }
+
+    /// Whether it says more than another about the same check: all is explained, by fewer mistakes, with fewer alternatives.
+    pub fn is_clearer_than(&self, other: &Self) -> bool {
+        let rank = |one: &Self| {
+            let also: usize = one.causes.iter().map(|found| found.also.len()).sum();
+            (one.causes.is_empty(), one.unexplained > 0, one.causes.len(), also)
+        };
+        rank(self) < rank(other)
+    }
+}
+
+impl Explained {
+    fn said(&self) -> String {
+        if self.also.is_empty() {
+            return self.sentence.clone();
+        }
+        let others: Vec<&str> = self.also.iter().map(|code| code.as_str()).collect();
+        format!("{} (at this state the same as {})", self.sentence, others.join(", "))
+    }
+}

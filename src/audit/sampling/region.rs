@@ -1,0 +1,456 @@
+//! Regions of configuration space, and a case drawn from each.
+
+use crate::case::{Case, Step};
+use crate::sampling::domain::{
+    Turning, aligned, angle_at_start, is_in_table, misaligned, needs_length, needs_tilt, spin_axis, turning,
+    turns_shafts_over,
+};
+use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::connector::Definition;
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::so3;
+use pintle_kinematics::so3::turn;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose};
+use std::f64::consts::PI;
+
+/// How far from every singular set, in radians or lengths of the connector, a regular state is.
+const CLEAR: f64 = 0.15;
+
+/// How often a case is drawn anew until it is clear.
+const ATTEMPTS: usize = 400;
+
+/// A region of configuration space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Region {
+    /// Both nodes turned and moved, the printed constraints met initially.
+    Aligned,
+    /// As `Aligned`, with axes misaligned initially: the angles are frozen.
+    Misaligned,
+    /// b turned against a by 1.4 rad.
+    Wide,
+    /// b turned against a by this little (rad).
+    Turned(f64),
+    /// The connector is this long.
+    Long(f64),
+    /// b turned against a to half a turn less this (rad).
+    HalfTurn(f64),
+    /// b turned against a through this angle (rad) in small steps.
+    ManyTurns(f64),
+    /// b turned against a through β = 0, so that the Euler angles go on with sin β < 0.
+    ThroughLock,
+    /// 1e9 lengths from the origin.
+    Far,
+    /// Nodes in one place.
+    Coincident,
+    /// Exact right angles: one of the 24 orientations of a cube.
+    Cube(usize),
+}
+
+impl Region {
+    /// In words.
+    pub fn name(self) -> String {
+        match self {
+            Self::Aligned => "random aligned".into(),
+            Self::Misaligned => "random misaligned".into(),
+            Self::Wide => "random wide".into(),
+            Self::Turned(angle) => format!("turned by {angle}"),
+            Self::Long(length) if length < 1.0 => "millimetres".into(),
+            Self::Long(_) => "kilometres".into(),
+            Self::HalfTurn(gap) => format!("half a turn less {gap}"),
+            Self::ManyTurns(angle) => format!("through {angle} rad"),
+            Self::ThroughLock => "through the lock".into(),
+            Self::Far => "1e9 lengths away".into(),
+            Self::Coincident => "coincident".into(),
+            Self::Cube(i) => format!("cube {i}"),
+        }
+    }
+
+    /// The regions in which a type has regular states.
+    pub fn of(connection: &ConnectionType, extent: Extent) -> Vec<Self> {
+        let mut found = vec![Self::Aligned, Self::Misaligned];
+        if extent == Extent::Brief {
+            return found;
+        }
+        found.push(Self::Wide);
+        found.extend([0.0, 1e-12, 1e-8, 1e-5, 1e-3].map(Self::Turned));
+        found.extend([1e-3, 1e3].map(Self::Long));
+        if !turns_shafts_over(connection) {
+            found.extend([1e-3, 1e-6, -1e-6, -1e-2].map(Self::HalfTurn));
+            found.extend([7.0, 20.0].map(Self::ManyTurns));
+        }
+        found.push(Self::Far);
+        if !needs_length(connection) {
+            found.push(Self::Coincident);
+        }
+        if turning(connection) == Turning::Euler {
+            found.push(Self::ThroughLock);
+        }
+        found.extend((0..24).map(Self::Cube));
+        found
+    }
+}
+
+/// How thoroughly a type is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// Every kind of state.
+    Full,
+    /// One random state, one aligned: for pairs, which equal their halves.
+    Brief,
+}
+
+/// Table entries fully, free pairs briefly: a pair equals its halves exactly, which is a law of its own.
+pub fn extent(connection: &ConnectionType) -> Extent {
+    if is_in_table(connection) { Extent::Full } else { Extent::Brief }
+}
+
+/// What a motion is made of: A = exp(common^) A₀, B = exp(common^) exp(spin^) B₀, in equal steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// The rotation of both nodes (rad).
+    pub common: Vector<f64>,
+    /// The rotation of b before it (rad).
+    pub spin: Vector<f64>,
+    /// U_a and U_b at the end (length).
+    pub displacement: [Vector<f64>; 2],
+    /// Ψ_a and Ψ_b at the end (length).
+    pub flow: [f64; 2],
+    /// The number of equal steps.
+    pub steps: usize,
+}
+
+impl Motion {
+    /// Both nodes turned and moved at random, b besides by `spin`.
+    pub fn random(draw: &mut Draw, length: f64, spin: Vector<f64>) -> Self {
+        Self {
+            common: draw.rotation(0.3, 1.2),
+            spin,
+            displacement: [draw.vector(0.2 * length), draw.vector(0.2 * length)],
+            flow: [draw.between(-0.2, 0.2) * length, draw.between(-0.2, 0.2) * length],
+            steps: 1,
+        }
+    }
+
+    /// The pair after the fraction `t` of the motion.
+    pub fn at(&self, initial: &Pair<f64>, t: f64) -> Pair<f64> {
+        let common = turn(scale(self.common, t));
+        let spin = turn(scale(self.spin, t));
+        let node = |from: &Node<f64>, end: usize, triad: Matrix<f64>| Node {
+            displacement: add(from.displacement, scale(self.displacement[end], t)),
+            triad,
+            flow: from.flow + self.flow[end] * t,
+        };
+        Pair {
+            reference: initial.reference,
+            a: node(&initial.a, 0, product(&common, &initial.a.triad)),
+            b: node(&initial.b, 1, product(&product(&common, &spin), &initial.b.triad)),
+        }
+    }
+
+    /// The states on the way, from the first step to the end.
+    pub fn path(&self, initial: &Pair<f64>) -> Vec<Step> {
+        let mut before = *initial;
+        let mut path = Vec::with_capacity(self.steps);
+        for i in 1..=self.steps {
+            let after = self.at(initial, i as f64 / self.steps as f64);
+            path.push(Step::between(&before, after));
+            before = after;
+        }
+        path
+    }
+}
+
+/// Two nodes at rest, X_b − X_a = `reference`, triads A₀ and A₀Q₀.
+pub fn pair(reference: Vector<f64>, a0: Matrix<f64>, q0: &Matrix<f64>) -> Pair<f64> {
+    let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+    Pair { reference, a: node(a0), b: node(product(&a0, q0)) }
+}
+
+/// A definition with nothing optional in it; β_s = 1.7/length.
+pub fn definition(connection: &ConnectionType, initial: Pair<f64>, length: f64) -> Definition {
+    Definition { flow_scale: 1.7 / length, ..Definition::new(connection.clone(), initial) }
+}
+
+/// The 24 orientations of a cube: entries exactly 0 and ±1.
+pub fn cube_orientations() -> Vec<Matrix<f64>> {
+    let mut found = Vec::new();
+    for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
+        for signs in 0..4 {
+            let mut first = [0.0; 3];
+            let mut second = [0.0; 3];
+            first[i] = if signs & 1 == 0 { 1.0 } else { -1.0 };
+            second[j] = if signs & 2 == 0 { 1.0 } else { -1.0 };
+            found.push(transpose(&[first, second, vector::cross(first, second)]));
+        }
+    }
+    found
+}
+
+impl Case {
+    fn new(region: Region, definition: Definition, motion: &Motion, length: f64, draw: &mut Draw) -> Self {
+        let mut path = motion.path(&definition.initial);
+        if let Some(end) = path.last_mut() {
+            end.state.velocity = draw.rates(length);
+            end.state.acceleration = draw.rates(2.0 * length);
+        }
+        let name = format!("{} {}", definition.connection.name, region.name());
+        Self { name, definition, start: None, path, length }
+    }
+}
+
+/// Draws until a case is clear of the singular sets, initially by [`CLEAR`] and at the end by `end`.
+fn clear(end: f64, mut make: impl FnMut() -> Case) -> Option<Case> {
+    (0..ATTEMPTS).map(|_| make()).find(|case| case.is_clear(CLEAR, end))
+}
+
+/// The cases of a type, one from each of its regions, always the same.
+pub fn cases(connection: &ConnectionType, extent: Extent) -> Vec<Case> {
+    cases_drawn(connection, extent, &mut Draw::new(&connection.name))
+}
+
+/// A case from each region of a type.
+pub fn cases_drawn(connection: &ConnectionType, extent: Extent, draw: &mut Draw) -> Vec<Case> {
+    let regions = Region::of(connection, extent);
+    regions.into_iter().filter_map(|region| draw_case(connection, region, draw)).collect()
+}
+
+/// The same of all regions, and how many of them come before those of right angles, which are alike.
+pub(crate) fn regions_drawn(connection: &ConnectionType, draw: &mut Draw) -> (usize, Vec<Case>) {
+    let (mut distinct, mut drawn) = (0, Vec::new());
+    for region in Region::of(connection, Extent::Full) {
+        let case = draw_case(connection, region, draw);
+        distinct += usize::from(case.is_some() && !matches!(region, Region::Cube(_)));
+        drawn.extend(case);
+    }
+    (distinct, drawn)
+}
+
+/// A case from a random region.
+pub fn random_case(connection: &ConnectionType, draw: &mut Draw) -> Option<Case> {
+    let regions = Region::of(connection, Extent::Full);
+    (0..ATTEMPTS).find_map(|_| draw_case(connection, regions[draw.below(regions.len())], draw))
+}
+
+/// A case from a region; `None` where the type is singular there.
+pub fn draw_case(connection: &ConnectionType, region: Region, draw: &mut Draw) -> Option<Case> {
+    // Shafts all but parallel, where directions midway must be regular.
+    let straight = turning(connection) == Turning::Torsion && !needs_tilt(connection);
+    match region {
+        Region::Aligned => moderate(connection, region, 1.0, None, 0.8, draw),
+        Region::Misaligned => {
+            let q0 = misaligned(connection, draw);
+            moderate(connection, region, 1.0, Some(q0), 0.6, draw)
+        }
+        Region::Wide => moderate(connection, region, 1.0, None, 1.4, draw),
+        Region::Turned(angle) => {
+            moderate(connection, region, 1.0, straight.then(vector::identity), angle, draw)
+        }
+        Region::Long(length) => moderate(connection, region, length, None, 0.7, draw),
+        Region::HalfTurn(gap) => half_turn(connection, region, gap, draw),
+        Region::ManyTurns(size) => many_turns(connection, region, size, draw),
+        Region::ThroughLock => through_lock(connection, region, draw),
+        Region::Far => far(connection, region, draw),
+        Region::Coincident => coincident(connection, region, draw),
+        Region::Cube(i) => cube(connection, region, i, draw),
+    }
+}
+
+/// b turned against a by `spin`, from Q₀ or an aligned one.
+fn moderate(
+    connection: &ConnectionType,
+    region: Region,
+    length: f64,
+    q0: Option<Matrix<f64>>,
+    spin: f64,
+    draw: &mut Draw,
+) -> Option<Case> {
+    clear(CLEAR, || {
+        let q0 = q0.unwrap_or_else(|| aligned(connection, draw));
+        let reference = scale(draw.direction(), length * draw.between(0.7, 1.4));
+        let definition = definition(connection, pair(reference, draw.triad(), &q0), length);
+        let spin = scale(draw.direction(), spin);
+        let motion = Motion::random(draw, length, spin);
+        Case::new(region, definition, &motion, length, draw)
+    })
+}
+
+/// Q₀ from which turns about [`spin_axis`] are counted.
+fn start_of_turns(connection: &ConnectionType, draw: &mut Draw) -> Matrix<f64> {
+    match turning(connection) {
+        Turning::RotationVector => vector::identity(),
+        _ => aligned(connection, draw),
+    }
+}
+
+fn half_turn(connection: &ConnectionType, region: Region, gap: f64, draw: &mut Draw) -> Option<Case> {
+    // The misalignment is a principal log: past half a turn it is another branch.
+    let holds = turning(connection) == Turning::Align;
+    let gap = if holds { gap.abs() } else { gap };
+    clear(if holds { 0.0 } else { CLEAR }, || {
+        let q0 = start_of_turns(connection, draw);
+        let a0 = draw.triad();
+        let axis = spin_axis(connection, &a0, draw);
+        let reference = draw.direction();
+        let definition = definition(connection, pair(reference, a0, &q0), 1.0);
+        let spin = scale(axis, PI - gap - angle_at_start(connection, &q0));
+        let motion = Motion { steps: 8, ..Motion::random(draw, 1.0, spin) };
+        Case::new(region, definition, &motion, 1.0, draw)
+    })
+}
+
+/// In steps below 0.7 rad; a type that holds all rotations turns as a whole.
+fn many_turns(connection: &ConnectionType, region: Region, size: f64, draw: &mut Draw) -> Option<Case> {
+    let whole = turning(connection) == Turning::Align;
+    clear(CLEAR, || {
+        let q0 = start_of_turns(connection, draw);
+        let a0 = draw.triad();
+        let axis = spin_axis(connection, &a0, draw);
+        let definition = definition(connection, pair(draw.direction(), a0, &q0), 1.0);
+        let steps = (size / 0.35) as usize;
+        let turned = scale(axis, size);
+        let motion = if whole {
+            let little = [0.3 * axis[1], -0.2 * axis[2], 0.25 * axis[0]];
+            Motion { common: turned, steps, ..Motion::random(draw, 1.0, little) }
+        } else {
+            Motion { steps, ..Motion::random(draw, 1.0, turned) }
+        };
+        Case::new(region, definition, &motion, 1.0, draw)
+    })
+}
+
+/// b turned about the line of nodes until β = −0.6, which leaves α and γ as they are.
+fn through_lock(connection: &ConnectionType, region: Region, draw: &mut Draw) -> Option<Case> {
+    clear(CLEAR, || {
+        let q0 = aligned(connection, draw);
+        let a0 = draw.triad();
+        let [alpha, beta] = [1, 2].map(|i| so3::euler_angle(&q0, 1.0, i));
+        let nodes = vector::apply(&a0, [alpha.cos(), alpha.sin(), 0.0]);
+        let definition = definition(connection, pair(draw.direction(), a0, &q0), 1.0);
+        let spin = scale(nodes, -beta - 0.6);
+        let motion = Motion { steps: 8, ..Motion::random(draw, 1.0, spin) };
+        Case::new(region, definition, &motion, 1.0, draw)
+    })
+}
+
+/// Displacements of 2³⁰ (about 1e9) lengths, on a grid so coarse that their difference is exact.
+fn far(connection: &ConnectionType, region: Region, draw: &mut Draw) -> Option<Case> {
+    clear(CLEAR, || {
+        let q0 = aligned(connection, draw);
+        let grid = |v: Vector<f64>| v.map(|x| (x * 1024.0).round() / 1024.0);
+        let definition = definition(connection, pair(grid(draw.direction()), draw.triad(), &q0), 1.0);
+        let spin = draw.rotation(0.3, 0.7);
+        let mut motion = Motion::random(draw, 1.0, spin);
+        let away = [1_073_741_824.0, -536_870_912.0, 1_073_741_824.5];
+        motion.displacement = motion.displacement.map(|u| add(away, grid(u)));
+        Case::new(region, definition, &motion, 1.0, draw)
+    })
+}
+
+/// Nodes in one place, initially and now.
+fn coincident(connection: &ConnectionType, region: Region, draw: &mut Draw) -> Option<Case> {
+    clear(CLEAR, || {
+        let q0 = aligned(connection, draw);
+        let definition = definition(connection, pair([0.0; 3], draw.triad(), &q0), 1.0);
+        let spin = draw.rotation(0.3, 0.7);
+        let mut motion = Motion::random(draw, 1.0, spin);
+        motion.displacement[1] = motion.displacement[0];
+        Case::new(region, definition, &motion, 1.0, draw)
+    })
+}
+
+/// a in one of the 24 orientations of a cube, b in each of them, as far as the type is regular there; the initial orientations
+/// as well.
+fn cube(connection: &ConnectionType, region: Region, i: usize, draw: &mut Draw) -> Option<Case> {
+    let all = cube_orientations();
+    let q = all.get(i)?;
+    let a0 = all[(7 * i + 3) % 24];
+    // The initial orientation itself is a right angle in every second case; always where a half turn in one increment would
+    // leave two sheets equally near.
+    let still = i % 2 == 1 || matches!(turning(connection), Turning::Euler | Turning::Torsion);
+    let q0 = if still { *q } else { vector::identity() };
+    let definition = definition(connection, pair([2.0, -1.0, 0.5], a0, &q0), 2.0);
+    let mut after = pair([2.0, -1.0, 0.5], a0, q);
+    after.a.displacement = [0.25, 0.0, -0.5];
+    after.b.displacement = [0.0, 0.75, 0.5];
+    after.a.triad = all[(5 * i + 1) % 24];
+    after.b.triad = product(&after.a.triad, q);
+    let mut end = Step::between(&definition.initial, after);
+    end.state.velocity = draw.rates(2.0);
+    end.state.acceleration = draw.rates(4.0);
+    let name = format!("{} {}", connection.name, region.name());
+    Some(Case { name, definition, start: None, path: vec![end], length: 2.0 })
+        .filter(|case| case.is_clear(CLEAR, CLEAR))
+}
+
+/// State `i` about the initial one of a connector: that itself, then random motions of the nodes that can move, clear of singular
+/// sets. Node b turns against a by up to 1.2 rad, every fourth time up to 3 rad; a two-dimensional connector stays in the plane.
+/// `None` where no clear state was found.
+pub fn about_initial(
+    definition: &Definition,
+    i: usize,
+    length: f64,
+    name: String,
+    draw: &mut Draw,
+) -> Option<Case> {
+    const CLEAR: f64 = 0.01;
+    let turning = |draw: &mut Draw, most: f64| {
+        let size = draw.between(0.0, most);
+        let turn = scale(draw.direction(), size);
+        if definition.planar { [0.0, 0.0, turn[2]] } else { turn }
+    };
+    for _ in 0..ATTEMPTS {
+        let still = [0.0; 3];
+        // Beyond a right angle the arctangent of a quotient and the arcsine are other functions than the angle.
+        let most = if i % 4 == 3 { 3.0 } else { 1.2 };
+        let [mut common, spin] = if i == 0 { [still; 2] } else { [turning(draw, 3.0), turning(draw, most)] };
+        let mut motion = Motion::random(draw, length, spin);
+        if i == 0 {
+            (motion.displacement, motion.flow) = ([still; 2], [0.0; 2]);
+        }
+        for (end, moves) in definition.moves.into_iter().enumerate() {
+            if definition.planar {
+                motion.displacement[end][2] = 0.0;
+            }
+            if !moves {
+                (motion.displacement[end], motion.flow[end]) = (still, 0.0);
+            }
+        }
+        // Neither the ground turns, nor an end without rotations: a is turned by one of them, b by both.
+        let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
+        if !turns[0] {
+            common = still;
+        }
+        if !turns[1] {
+            if turns[0] {
+                common = scale(spin, -1.0);
+            } else {
+                motion.spin = still;
+            }
+        }
+        let mut path = Motion { common, ..motion }.path(&definition.initial);
+        if let Some(end) = path.last_mut() {
+            end.state.velocity = rates(definition, length, draw);
+            end.state.acceleration = rates(definition, length, draw);
+        }
+        let case = Case { name: name.clone(), definition: definition.clone(), start: None, path, length };
+        if i == 0 || case.is_clear(0.0, CLEAR) {
+            return Some(case);
+        }
+    }
+    None
+}
+
+/// Random rates of the degrees of freedom that there are.
+pub(crate) fn rates(definition: &Definition, length: f64, draw: &mut Draw) -> [f64; DOFS] {
+    let mut rates = draw.rates(length);
+    for (j, rate) in rates.iter_mut().enumerate() {
+        let in_plane = matches!(j % 7, 0 | 1 | 5 | 6);
+        let is_held = matches!(j % 7, 3..=5) && !definition.rotates[j / 7];
+        if !definition.moves[j / 7] || is_held || definition.planar && !in_plane {
+            *rate = 0.0;
+        }
+    }
+    rates
+}

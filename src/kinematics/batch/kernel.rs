@@ -1,0 +1,343 @@
+//! The loops: tiles in, rows out. They are compiled here, once for each formula and layout; callers do not compile them again.
+
+use crate::batch::layout::{CompactRow, Derivatives, Fused, HessianRow, Put, Row};
+use crate::batch::{Batch, BatchError, History, Section, Tile, same_length, single};
+use crate::measure::formula::{Formula, Pass, Task};
+use crate::measure::{Measure, Shared};
+use crate::node::Pair;
+use crate::scalar::lanes::{FirstOrder, Lanes, SecondOrder};
+use crate::scalar::{Seeded, unrolled};
+use pulp::{Arch, Simd, WithSimd};
+use std::hint::black_box;
+use std::marker::PhantomData;
+
+/// One pass over all tiles, from row `first` of each on, the rows of each `rows` after those of the one before.
+///
+/// It is handed on by reference: of few tiles, copies of it would be a tenth of the time.
+#[derive(Debug)]
+struct Loop<'a, L> {
+    arch: Arch,
+    rows: usize,
+    first: usize,
+    tiles: &'a [Tile],
+    sections: &'a [Section],
+    histories: &'a [History],
+    out: &'a mut [L],
+}
+
+/// A pass whose rows go where it says.
+#[derive(Debug)]
+pub struct Placed<'l, 'a, L> {
+    pass: &'l Pass,
+    all: &'l mut Loop<'a, L>,
+}
+
+/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`]. Nothing outside of this crate can implement it.
+pub trait Layout: Put {
+    /// Runs the loop of a pass.
+    #[doc(hidden)]
+    fn run(placed: Placed<'_, '_, Self>);
+}
+
+/// Functions that are not generic, so that they and the loops belong to this crate.
+macro_rules! compiled_here {
+    ($($layout:ty),+) => {
+        $(impl Layout for $layout {
+            #[inline(never)]
+            fn run(placed: Placed<'_, '_, Self>) {
+                placed.pass.dispatch(placed);
+            }
+        })+
+    };
+}
+
+compiled_here!(Row, CompactRow, HessianRow);
+
+impl<L: Layout> Task for Placed<'_, '_, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<F: Formula<M>, const M: usize>(self) {
+        let Self { pass, all } = self;
+        // Mostly the rows stand side by side where they are to go.
+        let first = pass.rows[0];
+        let in_place = (0..M).all(|m| pass.rows[m] < all.rows && pass.rows[m] == first.wrapping_add(m));
+        if !in_place {
+            return scattered::<F, L, M>(pass, all);
+        }
+        all.first = first;
+        F::apart(all);
+    }
+}
+
+/// Rows that stand apart, or of which some are not wanted: computed for one tile after another, and copied.
+fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: &mut Loop<'_, L>) {
+    let Loop { arch, rows, tiles, sections, histories, ref mut out, .. } = *all;
+    let mut computed = [L::default(); M];
+    let constants = sections.chunks(1).zip(histories.chunks(1));
+    for ((tiles, (sections, histories)), out) in
+        tiles.chunks(1).zip(constants).zip(out.chunks_exact_mut(rows))
+    {
+        F::apart(&mut Loop { arch, rows: M, first: 0, tiles, sections, histories, out: &mut computed });
+        for (row, place) in computed.iter().zip(pass.rows) {
+            if let Some(out) = out.get_mut(place) {
+                *out = *row;
+            }
+        }
+    }
+}
+
+/// A formula with a function of its own for its loop: in one function, all loops take the compiler more than 25 minutes.
+trait Apart<const M: usize>: Formula<M> + Sized {
+    /// Runs the loop, on the vector unit there is. As a default method it belongs to the module of the formula.
+    #[inline(never)]
+    fn apart<L: Layout>(all: &mut Loop<'_, L>) {
+        all.arch.dispatch(LoopOf::<Self, L, M> { all, formula: PhantomData });
+    }
+}
+
+impl<F: Formula<M>, const M: usize> Apart<M> for F {}
+
+/// The loop of one formula.
+struct LoopOf<'l, 'a, F, L, const M: usize> {
+    all: &'l mut Loop<'a, L>,
+    formula: PhantomData<F>,
+}
+
+impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, '_, F, L, M> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_simd<V: Simd>(self, _: V) {
+        // Without a vector unit four at a time gain nothing: one after the other, by functions that are there anyway.
+        if V::F64_LANES > 1 { self.run() } else { self.one_by_one() }
+    }
+}
+
+impl<F: Formula<M>, L: Layout, const M: usize> LoopOf<'_, '_, F, L, M> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(self) {
+        let Loop { rows, first, tiles, sections, histories, ref mut out, .. } = *self.all;
+        let count = tiles.len();
+        let constants = (sections.get(..count), histories.get(..count));
+        let (Some(mut rest), (Some(sections), Some(histories))) = (out.get_mut(first..), constants) else {
+            return;
+        };
+        for i in 0..count {
+            let Some(target) = rest.first_chunk_mut::<M>() else { return };
+            differentiate::<F, L, M>(&tiles[i], &sections[i], &histories[i], target);
+            // After the last tile there may be less left, and it does not matter.
+            let Some((_, following)) = rest.split_at_mut_checked(rows) else { return };
+            rest = following;
+        }
+    }
+
+    #[inline(never)]
+    fn one_by_one(self) {
+        let Loop { rows, first, tiles, sections, histories, ref mut out, .. } = *self.all;
+        let constants = sections.iter().zip(histories);
+        for ((tile, (section, history)), rows) in tiles.iter().zip(constants).zip(out.chunks_exact_mut(rows))
+        {
+            for (row, measure) in rows.iter_mut().skip(first).zip(F::MEASURES) {
+                *row = single::row(measure, tile, section, history);
+            }
+        }
+    }
+}
+
+/// The rows of four elements.
+///
+/// Its arguments are references of its own so that the compiler knows them to be apart, and reads a tile when it needs a number of
+/// it, between the stores of the rows.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn differentiate<F: Formula<M>, L: Layout, const M: usize>(
+    tile: &Tile,
+    section: &Section,
+    history: &History,
+    out: &mut [L; M],
+) {
+    // Mostly rotation vectors are principal: whether they are need be known in the end only, so that nothing waits for it.
+    let is_final = Element::load(tile, section, history).rows::<F, L, M, true>(out);
+    if const { continues_log(&F::MEASURES) } {
+        if is_final {
+            return;
+        }
+        // Of other numbers, as far as the compiler knows: else it would keep those above for this, lane by lane.
+        let element = Element::load(black_box(tile), black_box(section), black_box(history));
+        element.rows::<F, L, M, false>(out);
+    }
+}
+
+/// Whether a measure is a component of the rotation vector that continues the history.
+const fn continues_log<const M: usize>(measures: &[Measure; M]) -> bool {
+    let mut i = 0;
+    while i < M {
+        if matches!(measures[i], Measure::RotationVector(_)) {
+            return true;
+        }
+        i += 1;
+    }
+    false
+}
+
+/// Four elements.
+struct Element {
+    pair: Pair<Fused>,
+    section: crate::measure::Section<Fused>,
+    history: crate::measure::History<Fused>,
+}
+
+impl Element {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load(tile: &Tile, section: &Section, history: &History) -> Self {
+        Self { pair: tile.pair(), section: section.load(), history: history.load() }
+    }
+
+    /// The rows of a formula; with principal rotation vectors if `PRINCIPAL`, and whether those continue the history.
+    ///
+    /// A constant, so that from the first no function holds both: the compiler would keep all numbers of it in memory.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn rows<F, L, const M: usize, const PRINCIPAL: bool>(&self, out: &mut [L; M]) -> bool
+    where
+        F: Formula<M>,
+        L: Layout,
+    {
+        // Constants, so that only one of these is compiled for each formula.
+        if const { L::ORDER == 1 && F::NEEDED.of_position() } {
+            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 0)
+        } else if const { L::ORDER == 1 && F::NEEDED.of_rotation() } {
+            self.differentiate::<F, FirstOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 3)
+        } else if const { L::ORDER == 1 } {
+            self.differentiate::<F, FirstOrder<_, 6>, L, M, 6, PRINCIPAL>(out, 0)
+        } else if const { F::NEEDED.of_position() } {
+            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 0)
+        } else if const { F::NEEDED.of_rotation() } {
+            self.differentiate::<F, SecondOrder<_, 3>, L, M, 3, PRINCIPAL>(out, 3)
+        } else {
+            self.differentiate::<F, SecondOrder<_, 6>, L, M, 6, PRINCIPAL>(out, 0)
+        }
+    }
+
+    /// The same by the N relative variations from number `first` on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn differentiate<F, S, L, const M: usize, const N: usize, const PRINCIPAL: bool>(
+        &self,
+        out: &mut [L; M],
+        first: usize,
+    ) -> bool
+    where
+        F: Formula<M>,
+        S: Seeded<N, Real = Fused>,
+        L: Layout,
+    {
+        let needed = F::NEEDED;
+        let relative = self.pair.seeded::<S, N>(needed, first);
+        let shared = Shared::new(&relative, &self.pair.a.triad, &self.section, &self.history);
+        let mut shared = if const { PRINCIPAL } { shared.principal() } else { shared };
+        self.put::<F, S, L, M, N>(F::evaluate(&mut shared), out, first);
+        shared.is_continued()
+    }
+
+    /// The rows of measures differentiated by the N relative variations from number `first` on.
+    ///
+    /// Row by row, not in a loop: the compiler leaves loops of so many instructions as they are, and what they index in memory.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn put<F, S, L, const M: usize, const N: usize>(&self, values: [S; M], out: &mut [L; M], first: usize)
+    where
+        F: Formula<M>,
+        S: Seeded<N, Real = Fused>,
+        L: Layout,
+    {
+        const { assert!(M <= 3, "a formula of more than three measures") }
+        self.put_one::<F, S, L, M, N, 0>(&values, out, first);
+        if const { M > 1 } {
+            self.put_one::<F, S, L, M, N, 1>(&values, out, first);
+        }
+        if const { M > 2 } {
+            self.put_one::<F, S, L, M, N, 2>(&values, out, first);
+        }
+    }
+
+    /// The row of measure number AT.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn put_one<F, S, L, const M: usize, const N: usize, const AT: usize>(
+        &self,
+        values: &[S; M],
+        out: &mut [L; M],
+        first: usize,
+    ) where
+        F: Formula<M>,
+        S: Seeded<N, Real = Fused>,
+        L: Layout,
+    {
+        let (Some(value), Some(row), Some(measure)) = (values.get(AT), out.get_mut(AT), F::MEASURES.get(AT))
+        else {
+            return;
+        };
+        let needed = const { F::NEEDED };
+        let zero = Lanes::splat(0.0);
+        let mut all = [zero; 6];
+        let mut second = [[zero; 6]; 6];
+        let gradient = value.gradient();
+        let hessian = value.hessian();
+        unrolled!(i < N, {
+            all[first + i] = gradient[i];
+            if const { L::ORDER > 1 } {
+                unrolled!(j < N, {
+                    second[first + i][first + j] = hessian[i][j];
+                })
+            }
+        });
+        let derivatives = Derivatives {
+            needed,
+            turns_with_a: measure.turns_with_a(),
+            is_linear: measure.is_linear(),
+            separation: self.pair.separation(),
+            translation: [all[0], all[1], all[2]],
+            rotation: [all[3], all[4], all[5]],
+            second,
+        };
+        row.put(value.real(), &derivatives);
+    }
+}
+
+/// How many tiles a pass goes through before the next pass takes them: they and their rows stay in the second cache.
+const TILES_AT_ONCE: usize = 32;
+
+impl Batch {
+    /// Values and rows, in the layout asked for: those of the first tile, then those of the second …
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] unless there are as many sections and histories as tiles, and as many rows as [`Batch::rows`] for
+    /// each tile.
+    pub fn rows_of<L: Layout>(
+        &self,
+        tiles: &[Tile],
+        sections: &[Section],
+        histories: &[History],
+        out: &mut [L],
+    ) -> Result<(), BatchError> {
+        same_length("sections", sections.len(), tiles.len())?;
+        same_length("histories", histories.len(), tiles.len())?;
+        same_length("rows", out.len(), tiles.len() * self.rows())?;
+        if self.rows() == 0 {
+            return Ok(());
+        }
+        let at_once = if self.passes.len() > 1 { TILES_AT_ONCE } else { tiles.len() };
+        let (arch, rows) = (self.arch, self.rows());
+        let mut done = 0;
+        while done < tiles.len() {
+            let these = done..tiles.len().min(done + at_once);
+            done = these.end;
+            let constants = sections.get(these.clone()).zip(histories.get(these.clone()));
+            let out = out.get_mut(these.start * rows..these.end * rows);
+            let (Some(tiles), Some((sections, histories)), Some(out)) = (tiles.get(these), constants, out)
+            else {
+                break;
+            };
+            let all = &mut Loop { arch, rows, first: 0, tiles, sections, histories, out };
+            for pass in &self.passes {
+                L::run(Placed { pass, all });
+            }
+        }
+        Ok(())
+    }
+}

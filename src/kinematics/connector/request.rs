@@ -1,0 +1,389 @@
+//! What to compute, and how much was computed.
+
+use serde::Serialize;
+
+/// A quantity that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+pub enum Output {
+    /// Position: e·d, l, α … from which stops are counted.
+    CP,
+    /// Displacement: position − initial position.
+    CU,
+    /// Constitutive displacement: position − reference.
+    CCU,
+    /// Velocity.
+    CV,
+    /// Acceleration.
+    CA,
+    /// What each constrained component enforces to be zero.
+    RES,
+    /// The rate of the residual, J q̇.
+    RESV,
+    /// The part of the residual's acceleration that is quadratic in the rates, J̇ q̇.
+    RESB,
+    /// The acceleration of the residual, J q̈ + J̇ q̇.
+    RESA,
+    /// Stop status.
+    CSLST,
+    /// Turn counts and principal angles.
+    TURNS,
+    /// Distance to the nearest singular point.
+    MARGIN,
+    /// Total force.
+    CTF,
+    /// Elastic force.
+    CEF,
+    /// Viscous force.
+    CVF,
+    /// Friction force.
+    CSF,
+    /// Reaction of a constraint, stop, lock, prescribed motion.
+    CRF,
+    /// Applied load.
+    CCF,
+    /// Contact force of friction.
+    CNF,
+    /// Accumulated slip.
+    CASU,
+    /// Slip rate.
+    CIVC,
+    /// Whether friction sticks or slips.
+    SLIP,
+    /// Failure status.
+    CFAILST,
+    /// What a connector motion prescribes.
+    DRIVEN,
+    /// Slopes of forces.
+    TANGENT,
+    /// Moments as the manual prints them.
+    PM,
+    /// Multipliers of the equations enforced.
+    LM,
+    /// Nodal forces.
+    NF,
+    /// Geometric stiffness.
+    KG,
+    /// Derivative of the nodal forces.
+    DNF,
+    /// Tangent of the nodal forces by displacements.
+    KT,
+    /// Tangent of the nodal forces by velocities.
+    CT,
+    /// Tangent of the nodal forces by reactions.
+    KR,
+}
+
+impl Output {
+    /// Every output, in the order of reports.
+    pub const ALL: [Self; 33] = [
+        Self::CP,
+        Self::CU,
+        Self::CCU,
+        Self::CV,
+        Self::CA,
+        Self::RES,
+        Self::RESV,
+        Self::RESB,
+        Self::RESA,
+        Self::CSLST,
+        Self::TURNS,
+        Self::MARGIN,
+        Self::CTF,
+        Self::CEF,
+        Self::CVF,
+        Self::CSF,
+        Self::CRF,
+        Self::CCF,
+        Self::CNF,
+        Self::CASU,
+        Self::CIVC,
+        Self::SLIP,
+        Self::CFAILST,
+        Self::DRIVEN,
+        Self::TANGENT,
+        Self::PM,
+        Self::LM,
+        Self::NF,
+        Self::KG,
+        Self::DNF,
+        Self::KT,
+        Self::CT,
+        Self::KR,
+    ];
+
+    /// Its bit in a set of outputs.
+    #[inline(always)]
+    const fn bit(self) -> u64 {
+        const { assert!(Self::ALL.len() <= 64, "more outputs than bits") }
+        1 << self as u64
+    }
+
+    /// The name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::CP => "CP",
+            Self::CU => "CU",
+            Self::CCU => "CCU",
+            Self::CV => "CV",
+            Self::CA => "CA",
+            Self::RES => "RES",
+            Self::RESV => "RESV",
+            Self::RESB => "RESB",
+            Self::RESA => "RESA",
+            Self::CSLST => "CSLST",
+            Self::TURNS => "TURNS",
+            Self::MARGIN => "MARGIN",
+            Self::CTF => "CTF",
+            Self::CEF => "CEF",
+            Self::CVF => "CVF",
+            Self::CSF => "CSF",
+            Self::CRF => "CRF",
+            Self::CCF => "CCF",
+            Self::CNF => "CNF",
+            Self::CASU => "CASU",
+            Self::CIVC => "CIVC",
+            Self::SLIP => "SLIP",
+            Self::CFAILST => "CFAILST",
+            Self::DRIVEN => "DRIVEN",
+            Self::TANGENT => "TANGENT",
+            Self::PM => "PM",
+            Self::LM => "LM",
+            Self::NF => "NF",
+            Self::KG => "KG",
+            Self::DNF => "DNF",
+            Self::KT => "KT",
+            Self::CT => "CT",
+            Self::KR => "KR",
+        }
+    }
+
+    /// Whether it is one of the manual's outputs of relative motion, which has a name of its own for rotations: CP and CPR.
+    pub const fn is_kinematic(self) -> bool {
+        matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA | Self::CASU)
+    }
+
+    /// Whether it is a force or moment of a component, whose moments have a name of their own: CTF and CTM.
+    pub const fn is_force(self) -> bool {
+        matches!(self, Self::CTF | Self::CEF | Self::CVF | Self::CSF | Self::CRF | Self::CCF | Self::CNF)
+    }
+
+    /// Whether it follows from behaviour, motions and loads rather than from kinematics.
+    pub const fn is_of_behavior(self) -> bool {
+        self.is_force()
+            || matches!(self, Self::CASU | Self::CIVC | Self::SLIP)
+            || matches!(self, Self::CFAILST | Self::DRIVEN | Self::TANGENT)
+    }
+
+    /// Whether it follows from component forces.
+    pub const fn is_of_forces(self) -> bool {
+        matches!(self, Self::CTF | Self::PM | Self::LM) || self.is_nodal()
+    }
+
+    /// Whether it belongs to nodal degrees of freedom, rather than to components: asked for of a component, it is the part of that
+    /// component's force.
+    pub const fn is_nodal(self) -> bool {
+        matches!(self, Self::NF | Self::KG | Self::DNF) || self.is_nodal_tangent()
+    }
+
+    /// Whether it is a part of the tangent of the nodal forces.
+    pub const fn is_nodal_tangent(self) -> bool {
+        matches!(self, Self::KT | Self::CT | Self::KR)
+    }
+
+    /// The power of time by which the unit of the component is divided: 0, 1 or 2.
+    pub const fn per_time(self) -> u8 {
+        match self {
+            Self::CV | Self::RESV | Self::CIVC => 1,
+            Self::CA | Self::RESB | Self::RESA => 2,
+            _ => 0,
+        }
+    }
+
+    /// One line on what it is.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::CP => "position",
+            Self::CU => "displacement from the initial position",
+            Self::CCU => "constitutive displacement from the reference",
+            Self::CV => "velocity",
+            Self::CA => "acceleration",
+            Self::RES => "constraint residual",
+            Self::RESV => "rate of the constraint residual, J q̇",
+            Self::RESB => "quadratic part of its acceleration, J̇ q̇",
+            Self::RESA => "acceleration of the constraint residual, J q̈ + J̇ q̇",
+            Self::CSLST => "status of stop and lock",
+            Self::TURNS => "whole turns counted",
+            Self::MARGIN => "distance to the nearest singular point",
+            Self::CTF => "total force, CEF + CVF + CSF + CRF − CCF",
+            Self::CEF => "elastic force",
+            Self::CVF => "viscous force",
+            Self::CRF => "reaction of a constraint, stop, lock or prescribed motion",
+            Self::CSF => "friction force",
+            Self::CCF => "applied connector load",
+            Self::CNF => "contact force of friction",
+            Self::CASU => "accumulated slip",
+            Self::CIVC => "slip rate",
+            Self::CFAILST => "failure status",
+            Self::DRIVEN => "what a connector motion prescribes",
+            Self::SLIP => "whether friction sticks or slips, or is free where nothing presses",
+            Self::TANGENT => "slopes of component forces",
+            Self::PM => "moments by which the printed formula gives the exact moment",
+            Self::LM => "multiplier of the equation enforced",
+            Self::NF => "nodal forces, residual-side: transposed rows × component forces",
+            Self::KG => "geometric stiffness Σ f ∂²c",
+            Self::DNF => "derivative ∂NF/∂q at constant component forces",
+            Self::KT => "tangent Jᵀ (∂F/∂u) J + KG of the nodal forces",
+            Self::CT => "tangent Jᵀ (∂F/∂v) J of the nodal forces by velocities",
+            Self::KR => "tangent of the nodal forces by reactions",
+        }
+    }
+}
+
+/// The outputs that follow from component forces, a bit for each.
+const OF_FORCES: u64 = {
+    let (mut bits, mut i) = (0, 0);
+    while i < Output::ALL.len() {
+        if Output::ALL[i].is_of_forces() {
+            bits |= Output::ALL[i].bit();
+        }
+        i += 1;
+    }
+    bits
+};
+
+/// A set of components, of u1, u2, u3, ur1, ur2, ur3.
+pub type Mask = [bool; 6];
+
+/// What to compute: outputs, each of some components, and derivatives.
+///
+/// ```
+/// use pintle_kinematics::connector::{Output, Request};
+/// let mut request = Request::nothing(1);
+/// request.add(Output::CU, [true, false, false, false, false, false]);
+/// request.add(Output::CP, [false, false, false, false, false, true]);
+/// assert!(request.wants(Output::CU, 0) && !request.wants(Output::CU, 5));
+/// assert_eq!(request.components(), [true, false, false, false, false, true]);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// The outputs wanted of each component: a bit for each, in the order of [`Output::ALL`].
+    wanted: [u64; 6],
+    /// The components that are wanted at all: those of any output, and those whose rows of derivatives are wanted.
+    components: Mask,
+    /// The components whose rows of derivatives are wanted, from order 1 on.
+    rows: Mask,
+    /// 0: values; 1: also the Jacobian; 2: also second derivatives.
+    pub order: u8,
+}
+
+impl Request {
+    /// No output of any component.
+    pub const fn nothing(order: u8) -> Self {
+        Self { wanted: [0; 6], components: [false; 6], rows: [false; 6], order }
+    }
+
+    /// The same components of every output listed, with derivatives up to `order`. Without outputs, derivatives only.
+    pub fn new(outputs: &[Output], components: Mask, order: u8) -> Self {
+        let mut request = Self::nothing(order);
+        request.add_rows(components);
+        for output in outputs {
+            request.add(*output, components);
+        }
+        request
+    }
+
+    /// Every output of every component, with derivatives up to `order`.
+    pub fn everything(order: u8) -> Self {
+        Self::new(&Output::ALL, [true; 6], order)
+    }
+
+    /// Adds components of an output, and their rows of derivatives.
+    pub fn add(&mut self, output: Output, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.wanted[k] |= u64::from(wanted) * output.bit();
+        }
+        self.add_rows(components);
+    }
+
+    /// Adds components of an output, without their rows of derivatives.
+    pub fn add_values(&mut self, output: Output, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.wanted[k] |= u64::from(wanted) * output.bit();
+            self.components[k] |= wanted;
+        }
+    }
+
+    /// Adds rows of derivatives of components, without any output.
+    pub fn add_rows(&mut self, components: Mask) {
+        for (k, wanted) in components.into_iter().enumerate() {
+            self.components[k] |= wanted;
+            self.rows[k] |= wanted;
+        }
+    }
+
+    /// The components whose rows of derivatives are wanted, from order 1 on.
+    pub const fn rows(&self) -> Mask {
+        self.rows
+    }
+
+    /// The components that are wanted in any way.
+    pub const fn components(&self) -> Mask {
+        self.components
+    }
+
+    /// The outputs wanted of at least one component, in the order of [`Output::ALL`].
+    pub fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
+        let wanted = self.wanted.iter().fold(0, |all, of| all | of);
+        Output::ALL.into_iter().filter(move |output| wanted & output.bit() != 0)
+    }
+
+    /// Whether an output of component k (0-based) is wanted.
+    pub const fn wants(&self, output: Output, k: usize) -> bool {
+        self.wanted[k] & output.bit() != 0
+    }
+
+    /// Whether an output is wanted, of any component, that follows from component forces ([`Output::is_of_forces`]).
+    pub fn wants_of_forces(&self) -> bool {
+        self.wanted.iter().any(|wanted| wanted & OF_FORCES != 0)
+    }
+
+    #[inline(always)]
+    pub(super) fn wants_any<const N: usize>(&self, outputs: [Output; N], k: usize) -> bool {
+        self.wanted[k] & outputs.iter().fold(0, |bits, output| bits | output.bit()) != 0
+    }
+}
+
+/// How often anything was computed: the proof that nothing else was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// Measures evaluated for their value.
+    pub values: u64,
+    /// Measures evaluated with first derivatives.
+    pub gradients: u64,
+    /// Measures evaluated with second derivatives.
+    pub hessians: u64,
+    /// Measures evaluated along time.
+    pub rates: u64,
+    /// Histories followed: angles unwound, rotation vectors continued, one-forms accumulated.
+    pub histories: u64,
+    /// Components whose distance to singular sets was looked at.
+    pub margins: u64,
+    /// Rotations of nodes worked out.
+    pub rotations: u64,
+    /// Behaviours of connectors evaluated: springs, friction, stops, motions …
+    pub behaviors: u64,
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, more: Self) {
+        let Self { values, gradients, hessians, rates, histories, margins, rotations, behaviors } = more;
+        self.values += values;
+        self.gradients += gradients;
+        self.hessians += hessians;
+        self.rates += rates;
+        self.histories += histories;
+        self.margins += margins;
+        self.rotations += rotations;
+        self.behaviors += behaviors;
+    }
+}

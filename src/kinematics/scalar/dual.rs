@@ -1,0 +1,222 @@
+//! num-dual's dual numbers as [`Scalar`]s: one line per type, for any innermost number and any nesting.
+
+use crate::scalar::lanes::{FirstOrder, Lanes, SecondOrder};
+use crate::scalar::{Real, Scalar, Wide};
+use nalgebra::{Const, SMatrix};
+use num_dual::{Derivative, Dual, Dual2, Dual2SVec, Dual3, DualNumCopy, DualSVec, HyperDual, HyperHyperDual};
+
+/// Derivative parts of a dual number: plain numbers of the inner type, or num-dual's optional matrices of them.
+trait Part<T: Scalar> {
+    fn scale_part(self, factor: T::Real) -> Self;
+}
+
+impl<T: Scalar> Part<T> for T {
+    #[inline(always)]
+    fn scale_part(self, factor: T::Real) -> Self {
+        self.scale(factor)
+    }
+}
+
+impl<T: Scalar + DualNumCopy, const R: usize, const C: usize> Part<T> for Derivative<T, Const<R>, Const<C>> {
+    #[inline(always)]
+    fn scale_part(mut self, factor: <T as Scalar>::Real) -> Self {
+        if let Some(parts) = &mut self.0 {
+            for part in parts.as_mut_slice() {
+                *part = Scalar::scale(*part, factor);
+            }
+        }
+        self
+    }
+}
+
+macro_rules! dual_scalar {
+    ($dual:ident, order $order:literal, [$($part:ident),*] $(, $n:ident)?) => {
+        impl<T: Scalar + DualNumCopy $(, const $n: usize)?> Scalar for $dual<T $(, $n)?> {
+            type Real = <T as Scalar>::Real;
+            const ORDER: usize = $order + T::ORDER;
+
+            #[inline(always)]
+            fn from_real(value: Self::Real) -> Self {
+                Self::from_re(T::from_real(value))
+            }
+
+            #[inline(always)]
+            fn real(self) -> Self::Real {
+                Scalar::real(self.re)
+            }
+
+            #[inline(always)]
+            fn nilpotent(self) -> Self {
+                Self::new(self.re.nilpotent(), $(self.$part),*)
+            }
+
+            #[inline(always)]
+            fn with_real(self, value: Self::Real) -> Self {
+                Self::new(self.re.with_real(value), $(self.$part),*)
+            }
+
+            #[inline(always)]
+            fn scale(self, factor: Self::Real) -> Self {
+                Self::new(Scalar::scale(self.re, factor), $(Part::<T>::scale_part(self.$part, factor)),*)
+            }
+        }
+    };
+}
+
+dual_scalar!(Dual, order 1, [eps]);
+dual_scalar!(Dual2, order 2, [v1, v2]);
+dual_scalar!(Dual3, order 3, [v1, v2, v3]);
+dual_scalar!(HyperDual, order 2, [eps1, eps2, eps1eps2]);
+dual_scalar!(HyperHyperDual, order 3, [eps1, eps2, eps3, eps1eps2, eps1eps3, eps2eps3, eps1eps2eps3]);
+dual_scalar!(DualSVec, order 1, [eps], N);
+dual_scalar!(Dual2SVec, order 2, [v1, v2], N);
+
+/// A dual number in N directions at once, built from and taken apart into plain arrays.
+pub trait Seeded<const N: usize>: Scalar {
+    /// value + ε_index.
+    fn seed(value: Self::Real, index: usize) -> Self;
+
+    /// A value with its first derivatives and, where the type carries them, its second ones, on and below the diagonal.
+    fn assemble(value: Self::Real, first: [Self::Real; N], second: [[Self::Real; N]; N]) -> Self;
+
+    /// The first derivatives.
+    fn gradient(self) -> [Self::Real; N];
+
+    /// The second derivatives; zero where the type carries only the first.
+    fn hessian(self) -> [[Self::Real; N]; N];
+}
+
+impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for DualSVec<R, N> {
+    #[inline(always)]
+    fn seed(value: R, index: usize) -> Self {
+        Self::from_re(value).derivative(index)
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; N], _: [[R; N]; N]) -> Self {
+        Self::new(value, Derivative::some(SMatrix::from(first)))
+    }
+
+    #[inline(always)]
+    fn gradient(self) -> [R; N] {
+        row(self.eps.0)
+    }
+
+    fn hessian(self) -> [[R; N]; N] {
+        [[R::integer(0); N]; N]
+    }
+}
+
+impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
+    #[inline(always)]
+    fn seed(value: R, index: usize) -> Self {
+        Self::from_re(value).derivative(index)
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; N], second: [[R; N]; N]) -> Self {
+        let symmetric = SMatrix::from_fn(|i, j| second[i.max(j)][i.min(j)]);
+        Self::new(value, Derivative::some(SMatrix::from_fn(|_, j| first[j])), Derivative::some(symmetric))
+    }
+
+    #[inline(always)]
+    fn gradient(self) -> [R; N] {
+        row(self.v1.0)
+    }
+
+    #[inline(always)]
+    fn hessian(self) -> [[R; N]; N] {
+        let mut entries = [[R::integer(0); N]; N];
+        if let Some(matrix) = self.v2.0 {
+            for (i, line) in entries.iter_mut().enumerate() {
+                for (j, entry) in line.iter_mut().enumerate() {
+                    *entry = matrix[(i, j)];
+                }
+            }
+        }
+        entries
+    }
+}
+
+/// The entries of num-dual's optional gradient, which is a column in one type and a row in the other.
+#[inline(always)]
+fn row<R: Real, const N: usize, const I: usize, const J: usize>(parts: Option<SMatrix<R, I, J>>) -> [R; N] {
+    let mut entries = [R::integer(0); N];
+    if let Some(matrix) = parts {
+        for (entry, part) in entries.iter_mut().zip(matrix.as_slice()) {
+            *entry = *part;
+        }
+    }
+    entries
+}
+
+/// A [`Real`] together with the dual numbers that the product differentiates with.
+///
+/// The catalogue is evaluated through these associated types only, so that another real number (vector lanes, a traced
+/// symbol) may bring dual numbers of its own.
+pub trait Differentiable: Real {
+    /// First derivatives in N directions.
+    type Gradient<const N: usize>: Scalar<Real = Self> + Seeded<N>;
+    /// First and second derivatives in N directions.
+    type Hessian<const N: usize>: Scalar<Real = Self> + Seeded<N>;
+    /// First and second derivatives in time.
+    type Time: Scalar<Real = Self>;
+
+    /// Whether a connector takes its rows from formulas that are compiled for each set of measures, as the product does: many functions,
+    /// of which the witnesses on other numbers keep apart.
+    const HAS_COMPILED_FORMULAS: bool = false;
+
+    /// value + velocity t + acceleration t²/2.
+    fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time;
+    /// The first and second time derivative.
+    fn rates(moving: Self::Time) -> (Self, Self);
+
+    crate::compiled::entry_points!(inline);
+}
+
+macro_rules! differentiable {
+    ($($real:ty: $compiled:literal;)*) => { $(
+        impl Differentiable for $real {
+            const HAS_COMPILED_FORMULAS: bool = $compiled;
+            type Gradient<const N: usize> = FirstOrder<Self, N>;
+            type Hessian<const N: usize> = SecondOrder<Self, N>;
+            type Time = Dual2<Self>;
+
+            #[inline(always)]
+            fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time {
+                Dual2::new(value, velocity, acceleration)
+            }
+
+            #[inline(always)]
+            fn rates(moving: Self::Time) -> (Self, Self) {
+                (moving.v1, moving.v2)
+            }
+
+            crate::compiled::entry_points!(inline(never));
+        }
+    )* };
+}
+
+// Plain arrays take half of num-dual's time on doubles: those hold their derivatives as an option and multiply what is zero.
+differentiable! {
+    Wide: false;
+    f64: true;
+}
+
+/// Dual numbers of plain arrays, in place of num-dual's: those ask of the number underneath an order and a conversion to `f64`,
+/// which four lanes do not have.
+impl<const FUSED: bool> Differentiable for Lanes<FUSED> {
+    type Gradient<const N: usize> = FirstOrder<Self, N>;
+    type Hessian<const N: usize> = SecondOrder<Self, N>;
+    type Time = SecondOrder<Self, 1>;
+
+    #[inline(always)]
+    fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time {
+        SecondOrder { value, first: [velocity], second: [[acceleration]] }
+    }
+
+    #[inline(always)]
+    fn rates(moving: Self::Time) -> (Self, Self) {
+        (moving.first[0], moving.second[0][0])
+    }
+}

@@ -1,0 +1,263 @@
+//! Elementary functions without branches: one division at most, and polynomials.
+
+use crate::scalar::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1, LONG_LOG_2};
+use crate::scalar::lanes::{Lanes, MAX_ORDER, Real, Scalar, Series};
+
+/// A quarter of π in two parts. The first happens to have three zero bits at its end, so that up to eight of it are exact.
+const QUARTER: f64 = std::f64::consts::FRAC_PI_4;
+const QUARTER_REST: f64 = 3.061_616_997_868_383e-17;
+
+/// The smallest number above 0, by which 0 may be divided.
+const SMALLEST: f64 = f64::from_bits(1);
+
+/// tan(π/8): beyond it an arctangent is taken from π/4.
+const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
+
+/// Half of π in three parts, each of 33 bits, and beyond which angle a multiple of the first is not exact.
+const HALF: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
+const LARGE_ANGLE: f64 = 1e5;
+
+/// sin r = r + r³ (…) and cos r = 1 − r²/2 + r⁴ (…) for |r| ≤ π/4: fits of fdlibm (Sun Microsystems, 1993), ascending powers of r².
+const SINE: [f64; 6] = [
+    -1.666_666_666_666_663_2e-1,
+    8.333_333_333_322_49e-3,
+    -1.984_126_982_985_795e-4,
+    2.755_731_370_707_007e-6,
+    -2.505_076_025_340_686_3e-8,
+    1.589_690_995_211_55e-10,
+];
+const COSINE: [f64; 6] = [
+    4.166_666_666_666_66e-2,
+    -1.388_888_888_887_411e-3,
+    2.480_158_728_947_673e-5,
+    -2.755_731_435_139_066_3e-7,
+    2.087_572_321_298_175e-9,
+    -1.135_964_755_778_819_5e-11,
+];
+
+/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
+    let square = x * x;
+    let (last, before) = (N - 1, N - 2);
+    let mut own = Lanes::splat(c[last]);
+    let mut other = Lanes::splat(c[before]);
+    let mut i = before;
+    while i >= 2 {
+        own = own.multiply_add(square, Lanes::splat(c[i - 1]));
+        other = other.multiply_add(square, Lanes::splat(c[i - 2]));
+        i -= 2;
+    }
+    if i == 1 {
+        // c[0] is left, and belongs to the powers of `own`.
+        own = own.multiply_add(square, Lanes::splat(c[0]));
+        return other.multiply_add(x, own);
+    }
+    own.multiply_add(x, other)
+}
+
+/// The angle of (x, y), 2.4 u; signs of zeros as IEEE 754 asks.
+///
+/// With t = smaller/larger of |x|, |y| in [0, 1]: atan t, or π/4 + atan((t − 1)/(t + 1)) beyond π/8, each by one division; then
+/// the octant as a multiple of π/4.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
+    let (one, two, four) = (Lanes::splat(1.0), Lanes::splat(2.0), Lanes::splat(4.0));
+    let (across, along) = (y.magnitude(), x.magnitude());
+    let (smaller, larger) = (across.lesser(along), along.greater(across));
+    // Negative beyond π/8, and beyond π/4.
+    let eighth = larger * Lanes::splat(TAN_EIGHTH) - smaller;
+    let quarter = along - across;
+    let numerator = Lanes::by_sign(eighth, smaller - larger, smaller);
+    let denominator = Lanes::by_sign(eighth, smaller + larger, larger.greater(Lanes::splat(SMALLEST)));
+    let t = numerator / denominator;
+    let square = t * t;
+    let angle = (polynomial(&ARCTANGENT, square) * square).multiply_add(t, t);
+    // The angle is quarters π/4 ± angle; each mirror is exact.
+    let quarters = Lanes::by_sign(eighth, one, Lanes::splat(0.0));
+    let quarters = Lanes::by_sign(quarter, two - quarters, quarters);
+    let quarters = Lanes::by_sign(x, four - quarters, quarters);
+    let angle = angle.mirrored_by(quarter).mirrored_by(x);
+    let rest = quarters.multiply_add(Lanes::splat(QUARTER_REST), angle);
+    quarters.multiply_add(Lanes::splat(QUARTER), rest).with_sign_of(y)
+}
+
+/// (sin x, cos x), 1.8 u.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, Lanes<FUSED>) {
+    if !x.magnitude().less(Lanes::splat(LARGE_ANGLE)).all() {
+        return (x.each(f64::sin), x.each(f64::cos));
+    }
+    let one = Lanes::splat(1.0);
+    let quarter = (x * Lanes::splat(std::f64::consts::FRAC_2_PI)).nearest_integer();
+    let mut r = x;
+    for i in 0..3 {
+        r = r - quarter * Lanes::splat(HALF[i]);
+    }
+    let square = r * r;
+    let sine = (polynomial(&SINE, square) * square).multiply_add(r, r);
+    let half = square * Lanes::splat(0.5);
+    let whole = one - half;
+    // 1 − r²/2 with its rounding error.
+    let lost = (one - whole) - half;
+    let cosine = whole + (polynomial(&COSINE, square) * square).multiply_add(square, lost);
+    // Which quarter turn: odd ones exchange sine and cosine, the second half changes signs.
+    let half_turn = quarter * Lanes::splat(0.5);
+    let odd = Lanes::splat(0.25).less((half_turn - half_turn.each(f64::floor)).magnitude());
+    let (s, c) = (Lanes::select(odd, cosine, sine), Lanes::select(odd, sine, cosine));
+    // sin is negative in quarters 2 and 3, cos in quarters 1 and 2.
+    let below = |quarter: Lanes<FUSED>| {
+        let quarters = quarter * Lanes::splat(0.25);
+        Lanes::splat(0.4).less(quarters - quarters.each(f64::floor))
+    };
+    (Lanes::select(below(quarter), -s, s), Lanes::select(below(quarter + one), -c, c))
+}
+
+/// The sum of the squares.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> Lanes<FUSED> {
+    let mut square = v[0] * v[0];
+    for i in 1..N {
+        square = v[i].multiply_add(v[i], square);
+    }
+    square
+}
+
+/// The exponent of a double.
+const EXPONENT: u64 = 0x7ff << 52;
+
+/// Powers of two p and 1/p that bring the largest of |v| into [1, 2), and p v, whose squares neither overflow nor lose digits to
+/// subnormals: 0 where v = 0.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn rescaled<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, [Lanes<FUSED>; N]) {
+    let mut largest = v[0].magnitude();
+    for i in 1..N {
+        largest = v[i].magnitude().greater(largest);
+    }
+    let scale = opposite_power(largest);
+    let mut scaled = v;
+    for i in 0..N {
+        scaled[i] = v[i] * scale;
+    }
+    (scale, scaled)
+}
+
+/// 2⁻ᵉ where 2ᵉ ≤ x < 2ᵉ⁺¹; 2¹⁰²³ at 0.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn opposite_power<const FUSED: bool>(x: Lanes<FUSED>) -> Lanes<FUSED> {
+    const SUM: u64 = (2 * 1023) << 52;
+    x.each(|lane| f64::from_bits(SUM.wrapping_sub(lane.to_bits() & EXPONENT)))
+}
+
+/// |p v|², and 1/|p v|²: the square is at least 1, but for v = 0, where any factor will do, and for subnormal numbers, whose
+/// reciprocals would overflow.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn square_and_inverse<const FUSED: bool, const N: usize>(
+    scaled: [Lanes<FUSED>; N],
+) -> (Lanes<FUSED>, Lanes<FUSED>) {
+    let square = square(scaled);
+    (square, Lanes::splat(1.0) / square.greater(Lanes::splat(1.0)))
+}
+
+/// v/|v| and |v|. The division is that of [`inverted`], beside the square root.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn direction_and_norm<const FUSED: bool, const N: usize>(
+    v: [Lanes<FUSED>; N],
+) -> ([Lanes<FUSED>; N], Lanes<FUSED>) {
+    let (scale, scaled) = rescaled(v);
+    let (square, inverse) = square_and_inverse(scaled);
+    let norm = square.square_root();
+    let factor = norm * inverse;
+    let mut unit = scaled;
+    for i in 0..N {
+        unit[i] = scaled[i] * factor;
+    }
+    (unit, norm * opposite_power(scale))
+}
+
+/// v/|v|².
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> [Lanes<FUSED>; N] {
+    let (scale, scaled) = rescaled(v);
+    let factor = square_and_inverse(scaled).1 * scale;
+    let mut inverted = scaled;
+    for i in 0..N {
+        inverted[i] = scaled[i] * factor;
+    }
+    inverted
+}
+
+/// The smallest square of a direction cosine that counts: nearer to 0 than that, the reciprocal would overflow.
+const SMALLEST_SQUARE: f64 = 1e-300;
+
+/// v/|v|² and |v| of direction cosines, as they are.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn inverted_cosines<const FUSED: bool, const N: usize>(
+    v: [Lanes<FUSED>; N],
+) -> ([Lanes<FUSED>; N], Lanes<FUSED>) {
+    let square = square(v);
+    let inverse = Lanes::splat(1.0) / square.greater(Lanes::splat(SMALLEST_SQUARE));
+    let mut inverted = v;
+    for i in 0..N {
+        inverted[i] = v[i] * inverse;
+    }
+    (inverted, square.square_root())
+}
+
+/// The unit quaternion, w ≥ 0, of a rotation R: the column of 4 q qᵀ with the largest diagonal entry.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn quaternion<const FUSED: bool>(r: &[[Lanes<FUSED>; 3]; 3]) -> [Lanes<FUSED>; 4] {
+    let one = Lanes::splat(1.0);
+    let (sum, difference) = (r[1][1] + r[2][2], r[1][1] - r[2][2]);
+    let (plus, minus) = (one + r[0][0], one - r[0][0]);
+    let diagonal = [plus + sum, plus - sum, minus + difference, minus - difference];
+    let (x, y, z) = (r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]);
+    let (xy, xz, yz) = (r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]);
+    let (upper, first) =
+        larger((diagonal[0], [diagonal[0], x, y, z]), (diagonal[1], [x, diagonal[1], xy, xz]));
+    let (lower, last) =
+        larger((diagonal[2], [y, xy, diagonal[2], yz]), (diagonal[3], [z, xz, yz, diagonal[3]]));
+    let (largest, column) = larger((upper, first), (lower, last));
+    // |column|² is 4 times its diagonal entry. Adding zero makes +0 of −0, whose sign is none.
+    let sign = column[0] + Lanes::splat(0.0);
+    let inverse = (Lanes::splat(0.5) / largest.square_root()).with_sign_of(sign);
+    [column[0] * inverse, column[1] * inverse, column[2] * inverse, column[3] * inverse]
+}
+
+/// What stands with the larger key, and that key.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn larger<const FUSED: bool>(
+    a: (Lanes<FUSED>, [Lanes<FUSED>; 4]),
+    b: (Lanes<FUSED>, [Lanes<FUSED>; 4]),
+) -> (Lanes<FUSED>, [Lanes<FUSED>; 4]) {
+    let difference = a.0 - b.0;
+    let mut column = a.1;
+    for i in 0..4 {
+        column[i] = Lanes::by_sign(difference, b.1[i], a.1[i]);
+    }
+    (a.0.greater(b.0), column)
+}
+
+/// The coefficients of K at c in [0, 1], to the second.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
+    let mut series = [Lanes::splat(0.0); MAX_ORDER + 1];
+    let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);
+    series[0] = polynomial(&LONG_LOG_0, y);
+    if order > 0 {
+        series[1] = polynomial(&LONG_LOG_1, y);
+    }
+    if order > 1 {
+        series[2] = polynomial(&LONG_LOG_2, y - Lanes::splat(0.25));
+    }
+    series
+}
+
+#[cold]
+#[inline(never)]
+pub(super) fn log_series_lane_by_lane<const FUSED: bool>(
+    c: Lanes<FUSED>,
+    order: usize,
+) -> Series<Lanes<FUSED>> {
+    c.lane_by_lane(|lane| f64::log_series(lane, order))
+}

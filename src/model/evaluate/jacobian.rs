@@ -1,0 +1,582 @@
+//! The constraint Jacobian of a whole model as one sparse matrix.
+//!
+//! One row for each equation that connectors and multi-point constraints enforce, one column for each degree of freedom that they have
+//! and nothing fixes. The pattern is found once; at each state the entries are written straight into their places from compact rows
+//! ([`pintle_kinematics::connector::CompactRow`]), which as many threads as there are compute.
+//!
+//! Rows come in the order of the plan: connectors, u1 to ur3 of each, then MPCs. Columns are numbered by node, 1 to 6 and 10 of each,
+//! in the order of the labels of the nodes. Rotations vary spatially, C → exp(δθ^) C. Columns of a node under `*TRANSFORM` are along
+//! its axes, as its boundary conditions are.
+
+use crate::evaluate::fixed::{Fixed, Freedom, NUMBERS};
+use crate::evaluate::model::{ConnectorElement, Model};
+use crate::evaluate::mpc::MpcElement;
+use crate::evaluate::places::Places;
+use crate::evaluate::plan::Plan;
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{CompactRow, Components, Group, Mask};
+use pintle_kinematics::mpc;
+use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_kinematics::vector::{Matrix, Vector, dot};
+use pintle_scene::{Label, LabelMap};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What an equation belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Source {
+    /// A connector, by its index in the model.
+    Connector(usize),
+    /// A multi-point constraint, by its index in the model.
+    Mpc(usize),
+}
+
+/// A row: an equation that is enforced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Equation {
+    /// What enforces it.
+    pub source: Source,
+    /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`Kind::row_name`].
+    pub component: usize,
+}
+
+impl Equation {
+    /// What it enforces and which of it, as reports call it: `HINGE 101 ur2`, `MPC LINK 4-7 δl`. For a model that has it.
+    pub fn title(&self, model: &Model) -> String {
+        let named = |title: Option<String>, name: &str| format!("{} {name}", title.unwrap_or_default());
+        match self.source {
+            Source::Connector(index) => {
+                let title = model.connectors.get(index).map(ConnectorElement::title);
+                named(title, COMPONENT.get(self.component).copied().unwrap_or_default())
+            }
+            Source::Mpc(index) => {
+                let mpc = model.mpcs.get(index);
+                let name = mpc.map(|mpc| mpc.constraint.kind().row_name(self.component));
+                named(mpc.map(MpcElement::title), name.unwrap_or_default())
+            }
+        }
+    }
+}
+
+/// A pattern that a sequence cannot fill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ForeignPattern {
+    /// It was made for another plan.
+    #[error(
+        "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
+    )]
+    Plan,
+    /// Columns that were made of another pattern.
+    #[error("the columns were made of another pattern: make them by `Jacobian::by_columns` of this one")]
+    Columns,
+    /// It has a row that depends on the history of a component, and the states so far have been passed without following that.
+    #[error(
+        "the pattern of the Jacobian has rows that depend on the history of components that the plan does not name: \
+         name them in its request, or call `Sequence::follow_everything` before the first state"
+    )]
+    History,
+}
+
+/// Where the entries of one connector go.
+#[derive(Clone, Debug)]
+struct Block {
+    /// The degrees of freedom of each row that have a column: bit j is that of [`pintle_kinematics::node::DOF`].
+    columns: [u16; 6],
+    /// Whether the columns of b come before those of a.
+    is_swapped: bool,
+    /// Which of the axes those of a and b are.
+    axes: [Option<u32>; 2],
+    /// The first of its entries.
+    first: usize,
+}
+
+/// Where the entries of one MPC go.
+#[derive(Clone, Debug)]
+struct MpcBlock {
+    /// Its entries among those of all MPCs.
+    entries: Range<usize>,
+    /// The axes of its nodes.
+    axes: [Option<u32>; mpc::NODES],
+}
+
+/// The pattern of a sparse Jacobian in compressed rows (CSR), and how to fill it: [`crate::evaluate::Sequence::assemble`].
+///
+/// ```
+/// use pintle_kinematics::connector::Request;
+/// use pintle_model::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence};
+/// use pintle_scene::{Scene, State};
+///
+/// let deck = "*NODE\n1, 0., 0., 0.\n2, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+///             *CONNECTOR SECTION, ELSET=C\nLINK,\n*BOUNDARY\n1, 1, 3\n";
+/// let scene = Scene::parse("link.inp", deck)?;
+/// let model = Model::compile(&scene)?;
+/// let plan = Plan::compile(&model, &Selection::All, Request::nothing(0))?;
+/// let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::of(&scene)?);
+/// let (mut sequence, mut values) = (Sequence::new(&model, &plan), Vec::new());
+/// let care = sequence.assemble(&State::default(), &jacobian, &mut values)?;
+/// // One equation, |x_b − x_a| = l; node 1 is fixed, and only the displacements of node 2 are left.
+/// assert_eq!((jacobian.rows(), jacobian.columns()), (1, 3));
+/// assert_eq!((jacobian.row(0), values.as_slice()), (&[0, 1, 2][..], &[1.0, 0.0, 0.0][..]));
+/// assert!(care.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Jacobian {
+    freedoms: Vec<Freedom>,
+    equations: Vec<Equation>,
+    offsets: Vec<usize>,
+    columns: Vec<u32>,
+    blocks: Vec<Block>,
+    mpcs: Vec<MpcBlock>,
+    /// For each entry of an MPC the equation, and the degree of freedom by which it is.
+    mpc_entries: Vec<(u8, u8)>,
+    axes: Vec<Matrix<f64>>,
+    /// The plan that it belongs to.
+    plan: [Vec<usize>; 2],
+    /// What columns made of this pattern know it by.
+    origin: Arc<()>,
+}
+
+/// The columns of nodes: the first of each, and which of [`NUMBERS`] it has.
+struct Numbering<'a> {
+    places: Places<'a>,
+    first: Vec<u32>,
+    has: Vec<u8>,
+}
+
+impl Numbering<'_> {
+    /// The column of a degree of freedom, by the place of its node and its own in [`NUMBERS`].
+    fn column(&self, place: usize, number: usize) -> Option<u32> {
+        let (has, bit) = (self.has[place], 1_u8 << number);
+        (has & bit != 0).then(|| self.first[place] + (has & (bit - 1)).count_ones())
+    }
+}
+
+/// The place in [`NUMBERS`] of a degree of freedom.
+fn place_of(number: u8) -> Option<usize> {
+    NUMBERS.iter().position(|known| *known == number)
+}
+
+impl Jacobian {
+    /// The pattern of what is enforced: the constrained components of the connectors of a plan, and the equations of its MPCs.
+    ///
+    /// Rows follow from the connection types. What behaviour does to them, such as a stop that is reached, a lock, or a failure that
+    /// releases a component, is not in the pattern.
+    pub fn of_constraints(model: &Model, plan: &Plan, fixed: &Fixed) -> Self {
+        Self::new(model, plan, fixed, |element, k| element.connector.is_constrained(k))
+    }
+
+    /// The pattern of the rows that are `wanted` of connectors, by component (0-based), and of all equations of MPCs. Rows are those of
+    /// [`pintle_kinematics::connector::Evaluation::jacobian`]: of the residual of a constrained component, of the displacement of any other.
+    pub fn new(
+        model: &Model,
+        plan: &Plan,
+        fixed: &Fixed,
+        wanted: impl Fn(&ConnectorElement, usize) -> bool,
+    ) -> Self {
+        let nodes: Vec<Label> = plan.nodes.iter().copied().collect();
+        let numbering = number(&nodes, model, plan, fixed);
+        let mut jacobian = Self {
+            freedoms: Vec::new(),
+            equations: Vec::new(),
+            offsets: vec![0],
+            columns: Vec::new(),
+            blocks: Vec::with_capacity(plan.connectors.len()),
+            mpcs: Vec::with_capacity(plan.mpcs.len()),
+            mpc_entries: Vec::new(),
+            axes: Vec::new(),
+            plan: [plan.connectors.clone(), plan.mpcs.clone()],
+            origin: Arc::default(),
+        };
+        for (node, has) in nodes.iter().zip(&numbering.has) {
+            let numbers = NUMBERS.iter().enumerate().filter(|(place, _)| has & (1 << place) != 0);
+            jacobian.freedoms.extend(numbers.map(|(_, number)| Freedom { node: *node, number: *number }));
+        }
+        let mut known = LabelMap::default();
+        for index in &plan.connectors {
+            jacobian.add_connector(
+                *index,
+                &model.connectors[*index],
+                (&numbering, fixed),
+                &wanted,
+                &mut known,
+            );
+        }
+        for index in &plan.mpcs {
+            jacobian.add_mpc(*index, &model.mpcs[*index], (&numbering, fixed), &mut known);
+        }
+        jacobian
+    }
+
+    /// The axes of a node, by number.
+    fn axes_of(&mut self, node: Option<Label>, fixed: &Fixed, known: &mut LabelMap<u32>) -> Option<u32> {
+        let node = node?;
+        let axes = fixed.axes(node)?;
+        if let Some(known) = known.get(&node) {
+            return Some(*known);
+        }
+        let number = u32::try_from(self.axes.len()).ok()?;
+        self.axes.push(*axes);
+        known.insert(node, number);
+        Some(number)
+    }
+
+    fn add_connector(
+        &mut self,
+        index: usize,
+        element: &ConnectorElement,
+        (numbering, fixed): (&Numbering, &Fixed),
+        wanted: impl Fn(&ConnectorElement, usize) -> bool,
+        known: &mut LabelMap<u32>,
+    ) {
+        let axes = element.nodes.map(|node| self.axes_of(node, fixed, known));
+        let places = element.nodes.map(|node| numbering.places.of(node?));
+        let column = |j: usize| {
+            let number = place_of(DOF_NUMBER[j])?;
+            numbering.column(places[usize::from(j >= DOFS / 2)]?, number)
+        };
+        let is_swapped = element.nodes[0] > element.nodes[1];
+        let mut block = Block { columns: [0; 6], is_swapped, axes, first: self.columns.len() };
+        for k in 0..6 {
+            let Some(pattern) = element.connector.row_pattern(k).filter(|_| wanted(element, k)) else {
+                continue;
+            };
+            let pattern = along_axes(pattern, axes.map(|axes| axes.is_some()));
+            for j in order(is_swapped).filter(|j| pattern[*j]) {
+                if let Some(column) = column(j) {
+                    block.columns[k] |= 1 << j;
+                    self.columns.push(column);
+                }
+            }
+            self.equations.push(Equation { source: Source::Connector(index), component: k });
+            self.offsets.push(self.columns.len());
+        }
+        self.blocks.push(block);
+    }
+
+    fn add_mpc(
+        &mut self,
+        index: usize,
+        element: &MpcElement,
+        (numbering, fixed): (&Numbering, &Fixed),
+        known: &mut LabelMap<u32>,
+    ) {
+        let mut axes = [None; mpc::NODES];
+        for (axes, node) in axes.iter_mut().zip(&element.nodes) {
+            *axes = self.axes_of(Some(*node), fixed, known);
+        }
+        let from = self.mpc_entries.len();
+        let has = element.constraint.columns();
+        let column = |j: usize| {
+            let (place, number) = Kind::column_dof(j);
+            numbering.column(numbering.places.of(*element.nodes.get(place)?)?, place_of(number)?)
+        };
+        // Degrees of freedom in the order of their columns; those without one are last.
+        let mut order: [(u32, u8); mpc::DOFS] = std::array::from_fn(|j| {
+            let column = Some(j).filter(|j| has[*j]).and_then(column);
+            (column.unwrap_or(u32::MAX), j as u8)
+        });
+        order.sort_unstable();
+        for (row, _) in element.constraint.rows().iter().enumerate().filter(|(_, is)| **is) {
+            for (column, j) in order.iter().take_while(|(column, _)| *column < u32::MAX) {
+                self.mpc_entries.push((row as u8, *j));
+                self.columns.push(*column);
+            }
+            self.equations.push(Equation { source: Source::Mpc(index), component: row });
+            self.offsets.push(self.columns.len());
+        }
+        self.mpcs.push(MpcBlock { entries: from..self.mpc_entries.len(), axes });
+    }
+
+    /// The number of equations.
+    pub const fn rows(&self) -> usize {
+        self.equations.len()
+    }
+
+    /// The number of degrees of freedom.
+    pub const fn columns(&self) -> usize {
+        self.freedoms.len()
+    }
+
+    /// The number of entries of the pattern, some of which may be zero at some states.
+    pub const fn entries(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// What the rows are.
+    pub fn equations(&self) -> &[Equation] {
+        &self.equations
+    }
+
+    /// What the columns are, by node and number.
+    pub fn freedoms(&self) -> &[Freedom] {
+        &self.freedoms
+    }
+
+    /// Compressed rows: the entries of row i are those from `offsets()[i]` to before `offsets()[i + 1]`.
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// The column of each entry (0-based); in each row they increase.
+    pub fn column_indices(&self) -> &[u32] {
+        &self.columns
+    }
+
+    /// The columns (0-based) of the entries of row i (0-based); none beyond the last row.
+    pub fn row(&self, i: usize) -> &[u32] {
+        self.range(i).and_then(|range| self.columns.get(range)).unwrap_or_default()
+    }
+
+    /// Where the entries of row i (0-based) are.
+    pub fn range(&self, i: usize) -> Option<Range<usize>> {
+        Some(*self.offsets.get(i)?..*self.offsets.get(i + 1)?)
+    }
+
+    /// The same matrix in compressed columns (CSC), for [`Sequence::assemble_columns`](crate::evaluate::Sequence::assemble_columns): offsets and rows, and
+    /// where the entries by rows stand among those by columns.
+    pub fn by_columns(&self) -> CompressedColumns {
+        let mut offsets = vec![0; self.freedoms.len() + 1];
+        for column in &self.columns {
+            offsets[*column as usize + 1] += 1;
+        }
+        for at in 1..offsets.len() {
+            offsets[at] += offsets[at - 1];
+        }
+        let mut next = offsets.clone();
+        let (mut rows, mut places) = (vec![0; self.entries()], vec![0; self.entries()]);
+        for row in 0..self.rows() {
+            for entry in self.range(row).unwrap_or_default() {
+                let at = &mut next[self.columns[entry] as usize];
+                (rows[*at], places[entry]) = (row as u32, *at);
+                *at += 1;
+            }
+        }
+        CompressedColumns { offsets, rows, places, origin: self.origin.clone() }
+    }
+
+    pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
+        let is_same = self.plan[0] == plan.connectors && self.plan[1] == plan.mpcs;
+        if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
+    }
+
+    /// Whether this is a pattern that was made when that one was, or a copy of it.
+    pub(super) fn is_copy_of(&self, origin: &Arc<()>) -> bool {
+        Arc::ptr_eq(&self.origin, origin)
+    }
+
+    /// What it shares with its copies only.
+    pub(super) const fn origin(&self) -> &Arc<()> {
+        &self.origin
+    }
+
+    /// The first entry of a connector, by its place in the plan; beyond the last connector, that of the MPCs.
+    pub(super) fn first_entry(&self, at: usize) -> usize {
+        self.blocks.get(at).map_or(self.entries() - self.mpc_entries.len(), |block| block.first)
+    }
+
+    /// The first entry of an MPC, by its place in the plan; beyond the last, the number of entries.
+    pub(super) fn first_mpc_entry(&self, at: usize) -> usize {
+        let all = self.mpc_entries.len();
+        self.entries() - all + self.mpcs.get(at).map_or(all, |block| block.entries.start)
+    }
+
+    /// The rows of a connector that have columns, by its place in the plan: none between nodes that are fixed.
+    pub(super) fn wanted(&self, at: usize) -> Mask {
+        self.blocks[at].columns.map(|columns| columns != 0)
+    }
+
+    /// Gives the entries of a connector in the order of the rows. A row that is not there has entries that are no numbers: the others keep their
+    /// places.
+    pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, mut put: impl FnMut(f64)) {
+        let block = &self.blocks[at];
+        for k in 0..6 {
+            let row = rows[k].as_ref();
+            let bits = block.columns[k];
+            let mut end = |is_b: bool| {
+                let at = usize::from(is_b) * (DOFS / 2);
+                let groups = if is_b {
+                    [Group::TranslationB, Group::RotationB]
+                } else {
+                    [Group::TranslationA, Group::RotationA]
+                };
+                let axes = block.axes[usize::from(is_b)];
+                for (from, group) in [(at, groups[0]), (at + 3, groups[1])] {
+                    if bits >> from & 0b111 != 0 {
+                        let entries = row.map_or([f64::NAN; 3], |row| self.turned(axes, row.group(group)));
+                        let columns = (0..3).filter(|i| bits >> (from + i) & 1 != 0);
+                        columns.for_each(|i| put(entries[i]));
+                    }
+                }
+                if bits >> (at + 6) & 1 != 0 {
+                    put(row.map_or(f64::NAN, |row| row.flow()[usize::from(is_b)]));
+                }
+            };
+            end(block.is_swapped);
+            end(!block.is_swapped);
+        }
+    }
+
+    /// Gives the entries of an MPC in the order of the rows.
+    pub(super) fn write_mpc(&self, at: usize, rows: &mpc::Rows<mpc::Dofs<f64>>, mut put: impl FnMut(f64)) {
+        let MpcBlock { entries, axes } = &self.mpcs[at];
+        for (row, j) in self.mpc_entries.get(entries.clone()).unwrap_or_default() {
+            let Some(row) = &rows[usize::from(*row)] else {
+                put(f64::NAN);
+                continue;
+            };
+            let j = usize::from(*j);
+            let (place, number) = Kind::column_dof(j);
+            let axes = axes.get(place).copied().flatten();
+            put(match (axes, number, place) {
+                (Some(_), 1..=6, 0 | 1) => {
+                    let component = (usize::from(number) - 1) % 3;
+                    let from = j - component;
+                    self.turned(axes, [row[from], row[from + 1], row[from + 2]])[component]
+                }
+                _ => row[j],
+            });
+        }
+    }
+
+    /// The components along the axes of a node.
+    fn turned(&self, axes: Option<u32>, of: Vector<f64>) -> Vector<f64> {
+        match axes.and_then(|axes| self.axes.get(axes as usize)) {
+            Some(axes) => axes.map(|axis| dot(axis, of)),
+            None => of,
+        }
+    }
+}
+
+/// A matrix by columns, as [`Jacobian::by_columns`] gives it.
+#[derive(Clone, Debug)]
+pub struct CompressedColumns {
+    offsets: Vec<usize>,
+    rows: Vec<u32>,
+    places: Vec<usize>,
+    origin: Arc<()>,
+}
+
+impl CompressedColumns {
+    /// The entries of column j (0-based) are those from `offsets()[j]` to before `offsets()[j + 1]`.
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// The row (0-based) of each entry; in each column they increase.
+    pub fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+
+    /// Where the entries by rows, in their order, stand among those by columns.
+    pub fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// Whether they were made of this pattern, or of a copy of it.
+    pub(super) fn check(&self, jacobian: &Jacobian) -> Result<(), ForeignPattern> {
+        if jacobian.is_copy_of(&self.origin) { Ok(()) } else { Err(ForeignPattern::Columns) }
+    }
+
+    /// Where an entry by rows stands.
+    pub(super) fn place(&self, entry: usize) -> usize {
+        self.places.get(entry).copied().unwrap_or(usize::MAX)
+    }
+}
+
+/// The degrees of freedom of a connector in the order of its columns.
+fn order(is_swapped: bool) -> impl Iterator<Item = usize> {
+    let half = DOFS / 2;
+    (0..DOFS).map(move |j| if is_swapped { (j + half) % DOFS } else { j })
+}
+
+/// A pattern along turned axes: one component of a vector becomes three.
+fn along_axes(mut pattern: [bool; DOFS], is_turned: [bool; 2]) -> [bool; DOFS] {
+    for (end, _) in is_turned.iter().enumerate().filter(|(_, is)| **is) {
+        for from in [end * DOFS / 2, end * DOFS / 2 + 3] {
+            let any = pattern[from..from + 3].contains(&true);
+            pattern[from..from + 3].fill(any);
+        }
+    }
+    pattern
+}
+
+/// Numbers the degrees of freedom of the nodes of a plan that are not fixed.
+fn number<'a>(nodes: &'a [Label], model: &Model, plan: &Plan, fixed: &Fixed) -> Numbering<'a> {
+    let mut numbering = Numbering {
+        first: Vec::with_capacity(nodes.len()),
+        has: vec![0; nodes.len()],
+        places: Places::new(nodes),
+    };
+    let mut add = |node: Label, place: Option<usize>, number: u8| {
+        let is_fixed = fixed.contains(Freedom { node, number });
+        if let (Some(place), Some(bit), false) = (place, place_of(number), is_fixed) {
+            numbering.has[place] |= 1 << bit;
+        }
+    };
+    let places = Places::new(nodes);
+    for index in &plan.connectors {
+        let element = &model.connectors[*index];
+        let of = element.nodes.map(|node| places.of(node?));
+        for (j, _) in element.connector.active().iter().enumerate().filter(|(_, active)| **active) {
+            let end = usize::from(j >= DOFS / 2);
+            if let Some(node) = element.nodes[end] {
+                add(node, of[end], DOF_NUMBER[j]);
+            }
+        }
+    }
+    for index in &plan.mpcs {
+        let element = &model.mpcs[*index];
+        for (j, _) in element.constraint.columns().iter().enumerate().filter(|(_, is)| **is) {
+            let (place, number) = Kind::column_dof(j);
+            if let Some(node) = element.nodes.get(place) {
+                add(*node, places.of(*node), number);
+            }
+        }
+    }
+    let mut next = 0;
+    for has in &numbering.has {
+        numbering.first.push(next);
+        next += has.count_ones();
+    }
+    numbering
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Selection;
+    use pintle_kinematics::connector::{Request, Tally};
+    use pintle_kinematics::node::Pair;
+    use pintle_scene::Scene;
+
+    /// A row that is not there is no number, and the others keep their places.
+    #[test]
+    fn a_missing_row_moves_no_other() {
+        let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+                    *CONNECTOR SECTION, ELSET=C\nJOIN\n";
+        let model = Model::compile(&Scene::parse("deck.inp", deck).unwrap()).unwrap();
+        let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+        let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::default());
+        let element = &model.connectors[0];
+        let still = pintle_kinematics::connector::State {
+            pair: Pair { ..element.definition().initial },
+            velocity: [0.0; DOFS],
+            acceleration: [0.0; DOFS],
+        };
+        let branch = element.connector.initial_branch();
+        let mut tally = Tally::default();
+        let mut rows = element.connector.compact_rows(&still, &branch, jacobian.wanted(0), &mut tally);
+        let mut whole = Vec::new();
+        jacobian.write(0, &rows, |entry| whole.push(entry));
+        rows[0] = None;
+        let mut lacking = Vec::new();
+        jacobian.write(0, &rows, |entry| lacking.push(entry));
+        assert_eq!((whole.len(), lacking.len()), (jacobian.entries(), jacobian.entries()));
+        let first = jacobian.offsets()[1];
+        assert!(first > 0 && whole.iter().all(|x| x.is_finite()));
+        assert!(lacking[..first].iter().all(|x| x.is_nan()), "{lacking:?}");
+        assert_eq!(lacking[first..], whole[first..]);
+    }
+}

@@ -1,0 +1,247 @@
+//! The sparse Jacobian along a walk.
+//!
+//! Entries by rows are those of one element after the other, so that each thread writes its own part of them, and nothing is left to be
+//! done in order but to gather what needs care.
+
+use crate::evaluate::jacobian::{CompressedColumns, ForeignPattern, Jacobian};
+use crate::evaluate::parallel;
+use crate::evaluate::sequence::element::{ConnectorResult, Context};
+use crate::evaluate::sequence::nodes::STILL;
+use crate::evaluate::sequence::{Sequence, at_mpc, turns};
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{CompactRow, Flag, Request, Tally};
+use pintle_kinematics::mpc::Dofs;
+use pintle_scene::State as SceneState;
+
+/// How many elements have their entries by rows at hand while those go to their places by columns.
+const GROUP: usize = 1024;
+
+/// Elements of which one is next to the other, and their entries.
+struct Part<'p, M> {
+    /// The place of the first in the plan.
+    first: usize,
+    memories: &'p mut [M],
+    entries: &'p mut [f64],
+}
+
+/// What came of a part besides its entries.
+#[derive(Default)]
+struct Told {
+    /// What needs care, by the place of the element in the plan.
+    flags: Vec<(usize, Flag)>,
+    tally: Tally,
+}
+
+/// Works on elements in parts, `from` one on; `begin` gives the first entry of each, and the end after the last. What is told is gathered in `told`.
+fn fill_rows<M: Send>(
+    (from, memories): (usize, &mut [M]),
+    begin: impl Fn(usize) -> usize,
+    mut entries: &mut [f64],
+    work: impl Fn(Part<'_, M>) -> Told + Sync,
+    told: &mut Told,
+) {
+    let size = parallel::part(memories.len());
+    let mut parts = Vec::with_capacity(memories.len().div_ceil(size));
+    let mut first = from;
+    for memories in memories.chunks_mut(size) {
+        let next = first + memories.len();
+        let count = (begin(next) - begin(first)).min(entries.len());
+        let (own, others) = entries.split_at_mut(count);
+        parts.push(Part { first, memories, entries: own });
+        (first, entries) = (next, others);
+    }
+    for Told { flags, tally } in parallel::parts(parts, work) {
+        told.flags.extend(flags);
+        told.tally += tally;
+    }
+}
+
+/// Fills the entries of elements: by rows straight in their place, by columns some at a time.
+fn fill<M: Send>(
+    memories: &mut [M],
+    (begin, columns): (impl Fn(usize) -> usize, Option<&CompressedColumns>),
+    values: &mut [f64],
+    work: impl Fn(Part<'_, M>) -> Told + Sync,
+) -> Told {
+    let mut told = Told::default();
+    let Some(columns) = columns else {
+        let entries = values.get_mut(begin(0)..).unwrap_or_default();
+        fill_rows((0, memories), begin, entries, work, &mut told);
+        return told;
+    };
+    let mut entries = Vec::new();
+    for (group, memories) in memories.chunks_mut(GROUP).enumerate() {
+        let first = group * GROUP;
+        let start = begin(first);
+        entries.resize(begin(first + memories.len()) - start, 0.0);
+        fill_rows((first, memories), &begin, &mut entries, &work, &mut told);
+        for (entry, value) in (start..).zip(&entries) {
+            if let Some(place) = values.get_mut(columns.place(entry)) {
+                *place = *value;
+            }
+        }
+    }
+    told
+}
+
+impl Sequence<'_> {
+    /// Commits the next state and writes the entries of the sparse Jacobian there, and nothing else of it: `values` gets the length of
+    /// [`Jacobian::entries`] and, in its order, the entries. Gives what needs care.
+    ///
+    /// # Errors
+    /// A pattern that was made for another plan; one with rows whose history has not been followed. Then nothing is committed.
+    pub fn assemble(
+        &mut self,
+        state: &SceneState,
+        jacobian: &Jacobian,
+        values: &mut Vec<f64>,
+    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
+        self.fill(state, jacobian, None, values)
+    }
+
+    /// As [`Sequence::assemble`], with the entries in the order of the columns ([`Jacobian::by_columns`]): those of a thousand elements at a
+    /// time go to their places.
+    ///
+    /// # Errors
+    /// As [`Sequence::assemble`]; columns of another pattern.
+    pub fn assemble_columns(
+        &mut self,
+        state: &SceneState,
+        jacobian: &Jacobian,
+        columns: &CompressedColumns,
+        values: &mut Vec<f64>,
+    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
+        columns.check(jacobian)?;
+        self.fill(state, jacobian, Some(columns), values)
+    }
+
+    /// Commits the next state and fills the values by rows, or by columns where there are some.
+    fn fill(
+        &mut self,
+        state: &SceneState,
+        jacobian: &Jacobian,
+        columns: Option<&CompressedColumns>,
+        values: &mut Vec<f64>,
+    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
+        self.follow_rows(jacobian)?;
+        values.resize(jacobian.entries(), 0.0);
+        self.follow_nodes(state);
+        let beyond = self.beyond(state);
+        let Self {
+            model,
+            plan,
+            moved,
+            ends,
+            connectors,
+            followed,
+            needed,
+            tally,
+            velocities,
+            conditions,
+            mpc_nodes,
+            mpcs,
+            ..
+        } = self;
+        let context = Context {
+            model,
+            planned: &plan.request,
+            velocities: *velocities,
+            conditions,
+            scene_state: state,
+            beyond: &beyond,
+        };
+        let (followed, needed) = (&*followed, &*needed);
+        let of_connectors = |Part { first, memories, entries }: Part<'_, _>| {
+            let (mut told, mut result) = (Told::default(), ConnectorResult::room());
+            let mut put = in_turn(entries);
+            for (at, memory) in (first..).zip(memories) {
+                let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
+                let wanted = jacobian.wanted(at);
+                let mut request = Request::nothing(0);
+                request.add_rows(wanted);
+                let index = plan.connectors[at];
+                let history = (followed[at], needed[at].always);
+                context.connector((index, nodes), memory, &request, history, &mut result, &mut told.tally);
+                let (connector, branch) = (&model.connectors[index].connector, &result.evaluation.branch);
+                let rows = connector.compact_rows(&result.state, branch, wanted, &mut told.tally);
+                jacobian.write(at, &rows, &mut put);
+                let broken = |k: &usize| {
+                    wanted[*k] && rows[*k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite())
+                };
+                let broken = (0..6)
+                    .filter(broken)
+                    .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" });
+                told.flags.extend(result.flags.drain(..).chain(broken).map(|flag| (at, flag)));
+            }
+            told
+        };
+        let places = (|at| jacobian.first_entry(at), columns);
+        let told = fill(connectors, places, values, of_connectors);
+        *tally += told.tally;
+        let title = |at: usize| model.connectors[plan.connectors[at]].title();
+        let mut care: Vec<_> = told.flags.into_iter().map(|(at, flag)| (title(at), flag)).collect();
+        let mut request = Request::nothing(1);
+        request.add_rows([true; 6]);
+        let of_mpcs = |Part { first, memories, entries }: Part<'_, _>| {
+            let mut told = Told::default();
+            let mut put = in_turn(entries);
+            for (at, angles) in (first..).zip(memories) {
+                let index = plan.mpcs[at];
+                let element = &model.mpcs[index];
+                let (nodes, count) = at_mpc(&mpc_nodes[at], moved);
+                let of_state = (&request, &model.schedule, state);
+                let result = element.evaluate(index, &nodes[..count], angles, of_state, &mut told.tally);
+                *angles = result.evaluation.angles;
+                let rows = &result.evaluation.jacobian;
+                jacobian.write_mpc(at, rows, &mut put);
+                let has = element.constraint.rows();
+                let is_broken = |row: &Dofs<f64>| row.iter().any(|x| !x.is_finite());
+                let broken = |row: &usize| has[*row] && rows[*row].as_ref().is_none_or(is_broken);
+                let broken = (0..rows.len()).filter(broken).map(|row| Flag::NotFinite {
+                    component: element.constraint.kind().row_name(row),
+                    quantity: "derivative",
+                });
+                told.flags.extend(result.flags.into_iter().chain(broken).map(|flag| (at, flag)));
+            }
+            told
+        };
+        let places = (|at| jacobian.first_mpc_entry(at), columns);
+        let told = fill(mpcs, places, values, of_mpcs);
+        *tally += told.tally;
+        let title = |at: usize| model.mpcs[plan.mpcs[at]].title();
+        care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));
+        self.states += 1;
+        Ok(care)
+    }
+
+    /// Follows the histories that rows of the pattern depend on, which is seen to once for each pattern.
+    fn follow_rows(&mut self, jacobian: &Jacobian) -> Result<(), ForeignPattern> {
+        if self.pattern.as_ref().is_some_and(|known| jacobian.is_copy_of(known)) {
+            return Ok(());
+        }
+        jacobian.check(self.plan)?;
+        for (at, (index, followed)) in self.plan.connectors.iter().zip(&mut self.followed).enumerate() {
+            let connector = &self.model.connectors[*index].connector;
+            let (wanted, known) = (jacobian.wanted(at), *followed);
+            for k in (0..6).filter(|k| wanted[*k] && !known[*k] && connector.row_has_history(*k)) {
+                if self.states > 0 {
+                    return Err(ForeignPattern::History);
+                }
+                followed[k] = true;
+                turns(&mut self.turning, &self.ends[at]);
+            }
+        }
+        self.pattern = Some(jacobian.origin().clone());
+        Ok(())
+    }
+}
+
+/// Puts one entry after the other.
+fn in_turn(entries: &mut [f64]) -> impl FnMut(f64) {
+    let mut places = entries.iter_mut();
+    move |entry| {
+        if let Some(place) = places.next() {
+            *place = entry;
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! `pintle convert` and `pintle schema`.
+
+use super::eval::{self, complain};
+use super::{Convert, Described, Failure, SceneFormat};
+use pintle_scene::{Format, Scene, StateFile};
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+impl From<SceneFormat> for Format {
+    fn from(format: SceneFormat) -> Self {
+        match format {
+            SceneFormat::Inp => Self::Deck,
+            SceneFormat::Toml => Self::Toml,
+            SceneFormat::Json => Self::Json,
+        }
+    }
+}
+
+/// The format of the result: as asked for, or by the ending of its file.
+fn format(arguments: &Convert) -> Result<Format, Failure> {
+    if let Some(format) = arguments.to {
+        return Ok(format.into());
+    }
+    let Some(output) = &arguments.output else {
+        let message = "say what to convert to: --to inp, toml or json, or -o with a file of that ending";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    let ending = output.extension().map(|ending| ending.to_ascii_lowercase());
+    match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("inp" | "toml" | "json") => Ok(Format::of_path(output)),
+        _ => {
+            let message = format!("{} does not end in .inp, .toml or .json; give --to", output.display());
+            Err(Failure::Usage(message))
+        }
+    }
+}
+
+/// `pintle convert`.
+pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
+    let format = format(arguments)?;
+    let mut scene = read(&arguments.scene)?;
+    if let Some(error) = scene.orientation_errors().into_iter().next() {
+        return Err(error.into());
+    }
+    if let Some(file) = &arguments.states {
+        scene.states = StateFile::read(file, &scene)?.states;
+    }
+    for warning in &scene.warnings {
+        eval::show_diagnostic(warning);
+    }
+    // A deck has no states: what goes to a file of its own is not lost.
+    let is_apart = format == Format::Deck && arguments.save_states.is_some();
+    let states = if is_apart { std::mem::take(&mut scene.states) } else { Vec::new() };
+    let converted = scene.write(format)?;
+    if is_apart {
+        scene.states = states;
+    }
+    for what in &converted.dropped {
+        complain("dropped", what);
+    }
+    if arguments.strict && !converted.dropped.is_empty() {
+        let count = converted.dropped.len();
+        let things = if count == 1 { "one thing" } else { "several things" };
+        let message = format!("{things} would be lost, and --strict forbids it; nothing was written");
+        return Err(Failure::Lost(message));
+    }
+    if let Some(file) = &arguments.save_states {
+        save_states(file, &scene)?;
+    }
+    match &arguments.output {
+        None => {
+            let mut out = BufWriter::new(io::stdout().lock());
+            out.write_all(converted.text.as_bytes())?;
+            Ok(out.flush()?)
+        }
+        Some(path) => write(path, &converted.text),
+    }
+}
+
+fn read(name: &str) -> Result<Scene, Failure> {
+    match eval::source(name)? {
+        eval::Source::File(path) => Ok(Scene::read(path)?),
+        eval::Source::Gallery(example) => {
+            let mut scene = example.scene()?;
+            scene.states = example.states(&scene)?.states;
+            Ok(scene)
+        }
+    }
+}
+
+fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
+    // What reads them goes by the ending.
+    if !file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+        let message = format!(
+            "states are saved as JSON, and {} would not be read as such: end its name in .json",
+            file.display()
+        );
+        return Err(Failure::Usage(message));
+    }
+    if scene.states.is_empty() {
+        return Err(Failure::Usage("the scene has no states to save".to_owned()));
+    }
+    let states = StateFile { states: scene.states.clone() };
+    let text = states.to_json().map_err(io::Error::from)?;
+    write(file, &(text + "\n"))
+}
+
+pub(super) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text)
+        .map_err(|error| Failure::Input(format!("{} cannot be written: {error}", path.display())))
+}
+
+/// `pintle schema`.
+pub(crate) fn schema(of: Described) -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    let schema = match of {
+        Described::Scene => pintle_scene::schema(),
+        Described::Audit => pintle_report::audit::schema(),
+    };
+    serde_json::to_writer_pretty(&mut out, &schema).map_err(io::Error::from)?;
+    writeln!(out)?;
+    Ok(out.flush()?)
+}

@@ -1,0 +1,549 @@
+//! `pintle eval`.
+
+use super::history::{Assigned, Forces, Given, History, Survey};
+use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
+use pintle_kinematics::connector::{Flag, Output, Request};
+use pintle_model::behavior::state::Velocities;
+use pintle_model::evaluate::{
+    Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Plan, Selection, Sequence, request,
+};
+use pintle_report as report;
+use pintle_report::{Block, BlockKind, Format, Subject};
+use pintle_scene::{
+    Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
+};
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Cursor, IsTerminal, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// The version of the file of branches.
+const BRANCHES: &str = "pintle-branches/1";
+
+/// Where a scene comes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Source<'a> {
+    Gallery(&'static Example),
+    File(&'a str),
+}
+
+/// A scene, read and resolved, with its states.
+struct Loaded {
+    scene: Scene,
+    /// Those of the gallery, or of the scene itself; the scene may have none.
+    states: Vec<State>,
+    model: Model,
+}
+
+/// A scene that is to be evaluated.
+struct Run {
+    scene: Scene,
+    history: History,
+    survey: Survey,
+    forces: Option<Forces>,
+    model: Model,
+}
+
+/// A connector or MPC at one state, worked into what is written and told of it; the next takes its room.
+struct Rendered {
+    kind: BlockKind,
+    has_numbers: bool,
+    text: Vec<u8>,
+    title: String,
+    flags: Vec<Flag>,
+    failed: Option<io::Error>,
+}
+
+impl Default for Rendered {
+    fn default() -> Self {
+        Self {
+            kind: BlockKind::Connector,
+            has_numbers: false,
+            text: Vec::new(),
+            title: String::new(),
+            flags: Vec::new(),
+            failed: None,
+        }
+    }
+}
+
+/// What was seen that needs care, for one line on stderr.
+#[derive(Default)]
+struct Care {
+    count: u64,
+    first: Option<String>,
+}
+
+/// Evaluates scenes and writes the results.
+pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
+    let sources = sources(arguments)?;
+    let runs = sources
+        .iter()
+        .map(|source| of_arguments(*source, arguments))
+        .collect::<Result<Vec<Run>, Failure>>()?;
+    let request = wanted(arguments, &runs)?;
+    if matches!(arguments.format, EvalFormat::Human) {
+        let mut out = BufWriter::new(anstream::stdout().lock());
+        let width = page_width(&io::stdout());
+        let style =
+            report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
+        walk(arguments, &runs, &request, &mut report::human::Human::new(&mut out, style))
+    } else {
+        let mut out = BufWriter::new(io::stdout().lock());
+        match arguments.format {
+            EvalFormat::Csv => {
+                let outputs = request.outputs().collect();
+                let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
+                let order = request.order.max(u8::from(has_slopes));
+                let mut format = report::csv::Csv::new(&mut out, outputs, order);
+                walk(arguments, &runs, &request, &mut format)?;
+                drop(format);
+                Ok(out.flush()?)
+            }
+            EvalFormat::Json | EvalFormat::Human => {
+                walk(arguments, &runs, &request, &mut report::json::Json::new(&mut out))
+            }
+        }
+    }
+}
+
+/// The scenes that are asked for.
+fn sources(arguments: &Eval) -> Result<Vec<Source<'_>>, Failure> {
+    match &arguments.scene {
+        None => Ok(GALLERY.iter().map(Source::Gallery).collect()),
+        Some(name) => source(name).map(|source| vec![source]),
+    }
+}
+
+/// The scene of that name.
+pub(crate) fn source(name: &str) -> Result<Source<'_>, Failure> {
+    if name == "-" {
+        let message =
+            "a deck is not read from standard input; give the path of a file (./- if that is its name)";
+        return Err(Failure::Usage(message.to_string()));
+    }
+    let Some(example) = name.strip_prefix("gallery:") else { return Ok(Source::File(name)) };
+    let found = GALLERY.iter().find(|known| known.name.eq_ignore_ascii_case(example));
+    found.map(Source::Gallery).ok_or_else(|| {
+        let names: Vec<&str> = GALLERY.iter().map(|known| known.name).collect();
+        let near = names
+            .iter()
+            .map(|known| (strsim::damerau_levenshtein(known, example), known))
+            .filter(|(distance, known)| *distance <= known.len() / 3)
+            .min_by_key(|(distance, _)| *distance);
+        let remedy = near.map(|(_, near)| format!("; did you mean {near}?")).unwrap_or_default();
+        Failure::Usage(format!("the gallery has no scene {example:?}{remedy} (it has {})", names.join(", ")))
+    })
+}
+
+/// A scene with its states, or the initial one, and its forces.
+fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
+    let sign = arguments.force_sign.into();
+    let Loaded { scene, mut states, model } = load(source)?;
+    let forces = arguments.forces.as_deref().map(|file| Forces::open(file, &scene, sign)).transpose()?;
+    let history = match &arguments.states {
+        Some(file) => History::open(file, &scene)?,
+        None => {
+            if states.is_empty() {
+                states.push(State::default());
+            }
+            History::Held(states)
+        }
+    };
+    let survey = history.survey(&scene)?;
+    Ok(Run { scene, history, survey, forces, model })
+}
+
+/// Reads a scene and its states: those of a file, or its own.
+pub(crate) fn read(source: Source<'_>, states: Option<&Path>) -> Result<(Scene, Vec<State>), Failure> {
+    let scene = match source {
+        Source::Gallery(example) => example.scene()?,
+        Source::File(path) => Scene::read(path)?,
+    };
+    let states = match (states, source) {
+        (Some(file), _) => StateFile::read(file, &scene)?.states,
+        (None, Source::Gallery(example)) => example.states(&scene)?.states,
+        (None, Source::File(_)) => scene.states.clone(),
+    };
+    Ok((scene, states))
+}
+
+impl Source<'_> {
+    /// A diagnostic with the lines of this scene that it is about.
+    pub(crate) fn quoted(self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Self::Gallery(example) => diagnostic.with_source(Cursor::new(example.deck)),
+            Self::File(_) => match File::open(diagnostic.file()) {
+                Ok(file) => diagnostic.with_source(BufReader::new(file)),
+                Err(_) => diagnostic,
+            },
+        }
+    }
+
+    /// Says what of a scene deserves a look, as bad as `taken` takes it to be; what is `None` is not shown.
+    pub(crate) fn warn(
+        self,
+        scene: &Scene,
+        model: &mut Model,
+        taken: impl Fn(&Diagnostic) -> Option<Severity>,
+    ) {
+        for warning in &scene.warnings {
+            if let Some(severity) = taken(warning) {
+                show_diagnostic(&warning.clone().of_severity(severity));
+            }
+        }
+        for warning in std::mem::take(&mut model.warnings) {
+            if let Some(severity) = taken(&warning) {
+                show_diagnostic(&self.quoted(warning).of_severity(severity));
+            }
+        }
+    }
+}
+
+/// Reads and resolves a scene, and says what deserves a look.
+fn load(source: Source<'_>) -> Result<Loaded, Failure> {
+    let (scene, states) = read(source, None)?;
+    let mut model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    source.warn(&scene, &mut model, |warning| Some(warning.severity()));
+    Ok(Loaded { scene, states, model })
+}
+
+impl From<Sign> for ForceSign {
+    fn from(sign: Sign) -> Self {
+        match sign {
+            Sign::Internal => Self::Internal,
+            Sign::ConstraintsOnB => Self::ConstraintsOnB,
+        }
+    }
+}
+
+/// The request: the outputs named, or what the scenes suggest.
+fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
+    let order = arguments.order.unwrap_or(u8::from(arguments.outputs.is_empty()));
+    if !arguments.outputs.is_empty() {
+        let names = arguments.outputs.iter().map(String::as_str);
+        return request(names, order).map_err(|error| Failure::Usage(error.to_string()));
+    }
+    let mut outputs = vec![Output::CP, Output::CU, Output::RES];
+    if runs.iter().any(|run| run.survey.moves) {
+        outputs.extend([Output::CV, Output::CA]);
+    }
+    let stops = |run: &Run| {
+        run.model.connectors.iter().any(|element| element.connector.stops().iter().any(Option::is_some))
+    };
+    let elements = || runs.iter().flat_map(|run| &run.model.connectors);
+    let acts = |what: fn(&ElementBehavior) -> bool| elements().any(|one| what(&one.behavior));
+    let hinges = || runs.iter().flat_map(|run| &run.model.mpcs).flat_map(|mpc| &mpc.drives);
+    let is_loaded = hinges().any(|drives| drives.loads.iter().any(Option::is_some));
+    let is_driven = hinges().any(|drives| drives.motions.iter().any(Option::is_some));
+    if runs.iter().any(stops) || acts(|one| !one.behavior.locks.is_empty()) {
+        outputs.push(Output::CSLST);
+    }
+    let has_forces = |run: &Run| run.forces.is_some() || run.survey.has_forces();
+    // What presses are mostly constraint forces.
+    let slides = acts(|one| one.behavior.tells_friction())
+        || runs.iter().any(has_forces) && acts(|one| !one.behavior.friction.frictions.is_empty());
+    for (output, is_there) in [
+        (Output::CEF, acts(|one| one.behavior.elasticity.components().contains(&true))),
+        (Output::CVF, acts(|one| one.behavior.damping.components().contains(&true))),
+        (Output::CSF, slides),
+        (Output::CNF, slides),
+        (Output::CASU, slides),
+        (Output::CCF, is_loaded || acts(|one| one.drives.loads.iter().any(Option::is_some))),
+        (Output::CFAILST, acts(|one| !one.behavior.failures.is_empty())),
+        (Output::DRIVEN, is_driven || acts(|one| one.drives.motions.iter().any(Option::is_some))),
+    ] {
+        outputs.extend(is_there.then_some(output));
+    }
+    if runs.iter().any(has_forces) {
+        outputs.push(Output::CTF);
+        outputs.extend(
+            elements().any(|element| element.connector.connection().printed.is_some()).then_some(Output::PM),
+        );
+        outputs.push(Output::NF);
+    }
+    Ok(Request::new(&outputs, [true; 6], order))
+}
+
+/// Finds the states, the first of which has the number `first`, that the forces of a file belong to, and checks all forces.
+fn assign(
+    run: &Run,
+    first: u64,
+    states: Option<&StateIndex<'_>>,
+    arguments: &Eval,
+) -> Result<Assigned, Failure> {
+    let Run { scene, history, survey, forces, model } = run;
+    let (check, numbers) = (ForceCheck::new(model), survey.numbers(first));
+    let number = |place: usize| numbers.get(place).copied().unwrap_or_default();
+    let of = |place: usize, forces: Given<'_>, file: &Path| -> Result<(), Failure> {
+        let name = file.display().to_string();
+        Ok(check.check(forces, number(place), &name).map_err(|error| match File::open(file) {
+            Ok(text) => error.with_source(BufReader::new(text)),
+            Err(_) => error,
+        })?)
+    };
+    let assigned = match (forces, states) {
+        (Some(forces), Some(states)) => {
+            let file = arguments.forces.as_deref().unwrap_or(Path::new(""));
+            forces.assign(scene, states, |place, forces| of(place, forces, file))?
+        }
+        _ => Assigned::default(),
+    };
+    if survey.has_forces() {
+        let file = arguments.states.as_deref().or(arguments.scene.as_deref().map(Path::new));
+        let mut place = 0;
+        history.each(scene, |state| {
+            of(place, (&state.forces, &state.mpc_forces), file.unwrap_or(Path::new("")))?;
+            place += 1;
+            Ok(())
+        })?;
+    }
+    Ok(assigned)
+}
+
+/// Walks through the states of every scene, writing as it goes.
+fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Format) -> Result<(), Failure> {
+    let selection = match arguments.connector.as_slice() {
+        [] => Selection::All,
+        names => Selection::Named(names.to_vec()),
+    };
+    let is_overview = arguments.scene.is_none() && matches!(arguments.format, EvalFormat::Human);
+    let default = if is_overview { Show::overview() } else { Show::all() };
+    let show = arguments.show.as_ref().unwrap_or(&default);
+    let mut care = Care::default();
+    let mut evaluated = 0;
+    // What cannot be is said before anything is written.
+    let mut walks = Vec::new();
+    for run in runs {
+        let Run { scene, survey, forces, model, .. } = run;
+        let plan = Plan::compile(model, &selection, request.clone())
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
+            let message = format!("{} has no connector element and no MPC that is evaluated", scene.name);
+            return Err(Failure::Nothing(message));
+        }
+        let branches = match &arguments.resume {
+            Some(file) => resume(file, model, &plan)?,
+            None => Branches::default(),
+        };
+        let states = forces.as_ref().map(|_| StateIndex::new(&survey.marks, branches.states));
+        let assigned = assign(run, branches.states, states.as_ref(), arguments)?;
+        let numbers = survey.numbers(branches.states);
+        let shown = show.among(&numbers).map_err(Failure::Usage)?;
+        walks.push((plan, branches, shown, numbers, states, assigned));
+    }
+    format.begin()?;
+    let mut progress = Progress::new();
+    for (run, (plan, branches, shown, numbers, states, assigned)) in runs.iter().zip(&walks) {
+        let Run { scene, history, survey, forces, model } = run;
+        let mut sequence = Sequence::resume(model, plan, branches.clone());
+        if arguments.save_branches.is_some() || arguments.jacobian.is_some() {
+            sequence.follow_everything();
+        }
+        let is_shown = |index: &u64| shown.iter().any(|range| range.contains(index));
+        let last_shown = numbers.iter().copied().rfind(is_shown);
+        if !survey.moves {
+            sequence.set_velocities(Velocities::Increments);
+        }
+        sequence.set_conditions((&arguments.conditions).into());
+        let [first, last] =
+            [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
+        format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
+        let mut done = 0;
+        let mut rooms: Vec<Rendered> = Vec::new();
+        assigned.with(forces.as_ref().zip(states.as_ref()), scene, |mut feed| {
+            history.each(scene, |given| {
+                let with_forces = feed.at(done)?.map(|StateForces { elements, mpcs }| {
+                    Box::new(State { forces: elements, mpc_forces: mpcs, ..given.clone() })
+                });
+                let state = with_forces.as_deref().unwrap_or(given);
+                let index = numbers.get(done).copied().unwrap_or_default();
+                progress.tick(&scene.name, done, numbers.len());
+                done += 1;
+                if is_shown(&index) {
+                    if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
+                        let told =
+                            save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                        // Whatever else needs care is told by the evaluation.
+                        for (title, flag) in &told {
+                            if matches!(flag, Flag::NotFinite { .. }) {
+                                care.see(index, title, std::slice::from_ref(flag));
+                            }
+                        }
+                    }
+                    format.state(index, state.time)?;
+                    let render = format.renderer();
+                    let digest = |item: Item<'_>, to: &mut Rendered| {
+                        let block = match item {
+                            Item::Connector(result) => Block::of_connector(model, request, result),
+                            Item::Mpc(result) => Block::of_mpc(model, request, result),
+                        };
+                        (to.kind, to.has_numbers) = (block.kind, block.has_numbers());
+                        to.text.clear();
+                        to.failed = render(&block, &mut to.text).err();
+                        to.title = if block.flags.is_empty() { String::new() } else { title(model, item) };
+                        to.flags = block.flags;
+                    };
+                    sequence.visit_digested(state, &mut rooms, digest, |rendered| {
+                        if let Some(error) = rendered.failed.take() {
+                            return Err(error);
+                        }
+                        evaluated += u64::from(rendered.has_numbers);
+                        care.see(index, &rendered.title, &rendered.flags);
+                        format.rendered(rendered.kind, &rendered.text)
+                    })?;
+                    format.end_state()?;
+                } else {
+                    sequence.pass(state, |item| -> Result<(), Failure> {
+                        let flags = match item {
+                            Item::Connector(result) => &result.flags,
+                            Item::Mpc(result) => &result.flags,
+                        };
+                        if !flags.is_empty() {
+                            care.see(index, &title(model, item), flags);
+                        }
+                        Ok(())
+                    })?;
+                }
+                Ok(())
+            })
+        })?;
+        format.end_scene(sequence.tally())?;
+        if let Some(file) = &arguments.save_branches {
+            save(file, &scene.name, &sequence.branches())?;
+        }
+    }
+    progress.clear();
+    format.end()?;
+    care.tell();
+    if evaluated == 0 {
+        return Err(Failure::Nothing("no connector has an output of those asked for".into()));
+    }
+    Ok(())
+}
+
+/// What a result is of: `HINGE 101`, `MPC REVOLUTE 10-20-30`.
+fn title(model: &Model, item: Item<'_>) -> String {
+    match item {
+        Item::Connector(result) => model.connectors[result.index].title(),
+        Item::Mpc(result) => model.mpcs[result.index].title(),
+    }
+}
+
+impl Care {
+    fn see(&mut self, index: u64, title: &str, flags: &[Flag]) {
+        self.count += flags.len() as u64;
+        if let (None, Some(flag)) = (&self.first, flags.first()) {
+            self.first = Some(format!("state {index}, {title}: {}", report::flag_in_words(flag)));
+        }
+    }
+
+    fn tell(&self) {
+        let Some(first) = &self.first else { return };
+        let text = match self.count {
+            1 => format!("one value needs care: {first}"),
+            count => format!("{count} values need care; the first: {first}"),
+        };
+        complain("note", &text);
+    }
+}
+
+/// Branches in a file.
+#[derive(Serialize, Deserialize)]
+struct BranchFile<B> {
+    schema: String,
+    version: String,
+    scene: String,
+    branches: B,
+}
+
+fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
+    let file = BranchFile {
+        schema: BRANCHES.to_string(),
+        version: pintle::VERSION.to_string(),
+        scene: scene.to_string(),
+        branches,
+    };
+    let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
+    fs::write(path, text + "\n")
+        .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Writes the constraint Jacobian at a state, which `sequence` has before it, and gives what of it needs care.
+fn save_jacobian(
+    path: &Path,
+    (scene, model, plan): (&Scene, &Model, &Plan),
+    mut sequence: Sequence<'_>,
+    (number, state): (u64, &State),
+) -> Result<Vec<(String, Flag)>, Failure> {
+    let jacobian = Jacobian::of_constraints(model, plan, &Fixed::of(scene)?);
+    let mut values = Vec::new();
+    let assembled = sequence.assemble(state, &jacobian, &mut values);
+    let care = assembled.map_err(|error| Failure::Usage(error.to_string()))?;
+    let of = format!("{} at state {number}", scene.name);
+    let written = File::create(path).and_then(|file| {
+        report::matrix_market::write(&mut BufWriter::new(file), &of, model, &jacobian, &values)
+    });
+    written.map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+    Ok(care)
+}
+
+fn resume(path: &Path, model: &Model, plan: &Plan) -> Result<Branches, Failure> {
+    let name = path.display();
+    let text =
+        fs::read_to_string(path).map_err(|error| Failure::Input(format!("cannot read {name}: {error}")))?;
+    let file: BranchFile<Branches> = serde_json::from_str(&text).map_err(|error| {
+        Failure::Input(format!("{name} is no file of branches, as --save-branches writes it: {error}"))
+    })?;
+    if file.schema != BRANCHES {
+        return Err(Failure::Input(format!("{name} has schema {:?}, not {BRANCHES:?}", file.schema)));
+    }
+    file.branches.check(model, plan).map_err(|reason| {
+        Failure::Input(format!("{name}, saved for {}, cannot be continued: {reason}", file.scene))
+    })?;
+    Ok(file.branches)
+}
+
+/// A line on a terminal that says how far a long run is.
+struct Progress {
+    begun: Instant,
+    told: Option<Instant>,
+    visible: bool,
+}
+
+impl Progress {
+    fn new() -> Self {
+        Self {
+            begun: Instant::now(),
+            told: None,
+            visible: io::stderr().is_terminal() && !io::stdout().is_terminal(),
+        }
+    }
+
+    fn tick(&mut self, scene: &str, done: usize, states: usize) {
+        let last = self.told.unwrap_or(self.begun);
+        if self.visible && last.elapsed() > Duration::from_secs(1) {
+            self.told = Some(Instant::now());
+            _ = write!(io::stderr(), "\r{scene}: state {done} of {states} ");
+        }
+    }
+
+    fn clear(&self) {
+        if self.told.is_some() {
+            _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+/// Shows a diagnostic on stderr with its source line.
+pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
+    let text = diagnostic.render(page_width(&io::stderr()), true);
+    _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+}
+
+/// A line on stderr.
+pub(crate) fn complain(kind: &str, text: &str) {
+    let style = anstyle::Style::new().bold();
+    _ = writeln!(anstream::stderr(), "{style}{kind}:{style:#} {text}");
+}

@@ -1,0 +1,134 @@
+//! Whether the pages tell the truth: each command of the tutorial and of the how-to pages is run, and prints what the page shows.
+//!
+//! A fence `inp`, `csv` or `python` with `file=NAME` is a file. In a fence `console`, a line `$ pintle …` is a command, and what follows is
+//! its output, with what goes to the terminal's errors after it; a line `…` stands for any lines. `$ echo $?` is the exit code of the
+//! command before. All of a page runs in one folder.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::{env, fs};
+
+/// A fence: what stands behind its opening, the line of the page, and what it holds.
+struct Fence {
+    kind: String,
+    line: usize,
+    lines: Vec<String>,
+}
+
+fn fences(page: &str) -> Vec<Fence> {
+    let mut found = Vec::new();
+    let mut open: Option<Fence> = None;
+    for (number, line) in page.lines().enumerate() {
+        match (line.strip_prefix("```"), open.take()) {
+            (Some(_), Some(fence)) => found.push(fence),
+            (Some(kind), None) => {
+                open = Some(Fence { kind: kind.to_string(), line: number + 1, lines: Vec::new() });
+            }
+            (None, Some(mut fence)) => {
+                fence.lines.push(line.to_string());
+                open = Some(fence);
+            }
+            (None, None) => {}
+        }
+    }
+    found
+}
+
+/// Whether lines are those of a page, in which `…` stands for any.
+fn shows(page: &[&str], got: &[&str]) -> bool {
+    match page.split_first() {
+        None => got.is_empty(),
+        Some((&"…", rest)) => (0..=got.len()).any(|skipped| shows(rest, &got[skipped..])),
+        Some((line, rest)) => got.split_first().is_some_and(|(first, got)| first == line && shows(rest, got)),
+    }
+}
+
+/// A Python: that of the environment of the tests, or of the system.
+fn python() -> PathBuf {
+    let made = Path::new(env!("CARGO_MANIFEST_DIR")).join(".venv/bin/python");
+    if made.exists() { made } else { "python3".into() }
+}
+
+fn run(command: &str, folder: &Path) -> Output {
+    let words: Vec<&str> = command.split_whitespace().collect();
+    let (program, arguments) = words.split_first().expect("a command");
+    let mut command = match *program {
+        "pintle" => Command::new(env!("CARGO_BIN_EXE_pintle")),
+        "python3" => Command::new(python()),
+        "cat" => Command::new("cat"),
+        other => panic!("the pages run pintle, python3 and cat, not {other}"),
+    };
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("COLUMNS")
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("it runs")
+}
+
+/// Runs a page; gives how many commands it ran, and what it shows that is not so.
+fn check(path: &Path) -> (usize, Vec<String>) {
+    let page = fs::read_to_string(path).expect("the page");
+    let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+    let folder = env::temp_dir().join(format!("pintle-page-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder");
+    let (mut commands, mut wrong, mut code) = (0, Vec::new(), None);
+    for fence in fences(&page) {
+        if let Some((_, file)) = fence.kind.split_once(" file=") {
+            fs::write(folder.join(file), fence.lines.join("\n") + "\n").expect("a file of the page");
+        }
+        if fence.kind != "console" {
+            continue;
+        }
+        let mut blocks: Vec<(usize, &str, Vec<&str>)> = Vec::new();
+        for (at, line) in fence.lines.iter().enumerate() {
+            if let Some(command) = line.strip_prefix("$ ") {
+                blocks.push((fence.line + at + 1, command, Vec::new()));
+            } else if let Some((_, _, shown)) = blocks.last_mut() {
+                shown.push(line);
+            }
+        }
+        for (line, command, shown) in blocks {
+            commands += 1;
+            let text = if command == "echo $?" {
+                format!("{}\n", code.unwrap_or(0))
+            } else {
+                let output = run(command, &folder);
+                code = output.status.code();
+                String::from_utf8_lossy(&output.stdout).into_owned()
+                    + &String::from_utf8_lossy(&output.stderr)
+            };
+            let trimmed = |lines: Vec<&str>| -> Vec<String> {
+                let lines: Vec<String> = lines.into_iter().map(|line| line.trim_end().to_string()).collect();
+                let end = lines.iter().rposition(|line| !line.is_empty()).map_or(0, |last| last + 1);
+                lines.into_iter().take(end).collect()
+            };
+            let (shown, got) = (trimmed(shown), trimmed(text.lines().collect()));
+            let (shown, got): (Vec<&str>, Vec<&str>) =
+                (shown.iter().map(String::as_str).collect(), got.iter().map(String::as_str).collect());
+            if !shows(&shown, &got) {
+                wrong.push(format!("{}:{line}: $ {command}\nprints\n{}\n", path.display(), got.join("\n")));
+            }
+        }
+    }
+    fs::remove_dir_all(&folder).ok();
+    (commands, wrong)
+}
+
+#[test]
+fn pages_show_what_their_commands_print() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let mut pages = vec![docs.join("tutorial.md")];
+    let how_to = fs::read_dir(docs.join("how-to")).expect("the how-to pages");
+    pages.extend(how_to.map(|entry| entry.expect("a page").path()));
+    let (mut commands, mut wrong) = (0, Vec::new());
+    for page in &pages {
+        let (ran, found) = check(page);
+        assert!(ran > 1, "{}: {ran} commands", page.display());
+        commands += ran;
+        wrong.extend(found);
+    }
+    assert!(pages.len() >= 5 && commands >= 20, "{} pages, {commands} commands", pages.len());
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

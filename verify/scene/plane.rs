@@ -1,0 +1,333 @@
+//! The two-dimensional forms (CONN2D2): the manual's 2D entries, transcribed; values, rows, second derivatives and rates by formulas
+//! of the plane, with sines and cosines of plane angles and no rotation matrix; and equality with the connector in space.
+
+use crate::laws::{Check, Scales, functions};
+use crate::states::{Draw, definition, pair, types};
+use pintle_kinematics::catalog::{Availability, ConnectionType, PLANE, Slot, TABLE};
+use pintle_kinematics::connector::{
+    Branch, Components, Connector, Definition, Evaluation, Increment, Request, State, Tally,
+};
+use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_kinematics::scalar::elementary::{recip, sin_cos, sqrt};
+use pintle_kinematics::scalar::{Differentiable, Scalar, Seeded};
+use pintle_kinematics::vector::Matrix;
+use std::f64::consts::{PI, TAU};
+
+/// The manual's 2D entry of a type: name; constrained; available; number of constraints; solver; page.
+type Row = (&'static str, &'static str, &'static str, usize, &'static str, &'static str);
+
+/// Components u3, ur1 and ur2 do not exist in the plane, their forces and moments are zero.
+const MANUAL: &[Row] = &[
+    ("ALIGN", "ur3", "none", 1, "both", "connectiontypedesc-align: m1 = m2 = 0"),
+    ("AXIAL", "none", "u1", 0, "both", "connectiontypedesc-axial"),
+    (
+        "BEAM",
+        "u1, u2, ur3",
+        "none",
+        3,
+        "both",
+        "connectiontypedesc-beam; 2D up to 3 multipliers, connectorelem",
+    ),
+    ("CARTESIAN", "none", "u1, u2", 0, "both", "connectiontypedesc-cartesian: z = u3 = f3 = 0"),
+    ("FLOW-CONVERTER", "ur3", "none", 1, "Standard", "connectiontypedesc-flowconverter"),
+    ("JOIN", "u1, u2", "none", 2, "both", "connectiontypedesc-join: f3 = 0"),
+    ("LINK", "u1", "none", 1, "both", "connectiontypecomponents, one line; the rest unread"),
+    (
+        "PROJECTION CARTESIAN",
+        "none",
+        "u1, u2",
+        0,
+        "both",
+        "connectiontypedesc-projectioncartesian: z = u3 = f3 = 0",
+    ),
+    ("RETRACTOR", "u1, u2, ur3", "none", 3, "Standard", "seed RETRACTOR, Summary"),
+    ("ROTATION", "none", "ur3", 0, "both", "seed ROTATION: ur1 = ur2 = 0, m1 = m2 = 0"),
+    // Component 3 of a SLIPRING is Ψ_a, output only; CONN2D2 has components 1, 2 and 6.
+    ("SLIPRING", "none", "u1, u2", 0, "Standard", "connectiontypedesc-slipring"),
+    ("SLOT", "u2", "u1", 1, "both", "connectiontypedesc-slot: F_C = |f2|"),
+    ("TRANSLATOR", "u2, ur3", "u1", 2, "both", "seed TRANSLATOR"),
+    ("WELD", "u1, u2, ur3", "none", 3, "both", "connectiontypeassembledconnections"),
+];
+
+#[test]
+fn the_plane_is_the_manuals() {
+    let planar = TABLE.iter().filter(|entry| entry.planar != Availability::Never);
+    let mut names: Vec<&str> = planar.clone().map(|entry| entry.name.as_ref()).collect();
+    names.sort_unstable();
+    let transcribed: Vec<&str> = MANUAL.iter().map(|row| row.0).collect();
+    assert_eq!(names, transcribed, "the types with a two-dimensional form");
+    for (name, constrained, available, count, solver, page) in MANUAL {
+        let entry = ConnectionType::named(name, None).unwrap();
+        let form = entry.in_plane();
+        assert_eq!(form.component_list(Slot::is_constrained), *constrained, "{name}: {page}");
+        assert_eq!(form.component_list(Slot::is_available), *available, "{name}: {page}");
+        assert_eq!(form.components(Slot::is_constrained).count(), *count, "{name}: {page}");
+        let solvers = match entry.planar {
+            Availability::Always => "both",
+            Availability::StandardOnly => "Standard",
+            Availability::ExplicitOnly => "Explicit",
+            Availability::Never => "none",
+        };
+        assert_eq!(solvers, *solver, "{name}: {page}");
+    }
+}
+
+/// The degrees of freedom of the plane, in their order: x, y, θ and Ψ of a, then of b.
+const FREEDOMS: [usize; 8] = [0, 1, 5, 6, 7, 8, 12, 13];
+
+/// A connector in the plane, and where it goes.
+struct Case {
+    name: String,
+    definition: Definition,
+    connection: ConnectionType,
+    /// The angles of e1a and e1b from the global 1 at first, and the sign of e3 = ±z.
+    start: [f64; 2],
+    sense: f64,
+    reference: [f64; 2],
+    /// x, y, θ, Ψ of a and b at the end.
+    end: [f64; 8],
+    steps: usize,
+}
+
+fn triad(angle: f64, sense: f64) -> Matrix<f64> {
+    let (sin, cos) = angle.sin_cos();
+    [[cos, -sense * sin, 0.0], [sin, sense * cos, 0.0], [0.0, 0.0, sense]]
+}
+
+impl Case {
+    fn new(connection: &ConnectionType, draw: &mut Draw, sense: f64, turns: f64) -> Self {
+        let start = [draw.between(-3.0, 3.0), draw.between(-3.0, 3.0)];
+        let [x, y, _] = draw.direction();
+        let reference = [1.2 + 0.3 * x, 0.5 * y];
+        let initial = pair(
+            [reference[0], reference[1], 0.0],
+            triad(start[0], sense),
+            &[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        );
+        let mut initial = initial;
+        initial.b.triad = triad(start[1], sense);
+        let definition = Definition { planar: true, ..definition(connection, initial, 1.0) };
+        let mut end = [0.0; 8].map(|_: f64| draw.between(-0.3, 0.3));
+        let common = draw.between(-2.0, 2.0) + turns * 1.3;
+        end[2] = common;
+        // What is aligned turns together but for a misfit below half a turn.
+        end[6] = common
+            + if aligns(connection) { draw.between(-2.0, 2.0) } else { turns + draw.between(-1.0, 1.0) };
+        let name = format!("{}, e3 = {sense} z, {turns} rad", connection.name);
+        Self { name, definition, connection: connection.clone(), start, sense, reference, end, steps: 24 }
+    }
+
+    fn at(&self, t: f64) -> State<f64> {
+        let [xa, ya, a, psi_a, xb, yb, b, psi_b] = self.end.map(|q| q * t);
+        let mut pair = self.definition.initial;
+        (pair.a.displacement, pair.b.displacement) = ([xa, ya, 0.0], [xb, yb, 0.0]);
+        pair.a.triad = triad(self.start[0] + a, self.sense);
+        pair.b.triad = triad(self.start[1] + b, self.sense);
+        (pair.a.flow, pair.b.flow) = (psi_a, psi_b);
+        State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
+    }
+
+    /// The evaluation at the end, after a history of equal steps.
+    fn evaluate(&self, definition: &Definition, rates: &[[f64; DOFS]; 2]) -> Evaluation<f64> {
+        let connector = Connector::<f64>::new(definition);
+        let step = self.end.map(|q| q / self.steps as f64);
+        let increment = Increment {
+            rotation: [[0.0, 0.0, step[2]], [0.0, 0.0, step[6]]],
+            whole_turns: [[0.0; 3]; 2],
+            flow: [step[3], step[7]],
+        };
+        let mut branch: Branch<f64> = connector.initial_branch();
+        for i in 1..self.steps {
+            let state = self.at(i as f64 / self.steps as f64);
+            branch = connector.advance(&state, &increment, &branch);
+        }
+        let mut last = self.at(1.0);
+        [last.velocity, last.acceleration] = *rates;
+        connector.evaluate(&last, &increment, &branch, &Request::everything(2), &mut Tally::default())
+    }
+
+    /// Position of each component, on any scalar, from x, y, θ and Ψ of both nodes.
+    fn positions<S: Scalar<Real = f64>>(&self, q: [S; 8]) -> Components<S> {
+        let [xa, ya, a, psi_a, xb, yb, b, psi_b] = q;
+        let real = S::from_real;
+        let (dx, dy) = (real(self.reference[0]) + xb - xa, real(self.reference[1]) + yb - ya);
+        let resolve = |angle: S| {
+            let (sin, cos) = sin_cos(angle);
+            [cos * dx + sin * dy, (cos * dy - sin * dx).scale(self.sense)]
+        };
+        let length = || sqrt(dx * dx + dy * dy);
+        // ur3, positive about e3 = ±z, counted on from its principal value at first.
+        let between = self.sense * (self.start[1] - self.start[0]);
+        let first = between - TAU * (between / TAU).round();
+        let turned = real(first) + (b - a).scale(self.sense);
+        let of_a = real(self.start[0]) + a;
+        let [t, r] = self.connection.halves.map(|half| half.map(|half| half.name));
+        let [u1, u2] = match t {
+            Some("AXIAL" | "LINK") => [Some(length()), None],
+            Some("CARTESIAN" | "JOIN" | "SLOT") => resolve(of_a).map(Some),
+            // The half-angle bisector, which goes on turning past ±π.
+            Some("PROJECTION CARTESIAN") => resolve(of_a + turned.scale(0.5 * self.sense)).map(Some),
+            None if r.is_some() => [None, None],
+            None => {
+                let l0 = self.reference[0].hypot(self.reference[1]);
+                [Some(length() * recip(real(l0) + psi_a - psi_b) - S::one()), Some(psi_b)]
+            }
+            Some(other) => panic!("{other} has no formula in the plane"),
+        };
+        let ur3 = match r {
+            Some("ALIGN" | "ROTATION") => Some(turned),
+            Some("FLOW-CONVERTER") => {
+                Some((a - b).scale(self.sense) - psi_b.scale(self.definition.flow_scale))
+            }
+            None => None,
+            Some(other) => panic!("{other} has no formula in the plane"),
+        };
+        [u1, u2, None, None, None, ur3]
+    }
+}
+
+fn aligns(connection: &ConnectionType) -> bool {
+    connection.halves[1].is_some_and(|half| half.name == "ALIGN")
+}
+
+fn planar_types() -> impl Iterator<Item = ConnectionType> {
+    types().into_iter().filter(|entry| entry.planar != Availability::Never)
+}
+
+/// Every two-dimensional type and pair, with either sense of e3, and turned up to several times.
+fn everywhere(mut judge: impl FnMut(&Case, &mut Draw)) {
+    for connection in planar_types() {
+        let draw = &mut Draw::new(&format!("plane, {}", connection.name));
+        for sense in [1.0, -1.0] {
+            for turns in [0.0, 0.9 * PI, 1.1 * PI, -3.0 * PI, 17.0] {
+                judge(&Case::new(&connection, draw, sense, turns), draw);
+            }
+        }
+    }
+}
+
+fn plane_rates(draw: &mut Draw) -> [[f64; DOFS]; 2] {
+    [(); 2]
+        .map(|()| std::array::from_fn(|j| if FREEDOMS.contains(&j) { draw.between(-1.0, 1.0) } else { 0.0 }))
+}
+
+/// Values, rows, second derivatives and rates are those of the formulas of the plane.
+#[test]
+fn the_plane_by_its_own_formulas() {
+    type Dual = <f64 as Differentiable>::Hessian<8>;
+    let [mut values, mut rows] = ["plane, values", "plane, rows"].map(Check::of);
+    let [mut second, mut rate] = ["plane, second derivatives", "plane, rates"].map(Check::of);
+    everywhere(|case, draw| {
+        let rates = plane_rates(draw);
+        let got = case.evaluate(&case.definition, &rates);
+        let positions = case.positions(case.end);
+        let initial = case.positions([0.0; 8]);
+        let seeds: [Dual; 8] = std::array::from_fn(|i| Dual::seed(case.end[i], i));
+        let duals = case.positions(seeds);
+        let found = functions(&got);
+        for k in 0..6 {
+            let (Some(position), Some(dual)) = (positions[k], duals[k]) else {
+                assert!(
+                    got.position[k].is_none() && got.jacobian[k].is_none(),
+                    "{}, component {}",
+                    case.name,
+                    k + 1
+                );
+                continue;
+            };
+            let place = || format!("{}, component {}", case.name, k + 1);
+            let (gradient, hessian) = (dual.gradient(), dual.hessian());
+            let mut row = [0.0; DOFS];
+            let mut square = [[0.0; DOFS]; DOFS];
+            for (i, j) in FREEDOMS.into_iter().enumerate() {
+                row[j] = gradient[i];
+                for (n, m) in FREEDOMS.into_iter().enumerate() {
+                    square[j][m] = hessian[i][n];
+                }
+            }
+            // Angles are recovered from direction cosines, in which those of the nodes are rounded.
+            let turned = case.end[2].abs() + case.end[6].abs();
+            let scales = Scales::new(position.abs() + initial[k].unwrap().abs() + turned, &row, &square, 1.0);
+            let moved = found[k].expect("what is differentiated");
+            values.against(place, moved, position - initial[k].unwrap(), scales.value);
+            let at = got.position[k].expect("a position");
+            values.against(place, at, position, scales.value);
+            let (line, matrix) =
+                (got.jacobian[k].expect("a row"), got.hessian[k].as_ref().expect("second derivatives"));
+            for j in 0..DOFS {
+                rows.against(|| format!("{}, ∂{j}", place()), line[j], row[j], scales.first[j]);
+                for m in 0..DOFS {
+                    second.against(
+                        || format!("{}, ∂{j}∂{m}", place()),
+                        matrix[j][m],
+                        square[j][m],
+                        scales.second(j, m),
+                    );
+                }
+            }
+            let along = |of: &[f64; DOFS]| (0..DOFS).map(|j| row[j] * of[j]).sum::<f64>();
+            let curved: f64 = (0..DOFS)
+                .flat_map(|j| (0..DOFS).map(move |m| (j, m)))
+                .map(|(j, m)| square[j][m] * rates[0][j] * rates[0][m])
+                .sum();
+            let size = scales.value + (0..DOFS).map(|j| scales.first[j]).sum::<f64>() * 2.0;
+            let velocity = got.residual_rate[k].or(got.velocity[k]).expect("a velocity");
+            let acceleration = got.residual_acceleration[k].or(got.acceleration[k]).expect("an acceleration");
+            rate.against(place, velocity, along(&rates[0]), size);
+            rate.against(place, acceleration, along(&rates[1]) + curved, size);
+        }
+    });
+    for check in [values, rows, second, rate] {
+        check.finish();
+    }
+}
+
+/// The connector in the plane is the connector in space, of which components 3, 4, 5 and degrees of freedom 3, 4, 5 are left out: to
+/// the last bit, in values, rows, second derivatives and rates.
+#[test]
+fn the_plane_is_part_of_space() {
+    let same = |place: String, got: Option<f64>, want: Option<f64>| {
+        assert!(got.map(|x| x + 0.0) == want.map(|x| x + 0.0), "{place}: {got:?}, not {want:?}");
+    };
+    everywhere(|case, draw| {
+        let rates = plane_rates(draw);
+        let plane = case.evaluate(&case.definition, &rates);
+        let space = case.evaluate(&Definition { planar: false, ..case.definition.clone() }, &rates);
+        for k in 0..6 {
+            let place = format!("{}, component {}", case.name, k + 1);
+            let kept = PLANE[k];
+            let outputs = |e: &Evaluation<f64>| {
+                [
+                    e.position[k],
+                    e.displacement[k],
+                    e.constitutive[k],
+                    e.velocity[k],
+                    e.acceleration[k],
+                    e.residual[k],
+                    e.residual_rate[k],
+                    e.residual_bias[k],
+                    e.residual_acceleration[k],
+                    e.turns[k].map(|turns| turns.turns),
+                ]
+            };
+            for (got, want) in outputs(&plane).into_iter().zip(outputs(&space)) {
+                same(place.clone(), got, want.filter(|_| kept));
+            }
+            let (Some(row), true) = (plane.jacobian[k], kept) else {
+                assert!(plane.jacobian[k].is_none(), "{place}");
+                continue;
+            };
+            let (all, matrix) = (space.jacobian[k].unwrap(), plane.hessian[k].as_ref().unwrap());
+            let whole = space.hessian[k].as_ref().unwrap();
+            let remains = |j: usize| matches!(DOF_NUMBER[j], 1 | 2 | 6 | 10);
+            for j in 0..DOFS {
+                same(format!("{place}, ∂{j}"), Some(row[j]), Some(if remains(j) { all[j] } else { 0.0 }));
+                assert!(remains(j) || all[j] == 0.0, "{place}: ∂{j} leads out of the plane");
+                for m in 0..DOFS {
+                    let want = if remains(j) && remains(m) { whole[j][m] } else { 0.0 };
+                    same(format!("{place}, ∂{j}∂{m}"), Some(matrix[j][m]), Some(want));
+                }
+            }
+        }
+    });
+}
