@@ -342,6 +342,13 @@ const ZONE: (i32, i32) = (1, 20);
 /// The smallest |reference| for which there is a sheet to keep: just beyond half a turn.
 const SHEET: (i32, i32) = (16, 5);
 
+/// Whether a rotation vector that continues others is so near a whole turn, other than none, that its sheet is theirs.
+pub(crate) fn keeps_sheet(phi: Vector<f64>) -> bool {
+    let part = |(over, under): (i32, i32)| f64::from(over) / f64::from(under);
+    let length = norm(phi);
+    length > part(SHEET) && (length / 2.0).sin().abs() < part(ZONE)
+}
+
 /// The rotation vector continued over turns, chosen near a reference, 4 / 6 / 12 u.
 #[derive(Clone, Copy, Debug)]
 pub struct ContinuousLog<S: Scalar> {

@@ -240,6 +240,7 @@ codes! {
     ModelIllConditioned = "model::ill-conditioned": "A state is so close to a singular set of a component that derivatives lose half of their digits or more. A warning.";
     ModelNearSingular = "model::near-singular": "The states come near a singular set of a component: closer than 0.05 rad, or 5 hundredths of the largest length of the connector. A note.";
     ModelLargeIncrement = "model::large-increment": "An angle moves by so much from one state to the next that its turns cannot be counted with certainty. A warning.";
+    ModelAmbiguousTurn = "model::ambiguous-turn": "The rotation vectors of a node at two states fit two turns, neither of them unlikely: one of 2.6 rad and one of 3.7 rad the other way, say. Which is taken stands in the reference of conventions. A warning.";
     ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
     ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow. A warning.";
     ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";

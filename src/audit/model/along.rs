@@ -311,11 +311,23 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
                 Turned::RotationVector => {
                     format!("its rotation vector turns by {change:.4} rad since the state before")
                 }
+                Turned::NodeA => format!("node a turns by {change:.4} rad since the state before"),
+                Turned::NodeB => format!("node b turns by {change:.4} rad since the state before"),
             },
             reason: "beyond 0.9 π the number of turns is a guess".into(),
             remedy: "give more states, or rotation vectors beyond half a turn, which tell the turns",
             components,
             value: *change,
+        },
+        Flag::AmbiguousTurn { node, taken, other, .. } => Found {
+            code: Code::ModelAmbiguousTurn,
+            what: format!(
+                "node {node} turns by {taken:.4} rad since the state before, or by {other:.4} rad the other way"
+            ),
+            reason: "its two rotation vectors fit both turns".into(),
+            remedy: "give more states, or quaternions, which always turn the shorter way",
+            components,
+            value: *taken,
         },
         Flag::PathDependent { component: name, difference } => Found {
             code: Code::ModelPathDependent,

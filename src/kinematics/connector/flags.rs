@@ -66,6 +66,10 @@ pub enum Turned {
     Torsion,
     /// The rotation vector of which the component is one.
     RotationVector,
+    /// Node a, along whose turn the component is accumulated.
+    NodeA,
+    /// Node b, likewise.
+    NodeB,
 }
 
 /// A state at which a value needs care.
@@ -118,6 +122,17 @@ pub enum Flag {
         of: Turned,
         /// The change of the angle (rad); of a rotation vector, the angle of the rotation between the two, which is not negative.
         change: f64,
+    },
+    /// The rotation vectors of a node at this state and the one before fit two turns, and neither is unlikely.
+    AmbiguousTurn {
+        /// `all`: every component that follows how the node turns.
+        component: &'static str,
+        /// The node: `a` or `b`, `S` or `M`.
+        node: &'static str,
+        /// The angle of the turn that was taken (rad).
+        taken: f64,
+        /// The angle of the other, which has the same end (rad).
+        other: f64,
     },
     /// A one-form was accumulated over an increment in which its direction turned: what lies between the two states
     /// decides, and they do not say.
@@ -227,6 +242,7 @@ impl Flag {
             Self::UndeterminedOrigin { .. } => "undetermined-origin",
             Self::NotFinite { .. } => "not-finite",
             Self::LargeIncrement { .. } => "large-increment",
+            Self::AmbiguousTurn { .. } => "ambiguous-turn",
             Self::PathDependent { .. } => "path-dependent",
             Self::OutOfPlane { .. } => "out-of-plane",
             Self::NotKnown { .. } => "not-known",
@@ -250,6 +266,7 @@ impl Flag {
             | Self::UndeterminedOrigin { component, .. }
             | Self::NotFinite { component, .. }
             | Self::LargeIncrement { component, .. }
+            | Self::AmbiguousTurn { component, .. }
             | Self::PathDependent { component, .. }
             | Self::OutOfPlane { component }
             | Self::NotKnown { component, .. }
@@ -404,12 +421,18 @@ impl Connector<f64> {
         let mut flags = Vec::new();
         let rows = || (0..6).filter(|k| followed[*k]).filter_map(|k| Some((k, self.kind.rows[k].as_ref()?)));
         let scale_of = |unit| if unit == Unit::Length { extent(&state.pair) } else { 1.0 };
+        let is_vector = |k: usize| {
+            let of = self.kind.rows[k].as_ref().map(|row| row.position);
+            matches!(of, Some(Measure::RotationVector(_) | Measure::RotationVectorAtB(_)))
+        };
+        // Near a whole turn the sheet stays what it was, and the direction of the vector loses the digits that the distance has lost.
+        let keeps_sheet = || so3::keeps_sheet(after.rotation_vector);
         for (k, margin) in margins.iter().enumerate() {
             let component = crate::catalog::COMPONENT[k];
             let Some(Margin { distance, set }) = *margin else { continue };
             if distance == 0.0 {
                 flags.push(Flag::Singular { component, at: set.at, class: set.class });
-            } else if distance < ILL_CONDITIONED * scale_of(set.unit) {
+            } else if distance < ILL_CONDITIONED * scale_of(set.unit) || (is_vector(k) && keeps_sheet()) {
                 flags.push(Flag::IllConditioned { component, at: set.at, class: set.class, distance });
             }
             if let Some(at) = self.kind.undetermined_origins[k] {
@@ -449,21 +472,19 @@ impl Connector<f64> {
             if difference > CERTAIN_PATH {
                 flags.push(Flag::PathDependent { component, difference });
             }
-            let [of_a, of_b] =
-                [0, 1].map(|end| norm(sub(increment.rotation[end], increment.whole_turns[end])));
-            if of_a.max(of_b) > CERTAIN_INCREMENT * std::f64::consts::PI && !turns_are_told {
-                let change = after.accumulated - before.accumulated;
-                flags.push(Flag::LargeIncrement { component, of: Turned::Component, change });
+            for (end, of) in [Turned::NodeA, Turned::NodeB].into_iter().enumerate() {
+                let change = norm(sub(increment.rotation[end], increment.whole_turns[end]));
+                if change > CERTAIN_INCREMENT * std::f64::consts::PI && !turns_are_told {
+                    flags.push(Flag::LargeIncrement { component, of, change });
+                }
             }
         }
         flags.extend(self.out_of_plane(state));
-        let is_vector =
-            |measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
         let turned = LazyCell::new(|| {
             let [old, new] = [before, after].map(|branch| so3::exp(branch.rotation_vector));
             norm(so3::log_quaternion(so3::compose(new, so3::conjugate(old))))
         });
-        for (k, _) in rows().filter(|(_, row)| is_vector(row.position)) {
+        for (k, _) in rows().filter(|(k, _)| is_vector(*k)) {
             if *turned > CERTAIN_INCREMENT * std::f64::consts::PI {
                 let (component, of) = (crate::catalog::COMPONENT[k], Turned::RotationVector);
                 flags.push(Flag::LargeIncrement { component, of, change: *turned });

@@ -134,12 +134,17 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::ForcesRefused { code, .. } => format!(
             "the forces that the state gives are not its own, and none of them is taken: pintle explain {code}"
         ),
+        Flag::AmbiguousTurn { node, taken, other, .. } => format!(
+            "the rotation vectors of node {node} fit a turn of {taken:.6} rad since the previous state, which is taken, and one of {other:.6} rad: give more states, or quaternions"
+        ),
         Flag::LargeIncrement { of, change, .. } => {
             let follow = if group.len() == 1 { "follows" } else { "follow" };
             let turned = match of {
                 Turned::Component => format!("{components} moved"),
                 Turned::Torsion => format!("the torsion, which {components} {follow}, turned"),
                 Turned::RotationVector => format!("the rotation vector of {components} turned"),
+                Turned::NodeA => format!("node a, whose turn {components} {follow}, turned"),
+                Turned::NodeB => format!("node b, whose turn {components} {follow}, turned"),
             };
             format!(
                 "{turned} by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"

@@ -6,7 +6,7 @@ use crate::behavior::drive::{Drives, Schedule, on_angles};
 use crate::behavior::ground::Ground;
 use crate::behavior::{Conditions, Unknown};
 use crate::evaluate::mpc::forces::{Hinge, MpcForces, MpcSlopes, given_forces, on_hinges, order};
-use crate::evaluate::sequence::nodes::Moved;
+use crate::evaluate::sequence::nodes::{Moved, ambiguous_turns};
 use pintle_kinematics::connector::{Flag, Output, Request, Tally, Turns};
 use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Evaluation, Kind, Margins, PHI, State, Turning};
 use pintle_kinematics::scalar::Real;
@@ -366,6 +366,11 @@ impl MpcElement {
         let mut evaluation =
             constraint.evaluate(&state, before, &turning, needed.as_ref().unwrap_or(request), tally);
         let mut flags = constraint.flags(&state, before, &turning, &evaluation);
+        if let [slave, master, ..] = nodes
+            && self.nodes.len() > 2
+        {
+            flags.extend(ambiguous_turns([("S", slave), ("M", master)]));
+        }
         flags.extend(refused);
         let margins = constraint.margins(&state, &evaluation);
         let misalignment = constraint.misalignment(&state);

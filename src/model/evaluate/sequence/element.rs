@@ -5,7 +5,7 @@ use crate::behavior::{Beyond, Conditions, Tangent, Unknown};
 use crate::evaluate::behavior::{SLOPES, flag, not_known, slopes_not_known, wants};
 use crate::evaluate::forces::{ForceResult, given_forces};
 use crate::evaluate::model::{ConnectorElement, ElementBehavior, Model};
-use crate::evaluate::sequence::nodes::Moved;
+use crate::evaluate::sequence::nodes::{Moved, ambiguous_turns};
 use pintle_kinematics::connector::{
     Branch, Components, Evaluation, Flag, Increment, Mask, Output, Request, State, StopStatus, Tally,
 };
@@ -168,6 +168,9 @@ impl Context<'_> {
         tally.margins += result.margins.iter().flatten().count() as u64;
         result.flags =
             connector.flags_of(followed, &result.margins, increment, state, [&memory.branch, &after]);
+        if connector.history_turns(followed) {
+            result.flags.extend(ambiguous_turns([("a", ends[0]), ("b", ends[1])]));
+        }
         memory.branch = after;
         let given = given_forces(connector, self.scene_state, element.label);
         result.flags.extend(given.as_ref().err().copied().map(|code| Flag::refused(code.as_str())));

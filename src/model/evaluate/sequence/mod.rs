@@ -314,6 +314,7 @@ impl<'a> Sequence<'a> {
         // Both are in order: the motions are found by going along, unless few nodes of many are planned.
         const FEW: usize = 16;
         let is_sparse = self.labels.len() < state.nodes.len() / FEW;
+        let first = self.states == 0;
         let size = parallel::part(self.labels.len());
         let places = self.nodes.chunks_mut(size).zip(self.moved.chunks_mut(size));
         let parts = self.labels.chunks(size).zip(self.turning.chunks(size)).zip(places).collect();
@@ -333,7 +334,7 @@ impl<'a> Sequence<'a> {
                 let given = motion(label);
                 let motion = given.copied().unwrap_or_default();
                 let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
-                (*moved, *orientation) = follow(&motion, orientation, given.is_some(), *is_followed);
+                (*moved, *orientation) = follow(&motion, orientation, given.is_some(), *is_followed, first);
                 rotations += u64::from(is_turned);
             }
             rotations

@@ -1,11 +1,13 @@
 //! Where nodes are at a state, and how they turned since the one before.
 
+use pintle_kinematics::connector::Flag;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::so3::Quaternion;
-use pintle_kinematics::vector::{Matrix, Vector, identity, sub};
+use pintle_kinematics::vector::{Matrix, Vector, cross, dot, identity, scale, sub};
 use pintle_scene::{NodeMotion, Rotation};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +20,8 @@ pub(crate) struct Moved {
     /// Since the previous state.
     pub(crate) change: Vector<f64>,
     pub(crate) whole_turns: Vector<f64>,
+    /// The angle of another increment that fits the two states as well (rad).
+    pub(crate) other_turn: Option<f64>,
     pub(super) flow_change: f64,
     /// Component 3 of the rotation as given: degree of freedom 6.
     pub(crate) sixth: Option<f64>,
@@ -39,6 +43,7 @@ pub(super) const STILL: Moved = Moved {
     accelerations: [0.0; 7],
     change: [0.0; 3],
     whole_turns: [0.0; 3],
+    other_turn: None,
     flow_change: 0.0,
     sixth: None,
 };
@@ -65,17 +70,15 @@ pub(super) fn is_unturned(orientation: &Orientation) -> bool {
     orientation.quaternion == UNTURNED.quaternion && orientation.vector == UNTURNED.vector
 }
 
-/// A node at its next state: rotation matrix, and increments since the last one.
+/// A node at its next state: rotation matrix, and increments since the last one, which [`increment`] tells.
 ///
-/// The increment is the rotation vector of C(new) C(old)ᵀ. It is principal, unless one of the two states gave a rotation
-/// vector beyond half a turn: those keep their turns, and the increment then continues their difference. Vectors that are
-/// wrapped at half a turn stay principal where π was rounded up: both within 0.001 rad of half a turn or less, and more than
-/// 3π/2 apart. Of a node whose turning is not `followed` there is no increment.
+/// Of a node whose turning is not `followed` there is no increment. At the `first` state the one before is the initial one.
 pub(super) fn follow(
     motion: &NodeMotion,
     before: &Orientation,
     given: bool,
     followed: bool,
+    first: bool,
 ) -> (Moved, Orientation) {
     if motion.rotation == Rotation::default() && is_unturned(before) {
         let node = Moved {
@@ -93,16 +96,15 @@ pub(super) fn follow(
         Rotation::Vector(phi) => so3::exp(phi),
         Rotation::Quaternion(q) => so3::normalize(q),
     };
-    let still = [0.0; 3];
     let relative = so3::compose(quaternion, so3::conjugate(before.quaternion));
-    let principal = if followed { so3::log_quaternion(relative) } else { still };
-    let (vector, change) = match motion.rotation {
-        Rotation::Vector(new) if !followed => (new, still),
-        Rotation::Vector(new) if keep_turns(new, before.vector) => {
-            (new, so3::continuous_log_quaternion(relative, sub(new, before.vector)).phi)
-        }
-        Rotation::Vector(new) => (new, principal),
-        Rotation::Quaternion(_) => (so3::continuous_log_quaternion(quaternion, before.vector).phi, principal),
+    let principal = if followed { so3::log_quaternion(relative) } else { [0.0; 3] };
+    let turn = match motion.rotation {
+        Rotation::Vector(new) if followed => increment(new, before, relative, principal),
+        _ => Turn { increment: principal, other: None },
+    };
+    let vector = match motion.rotation {
+        Rotation::Vector(new) => new,
+        Rotation::Quaternion(_) => so3::continuous_log_quaternion(quaternion, before.vector).phi,
     };
     let rotation = match motion.rotation {
         Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
@@ -114,8 +116,9 @@ pub(super) fn follow(
         flow: motion.flow,
         rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
         accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
-        change,
-        whole_turns: sub(change, principal),
+        change: turn.increment,
+        whole_turns: sub(turn.increment, principal),
+        other_turn: turn.other.filter(|_| !first),
         flow_change: motion.flow - before.flow,
         sixth: match motion.rotation {
             Rotation::Vector(phi) if given => Some(phi[2]),
@@ -125,17 +128,76 @@ pub(super) fn follow(
     (node, Orientation { quaternion, vector, flow: motion.flow })
 }
 
-/// Whether turns of two consecutive rotation vectors count: one is beyond half a turn, and not by the rounding of π only.
-fn keep_turns(new: Vector<f64>, old: Vector<f64>) -> bool {
-    use std::f64::consts::PI;
-    const ROUNDED_UP: f64 = 1e-3;
-    let longest = norm(new).max(norm(old));
-    longest > PI && (longest > PI + ROUNDED_UP || norm(sub(new, old)) < 1.5 * PI)
+/// The increment of a rotation between two states, and the angle of another that fits them (rad), where it is no less likely.
+struct Turn {
+    increment: Vector<f64>,
+    other: Option<f64>,
+}
+
+/// Which of two nodes, by name, have rotation vectors that fit another turn than the one taken.
+pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -> impl Iterator<Item = Flag> {
+    nodes.into_iter().filter_map(|(node, moved)| {
+        let other = moved.other_turn?;
+        Some(Flag::AmbiguousTurn { component: "all", node, taken: norm(moved.change), other })
+    })
+}
+
+/// The increment from one total rotation vector to the next: a log of `relative` = C(new) C(old)ᵀ, whose `principal` one is known.
+///
+/// 1. *About a fixed axis* (the vectors are parallel) it is the difference of the vectors, where the old one is zero or one of the
+///    two is longer than a whole turn: these vectors tell their turns.
+/// 2. *Else* it is the shorter of the two ways round: right for every motion sampled at less than 0.9 π, whichever sheet each of
+///    the vectors is on. Where the two are equally long, to a tenth, it is the way of the straight path between the vectors.
+///
+/// The straight path between two vectors of one sheet turns the short way: the other is `other` where it turns the long way and
+/// that is less than seven times as long, and where vectors beyond a whole turn speak of turns about no fixed axis.
+fn increment(
+    new: Vector<f64>,
+    before: &Orientation,
+    relative: Quaternion<f64>,
+    principal: Vector<f64>,
+) -> Turn {
+    /// Vectors are parallel if their directions differ by no more (rad): files have six digits.
+    const PARALLEL: f64 = 1e-6;
+    /// A whole turn, where 2π was rounded up.
+    const WHOLE: f64 = TAU + 1e-3;
+    let old = before.vector;
+    let [length, old_length, shorter] = [norm(new), norm(old), norm(principal)];
+    let starts = old_length == 0.0;
+    let is_fixed = norm(cross(new, old)) <= PARALLEL * length * old_length;
+    let is_beyond = length.max(old_length) > WHOLE;
+    // Along the straight path the quaternion changes without a jump: it ends as ±relative, and w < 0 is the long way.
+    let [w, x, y, z] = so3::exp(old);
+    let [a, b, c, d] = before.quaternion;
+    let is_long = (w * a + x * b + y * c + z * d < 0.0) != (relative[0] < 0.0);
+    let longer = TAU - shorter;
+    if is_fixed && (starts || is_beyond) {
+        let difference = sub(new, old);
+        let increment = so3::continuous_log_quaternion(relative, difference).phi;
+        // Close past a whole turn, vectors swing to the other side: the fixed axis may be a coincidence.
+        let sheet = |length: f64| (length / TAU).round();
+        let swings = dot(new, old) < 0.0 && sheet(length) == sheet(old_length);
+        let is_ambiguous = if is_beyond { swings } else { is_long };
+        return Turn { increment, other: is_ambiguous.then_some(shorter) };
+    }
+    let is_even = longer < shorter * (1.1 / 0.9);
+    let leaps = is_beyond && (length - old_length).abs() > shorter + 1e-3;
+    let is_ambiguous = (is_long && (is_beyond || shorter > FRAC_PI_4)) || leaps;
+    if is_even && is_long {
+        let other_way = scale(principal, 1.0 - TAU / shorter);
+        let increment = so3::continuous_log_quaternion(relative, other_way).phi;
+        return Turn { increment, other: Some(shorter) };
+    }
+    Turn { increment: principal, other: is_ambiguous.then_some(longer) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn motion(rotation: Rotation) -> NodeMotion {
+        NodeMotion { rotation, ..NodeMotion::default() }
+    }
 
     /// The rotation about the axis 1 that a node has made after states that give it as rotation vectors.
     fn turned(angles: &[f64]) -> f64 {
@@ -144,7 +206,7 @@ mod tests {
         for angle in angles {
             let motion =
                 NodeMotion { rotation: Rotation::Vector([*angle, 0.0, 0.0]), ..NodeMotion::default() };
-            let (node, after) = follow(&motion, &before, true, true);
+            let (node, after) = follow(&motion, &before, true, true, false);
             sum += node.change[0];
             before = after;
         }
@@ -161,7 +223,7 @@ mod tests {
             [quaternion(0.3), Rotation::Vector([20.6, 0.0, 0.0]), quaternion(22.0), quaternion(24.0)]
         {
             let (node, after) =
-                follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, true, true);
+                follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, true, true, false);
             sum += node.change[0];
             before = after;
         }
@@ -171,11 +233,13 @@ mod tests {
 
     #[test]
     fn vectors_keep_their_turns_or_are_wrapped() {
-        let tau = std::f64::consts::TAU;
+        let tau = TAU;
         let is =
             |angles: &[f64], expected: f64| assert!((turned(angles) - expected).abs() < 1e-12, "{angles:?}");
         is(&[3.0, 3.2, 7.0, 3000.0, 2.0], 2.0);
-        is(&[3.0, 4.0, -4.0], -4.0);
+        is(&[3.0, 4.0, -4.0], tau - 4.0);
+        is(&[3.0, 6.2, 0.1, -0.2], tau - 0.2);
+        is(&[1.0, 7.5, -7.5, 0.0], 0.0);
         is(&[3.0, -3.0, -0.5], tau - 0.5);
         // Half a turn, as a file has it that rounds π up.
         let half = std::f64::consts::PI + 7e-6;
@@ -183,5 +247,127 @@ mod tests {
         is(&[3.0, half, 3.3], 3.3);
         is(&[3.0, half, -3.0], tau - 3.0);
         is(&[-3.0, half, 3.0], 3.0 - tau);
+    }
+
+    /// A generator of numbers in [−1, 1).
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn vector(&mut self, length: f64) -> Vector<f64> {
+            let v = [self.next(), self.next(), self.next()];
+            scale(v, length / norm(v))
+        }
+    }
+
+    /// A vector on another sheet, shorter than π or than 2π.
+    fn reduced(q: Quaternion<f64>, below_two_turns: bool) -> Vector<f64> {
+        let short = so3::log_quaternion(q);
+        let length = norm(short);
+        if below_two_turns { scale(short, 1.0 - TAU / length) } else { short }
+    }
+
+    /// Motions about no fixed axis, in every form of input, with increments up to 0.9 π: from rest, from many turns, and from close
+    /// past a whole turn, where continued vectors swing to the other side.
+    #[test]
+    fn increments_are_those_of_the_motion() {
+        let mut numbers = Numbers(1);
+        let (mut compared, mut swung) = (0, 0);
+        for start in [0.37, 6.1, 6.27, 12.5, 40.0, 1e3, 1e4] {
+            for largest in [0.02, 0.2, 1.0, 0.9 * std::f64::consts::PI] {
+                let mut continued = numbers.vector(start);
+                let first = motion(Rotation::Vector(continued));
+                let mut before = [follow(&first, &UNTURNED, true, true, true).1; 5];
+                let mut q = so3::exp(continued);
+                for step in 0..400 {
+                    let length = largest * (0.55 + 0.45 * numbers.next());
+                    let true_increment = numbers.vector(length);
+                    // The vector is continued in pieces, as a program does that takes small steps.
+                    let old = continued;
+                    for _ in 0..64 {
+                        q = so3::normalize(so3::compose(so3::exp(scale(true_increment, 1.0 / 64.0)), q));
+                        continued = so3::continuous_log_quaternion(q, continued).phi;
+                    }
+                    swung += usize::from(norm(sub(continued, old)) > std::f64::consts::PI);
+                    let forms = [
+                        Rotation::Vector(continued),
+                        Rotation::Vector(reduced(q, false)),
+                        Rotation::Vector(reduced(q, true)),
+                        Rotation::Vector(reduced(q, step % 3 == 0)),
+                        if step % 2 == 0 { Rotation::Quaternion(q) } else { Rotation::Vector(continued) },
+                    ];
+                    for (form, before) in forms.into_iter().zip(&mut before) {
+                        let (node, after) = follow(&motion(form), before, true, true, false);
+                        let off = norm(sub(node.change, true_increment));
+                        assert!(off < 1e-11, "{start} {largest} {step}: {form:?} off by {off:e}");
+                        *before = after;
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(compared, 7 * 4 * 400 * 5);
+        assert!(swung > 500, "{swung}");
+    }
+
+    /// About a fixed axis, whatever it is, vectors beyond a whole turn tell any number of turns.
+    #[test]
+    fn about_a_fixed_axis_vectors_tell_their_turns() {
+        let mut numbers = Numbers(2);
+        let mut compared = 0;
+        for _ in 0..200 {
+            let axis = numbers.vector(1.0);
+            let mut angle = 0.0;
+            let mut before = UNTURNED;
+            for _ in 0..50 {
+                let next = match numbers.next() {
+                    turn if turn < 0.0 => angle + 3.0 * numbers.next(),
+                    _ => 7.0 + 1e3 * numbers.next().abs(),
+                };
+                let (node, after) =
+                    follow(&motion(Rotation::Vector(scale(axis, next))), &before, true, true, false);
+                // Both within a whole turn, and more than half a turn apart, are another question.
+                let is_told = angle == 0.0 || angle.abs().max(next.abs()) > TAU + 0.01;
+                if is_told || (next - angle).abs() < 3.0 {
+                    let off = norm(sub(node.change, scale(axis, next - angle)));
+                    assert!(off < 1e-9, "{angle} to {next}: off by {off:e}");
+                    compared += 1;
+                }
+                (before, angle) = (after, next);
+            }
+        }
+        assert!(compared > 9_900, "{compared}");
+    }
+
+    /// Where two turns are alike, the other is told; where one of them is far shorter, it is not.
+    #[test]
+    fn another_turn_that_fits_is_told() {
+        let other = |old: f64, new: f64| {
+            let (_, before) = follow(&motion(Rotation::Vector([0.0, 0.0, old])), &UNTURNED, true, true, true);
+            follow(&motion(Rotation::Vector([0.0, 0.0, new])), &before, true, true, false).0
+        };
+        for (old, new, taken, told) in [
+            (-1.91, 1.74, -2.633_185_307_179_586, Some(3.65)),
+            (-1.91, 3.5, -0.873_185_307_179_586, Some(5.41)),
+            (-1.6, 1.6, 3.2, Some(3.083_185_307_179_586)),
+            (0.0, 5.0, 5.0, Some(1.283_185_307_179_586)),
+            (7.5, -7.5, -15.0, Some(2.433_629_385_640_828)),
+            (3.0, -3.0, TAU - 6.0, None),
+            (6.2, 0.1, TAU - 6.1, None),
+            (0.3, 20.0, 19.7, None),
+            (0.3, 2.9, 2.6, None),
+        ] {
+            let node = other(old, new);
+            assert!((node.change[2] - taken).abs() < 1e-14, "{old} {new}: {:?}", node.change);
+            match (node.other_turn, told) {
+                (None, None) => {}
+                (Some(other), Some(told)) => assert!((other - told).abs() < 1e-14, "{old} {new}: {other}"),
+                (other, _) => panic!("{old} {new}: {other:?}, not {told:?}"),
+            }
+        }
     }
 }
