@@ -11,6 +11,7 @@
 
 mod derivatives; // derivatives are those of the functions, on 237-bit numbers
 mod forces; // nodal forces are transposed rows times component forces
+mod forms; // the same motion in every form of input
 mod hinges; // what acts on the angles of hinges
 mod histories; // turns are counted and saved branches continue
 mod motion; // rigid motions, frames, units, rates, the initial state, exchanged nodes

@@ -90,6 +90,8 @@ pub(crate) const LAWS: &[Law] = &[
     law("exchanged nodes, rows", 4.0),
     law("angles along paths", 5.0),
     law("accumulated turns", 2.0),
+    // Rotation vectors of some tens of radians, rounded; the scale grows with the states.
+    law("forms of input", 64.0),
     // Sums of a few products with 14 entries each, over a scale of all of them.
     law("equilibrium", 4.0),
     law("nodal forces", 4.0),

@@ -266,6 +266,9 @@ impl Walk<'_> {
     }
 
     fn flag(&self, element: &ConnectorElement, flag: &Flag) -> Option<Found> {
+        if matches!(flag, Flag::AmbiguousTurn { .. }) {
+            return flagged(flag, false);
+        }
         let k = COMPONENT.iter().position(|name| *name == flag.component())?;
         let measure = element.connector.position_measure(k)?;
         let is_length = matches!(measure, Measure::Distance | Measure::Strain);

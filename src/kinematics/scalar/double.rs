@@ -167,22 +167,19 @@ impl Real for f64 {
             return k;
         }
         let y = 0.5 * (1.0 - c);
-        if order <= 2 && c > 0.5 {
-            k[1] = polynomial(&LOG_1, y);
-            if order == 2 {
-                k[2] = polynomial(&LOG_2, y);
-            }
-        } else if order > 2 && c > 0.0 {
-            // The recurrence below subtracts for positive c, which the third and fourth coefficient would feel.
-            for (n, coefficient) in k.iter_mut().enumerate().take(order + 1).skip(1) {
-                *coefficient = log_power_series(y, n);
-            }
-        } else {
-            // (1 − c²) K′ = c K − 2 and its derivatives.
-            k[1] = (c * k[0] - 2.0) / rest;
-            for n in 1..order {
-                k[n + 1] = ((2 * n + 1) as Self * c * k[n] + n as Self * k[n - 1]) / ((n + 1) as Self * rest);
-            }
+        // (1 − c²) K′ = c K − 2 and its derivatives. For positive c the recurrence subtracts: beyond a half the first two coefficients
+        // feel it, and the others everywhere.
+        let recurrence = |k: &[f64], n: usize| match n {
+            1 => (c * k[0] - 2.0) / rest,
+            _ => ((2 * n - 1) as Self * c * k[n - 1] + (n - 1) as Self * k[n - 2]) / (n as Self * rest),
+        };
+        for n in 1..=order {
+            k[n] = match n {
+                1 if c > 0.5 => polynomial(&LOG_1, y),
+                2 if c > 0.5 => polynomial(&LOG_2, y),
+                3.. if c > 0.0 => log_power_series(y, n),
+                _ => recurrence(&k, n),
+            };
         }
         k
     }

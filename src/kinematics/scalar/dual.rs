@@ -30,7 +30,7 @@ impl<T: Scalar + DualNumCopy, const R: usize, const C: usize> Part<T> for Deriva
 }
 
 macro_rules! dual_scalar {
-    ($dual:ident, order $order:literal, [$($part:ident),*] $(, $n:ident)?) => {
+    ($dual:ident, order $order:literal, [$($part:ident),*] $(, $n:ident)? $(; |$x:ident, $y:ident| [$($product:expr),*])?) => {
         impl<T: Scalar + DualNumCopy $(, const $n: usize)?> Scalar for $dual<T $(, $n)?> {
             type Real = <T as Scalar>::Real;
             const ORDER: usize = $order + T::ORDER;
@@ -59,15 +59,55 @@ macro_rules! dual_scalar {
             fn scale(self, factor: Self::Real) -> Self {
                 Self::new(Scalar::scale(self.re, factor), $(Part::<T>::scale_part(self.$part, factor)),*)
             }
+            $(
+
+            #[inline(always)]
+            fn nilpotent_times(self, other: Self) -> Self {
+                let ($x, $y) = (self, other);
+                Self::new($x.re.nilpotent_times($y.re), $($product),*)
+            }
+            )?
         }
     };
 }
 
-dual_scalar!(Dual, order 1, [eps]);
-dual_scalar!(Dual2, order 2, [v1, v2]);
-dual_scalar!(Dual3, order 3, [v1, v2, v3]);
-dual_scalar!(HyperDual, order 2, [eps1, eps2, eps1eps2]);
-dual_scalar!(HyperHyperDual, order 3, [eps1, eps2, eps3, eps1eps2, eps1eps3, eps2eps3, eps1eps2eps3]);
+/// The part of a product over which derivatives are shared out: x₀ y′ + x′ y₀, where x₀ is nilpotent.
+fn leibniz<T: Scalar, const N: usize>(x: T, y: T, shared: [(T, T); N]) -> T {
+    shared.into_iter().fold(x.nilpotent_times(y), |sum, (x, y)| sum + x * y)
+}
+
+/// A number three times.
+fn thrice<T: Scalar>(x: T) -> T {
+    x.scale(T::Real::integer(3))
+}
+
+dual_scalar!(Dual, order 1, [eps]; |x, y| [leibniz(x.re, y.eps, [(x.eps, y.re)])]);
+dual_scalar!(Dual2, order 2, [v1, v2]; |x, y| [
+    leibniz(x.re, y.v1, [(x.v1, y.re)]),
+    leibniz(x.re, y.v2, [(x.v1, y.v1), (x.v1, y.v1), (x.v2, y.re)])
+]);
+dual_scalar!(Dual3, order 3, [v1, v2, v3]; |x, y| [
+    leibniz(x.re, y.v1, [(x.v1, y.re)]),
+    leibniz(x.re, y.v2, [(x.v1, y.v1), (x.v1, y.v1), (x.v2, y.re)]),
+    leibniz(x.re, y.v3, [(thrice(x.v1), y.v2), (thrice(x.v2), y.v1), (x.v3, y.re)])
+]);
+dual_scalar!(HyperDual, order 2, [eps1, eps2, eps1eps2]; |x, y| [
+    leibniz(x.re, y.eps1, [(x.eps1, y.re)]),
+    leibniz(x.re, y.eps2, [(x.eps2, y.re)]),
+    leibniz(x.re, y.eps1eps2, [(x.eps1, y.eps2), (x.eps2, y.eps1), (x.eps1eps2, y.re)])
+]);
+dual_scalar!(HyperHyperDual, order 3, [eps1, eps2, eps3, eps1eps2, eps1eps3, eps2eps3, eps1eps2eps3]; |x, y| [
+    leibniz(x.re, y.eps1, [(x.eps1, y.re)]),
+    leibniz(x.re, y.eps2, [(x.eps2, y.re)]),
+    leibniz(x.re, y.eps3, [(x.eps3, y.re)]),
+    leibniz(x.re, y.eps1eps2, [(x.eps1, y.eps2), (x.eps2, y.eps1), (x.eps1eps2, y.re)]),
+    leibniz(x.re, y.eps1eps3, [(x.eps1, y.eps3), (x.eps3, y.eps1), (x.eps1eps3, y.re)]),
+    leibniz(x.re, y.eps2eps3, [(x.eps2, y.eps3), (x.eps3, y.eps2), (x.eps2eps3, y.re)]),
+    leibniz(x.re, y.eps1eps2eps3, [
+        (x.eps1, y.eps2eps3), (x.eps2, y.eps1eps3), (x.eps3, y.eps1eps2),
+        (x.eps1eps2, y.eps3), (x.eps1eps3, y.eps2), (x.eps2eps3, y.eps1), (x.eps1eps2eps3, y.re)
+    ])
+]);
 dual_scalar!(DualSVec, order 1, [eps], N);
 dual_scalar!(Dual2SVec, order 2, [v1, v2], N);
 

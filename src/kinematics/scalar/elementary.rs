@@ -124,10 +124,24 @@ inlined_for_doubles! {
             return lateral.with_real(angle.real());
         }
         let radial = ey.scale_add(s, ex.scale(c));
+        let shortened = |lateral: S, radial: S| {
+            if const { S::ORDER == 2 } {
+                return lateral.nilpotent_product(radial);
+            }
+            lateral.nilpotent_times(radial.nilpotent_times(inverse_one_plus(radial)))
+        };
+        let size = c.magnitude() + s.magnitude();
+        let is_near = || S::Real::from_f64(1e150).less(size);
+        let t = if const { !S::Real::HAS_LANES } && S::Real::shortcut(is_near) {
+            // So near the origin the product is formed without 1/r, so that it overflows only where second derivatives do.
+            let flat = lateral.scale(size.reciprocal_or_zero());
+            (flat - shortened(flat, radial)).scale(size)
+        } else {
+            lateral - shortened(lateral, radial)
+        };
         if const { S::ORDER == 2 } {
-            return (lateral - lateral.nilpotent_product(radial)).with_real(angle.real());
+            return t.with_real(angle.real());
         }
-        let t = lateral * inverse_one_plus(radial);
         angle + t - (t * t * t).scale(S::Real::ratio(1, 3))
     }
 }
@@ -197,50 +211,52 @@ inlined_for_doubles! {
             e[i] = v[i].nilpotent();
             a = a + e[i].scale(u[i]);
         });
-        // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij²; neither needs the
-        // subtraction e − a u. The tangent t = (part across u) / (n + a). To second order a does not enter t·t; leaving it out
-        // keeps the second derivative of the norm from overflowing in between.
+        // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij². Over 1 + a/n, these are
+        // P_ij, τ and Σ P_ij²: the tangent is τ/n. What is multiplied is of the size of e, and divided by n last, so that nothing
+        // overflows that the derivatives do not.
         let shorten = if const { S::ORDER > 1 } { inverse_one_plus(a.scale(inverse)) } else { S::one() };
-        let mut tangent = [S::zero(); N];
-        let mut rise = S::zero(); // (n + a) t·t
-        let mut tt = S::zero();
+        let mut tangent = [S::zero(); N]; // τ
+        let mut rise = S::zero(); // Σ p P/n
+        let mut square = S::zero(); // Σ P²/n
         each!(S, i < N, {
             each!(S, j < i; N, {
                 let p = e[i].scale(u[j]) - e[j].scale(u[i]);
-                let quotient = p.scale(inverse);
-                let t = if const { S::ORDER > 1 } { quotient * shorten } else { quotient };
-                tangent[i] = tangent[i] + t.scale(u[j]);
-                tangent[j] = tangent[j] - t.scale(u[i]);
+                let short = if const { S::ORDER > 1 } { p.nilpotent_times(shorten) } else { p };
+                tangent[i] = tangent[i] + short.scale(u[j]);
+                tangent[j] = tangent[j] - short.scale(u[i]);
                 if const { S::ORDER == 2 } {
-                    rise = rise + p * quotient;
-                    tt = tt + quotient * quotient;
+                    rise = rise + p.nilpotent_product(p.scale(inverse));
                 } else if const { S::ORDER > 2 } {
-                    rise = rise + p * t;
-                    tt = tt + t * t;
+                    rise = rise + p.nilpotent_product(short.scale(inverse));
+                    square = square + short.nilpotent_product(short.scale(inverse));
                 }
             })
         });
+        if const { S::ORDER == 2 } {
+            square = rise;
+        }
         let mut length = S::from_real(n) + a;
         let mut unit = [S::zero(); N];
         let half = S::Real::ratio(1, 2);
         if const { S::ORDER > 1 } {
             length = length + rise.scale(half); // √(1 + t·t) = 1 + t·t/2 − (t·t)²/8
         }
+        let quotient = if const { S::ORDER > 2 } { square.scale(inverse) } else { S::zero() }; // t·t
+        let mut shrink = square.scale(-half);
         if const { S::ORDER > 3 } {
-            length = length - (rise * tt).scale(S::Real::ratio(1, 8));
+            length = length - rise.nilpotent_product(quotient).scale(S::Real::ratio(1, 8));
+            shrink = shrink + square.nilpotent_product(quotient).scale(S::Real::ratio(3, 8));
         }
         each!(S, i < N, {
-            unit[i] = S::from_real(u[i]) + tangent[i];
-        });
-        if const { S::ORDER > 1 } {
-            let mut shrink = S::one() - tt.scale(half);
-            if const { S::ORDER > 3 } {
-                shrink = shrink + (tt * tt).scale(S::Real::ratio(3, 8));
+            let mut across = tangent[i];
+            if const { S::ORDER > 1 } {
+                across = across + shrink.scale(u[i]);
             }
-            each!(S, i < N, {
-                unit[i] = unit[i] * shrink;
-            });
-        }
+            if const { S::ORDER > 2 } {
+                across = across - tangent[i].nilpotent_product(quotient).scale(half);
+            }
+            unit[i] = S::from_real(u[i]) + across.scale(inverse);
+        });
         (length, unit)
     }
 }

@@ -149,10 +149,16 @@ pub trait Scalar:
     /// value + e: the number with another real part.
     fn with_real(self, value: Self::Real) -> Self;
 
+    /// The product of a number whose real part is zero with another: what is infinite in the other only meets what is not zero.
+    #[inline(always)]
+    fn nilpotent_times(self, other: Self) -> Self {
+        if const { Self::ORDER == 0 } { Self::zero() } else { self * other }
+    }
+
     /// The product of two numbers whose real parts are zero.
     #[inline(always)]
     fn nilpotent_product(self, other: Self) -> Self {
-        self * other
+        self.nilpotent_times(other)
     }
 
     /// `yes` where the mask holds, else `no`.

@@ -495,13 +495,19 @@ impl Behavior {
             parts.iter().filter_map(|part| part.value[k]).sum::<f64>() - outcome.load.value[k].unwrap_or(0.0);
         let scale: f64 =
             parts.iter().chain(&[&outcome.load]).filter_map(|part| part.value[k]).map(f64::abs).sum();
+        // Where nothing in the model acts, the force given comes from outside of it.
+        let acts = parts
+            .iter()
+            .chain(&[&outcome.load])
+            .any(|part| part.value[k].is_some() || part.unknown[k].is_some());
         let (total, reaction) = match (is_held, given) {
+            (false, Some(given)) if !acts => (Ok(given), Ok(0.0)),
             _ if missing => (given.ok_or(Unknown::Part), Err(Unknown::Part)),
             (true, Some(given)) => (Ok(given), Ok(given - sum)),
             (true, None) => (Err(Unknown::Reaction), Err(Unknown::Reaction)),
             (false, _) => (Ok(sum), Ok(0.0)),
         };
-        if let (false, false, Some(given)) = (is_held, missing, given)
+        if let (false, false, true, Some(given)) = (is_held, missing, acts, given)
             && (given - sum).abs() > PRINTED * (given.abs() + scale)
         {
             events.push(Event::OutOfBalance { component: k, by: given - sum });

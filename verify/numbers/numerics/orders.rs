@@ -1,6 +1,7 @@
 //! Derivatives to the fourth order, the highest that a scalar carries, of functions whose derivatives are known in closed form.
 
-use num_dual::{Dual2, Dual2_64};
+use super::function::Function;
+use num_dual::{Dual2, Dual2_64, Dual3, HyperHyperDual};
 use pintle_kinematics::scalar::{Scalar, Wide, elementary};
 use pintle_kinematics::{so3, vector};
 
@@ -209,4 +210,93 @@ fn spins_of_every_order() {
         let component = axis[i] / v;
         agree("log exp(ε n^)", 0.0, derivatives(found), [component * angle, component, 0.0, 0.0, 0.0]);
     }
+}
+
+/// A double for a number that may be too large for one.
+fn alike(found: f64, exact: Wide, scale: Wide) -> bool {
+    let nearest = exact.to_f64();
+    if nearest.is_infinite() || exact.abs().to_f64() > 1e307 {
+        return found == nearest || found == f64::INFINITY.copysign(nearest);
+    }
+    (Wide::from_f64(found) - exact).abs() <= scale * Wide::from_f64(64.0 * super::U) || found == nearest
+}
+
+/// Close to zero a derivative is what it is, or infinite where no double is as large: to the third order of a norm, the second of
+/// directions and angles.
+#[test]
+fn vectors_that_vanish_have_derivatives() {
+    let mut compared = [0, 0];
+    let zero = Wide::from_f64(0.0);
+    for decade in [-77, -100, -104, -110, -150, -154, -156, -160, -200, -250, -300] {
+        let scale = 10f64.powi(decade);
+        for direction in
+            [[1.0, 0.0, 0.0], [0.0, -2.0, 0.0], [1.0, 1.0, 0.0], [0.3, -0.7, 0.2], [1.0, 1.0, -1.0]]
+        {
+            let v = direction.map(|x| x * scale);
+            for w in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 2.0, -0.5]] {
+                let [wide_v, wide_w] = [v, w].map(|v| v.map(Wide::from_f64));
+                let dot = |a: [Wide; 3], b: [Wide; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+                let n = elementary::norm(wide_v);
+                let a = dot(wide_v, wide_w) / n;
+                let q = [0, 1, 2].map(|i| wide_w[i] * n - wide_v[i] * a);
+                let p = dot(q, q) / (n * n);
+                let expected = [n, a, p / n, -(a * p / (n * n)) * 3.0];
+                // Of what is formed by subtraction, beside what it is formed from.
+                let size = dot(wide_w, wide_w);
+                let scales = [n, size, size / n, size * a.abs() / (n * n)];
+                let third = elementary::norm([0, 1, 2].map(|i| Dual3::new(v[i], w[i], 0.0, 0.0)));
+                let jet = derivatives(elementary::norm([0, 1, 2].map(|i| {
+                    Dual2::new(
+                        Dual2::new(v[i], w[i], 0.0),
+                        Dual2::new(w[i], 0.0, 0.0),
+                        Dual2::new(0.0, 0.0, 0.0),
+                    )
+                })));
+                let mixed = elementary::norm(
+                    [0, 1, 2].map(|i| HyperHyperDual::new(v[i], w[i], w[i], w[i], 0.0, 0.0, 0.0, 0.0)),
+                );
+                let found = [
+                    [third.re, third.v1, third.v2, third.v3],
+                    [jet[0], jet[1], jet[2], jet[3]],
+                    [mixed.re, mixed.eps2, mixed.eps1eps3, mixed.eps1eps2eps3],
+                ];
+                for (kind, found) in found.into_iter().enumerate() {
+                    for order in 0..4 {
+                        // Twice beyond the range of a double, intermediate products may be.
+                        if order == 3 && (n * n).to_f64() < 1e-307 {
+                            continue;
+                        }
+                        let scale = scales[order] + Wide::from_f64(f64::MIN_POSITIVE);
+                        assert!(
+                            alike(found[order], expected[order], scale),
+                            "norm of {v:?} along {w:?}, type {kind}, order {order}: {:e} for {:e}",
+                            found[order],
+                            expected[order].to_f64()
+                        );
+                        compared[0] += 1;
+                    }
+                }
+            }
+            for function in [Function::Atan2, Function::Direction3] {
+                let input = if function == Function::Atan2 { &v[..2] } else { &v[..] };
+                if input.iter().all(|x| *x == 0.0) {
+                    continue;
+                }
+                let wide: Vec<Wide> = input.iter().map(|x| Wide::from_f64(*x)).collect();
+                for (found, exact) in function.numbers(input).iter().zip(function.numbers(&wide)) {
+                    let largest =
+                        exact.iter().fold(zero, |most, x| if x.abs() > most { x.abs() } else { most });
+                    for (found, exact) in found.iter().zip(&exact) {
+                        assert!(
+                            alike(*found, *exact, largest),
+                            "{function:?} of {v:?}: {found:e} for {:e}",
+                            exact.to_f64()
+                        );
+                        compared[1] += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared[0] > 2_000 && compared[1] > 1_500, "{compared:?}");
 }

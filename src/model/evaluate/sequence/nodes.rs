@@ -147,7 +147,7 @@ pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -
 /// 1. *About a fixed axis* (the vectors are parallel) it is the difference of the vectors, where the old one is zero or one of the
 ///    two is longer than a whole turn: these vectors tell their turns.
 /// 2. *Else* it is the shorter of the two ways round: right for every motion sampled at less than 0.9 π, whichever sheet each of
-///    the vectors is on. Where the two are equally long, to a tenth, it is the way of the straight path between the vectors.
+///    the vectors is on. At half a turn it is the way of the straight path between the vectors.
 ///
 /// The straight path between two vectors of one sheet turns the short way: the other is `other` where it turns the long way and
 /// that is less than seven times as long, and where vectors beyond a whole turn speak of turns about no fixed axis.
@@ -159,30 +159,30 @@ fn increment(
 ) -> Turn {
     /// Vectors are parallel if their directions differ by no more (rad): files have six digits.
     const PARALLEL: f64 = 1e-6;
-    /// A whole turn, where 2π was rounded up.
-    const WHOLE: f64 = TAU + 1e-3;
+    /// How far half a turn, or a whole one, may have been rounded up (rad).
+    const ROUNDED: f64 = 1e-3;
     let old = before.vector;
     let [length, old_length, shorter] = [norm(new), norm(old), norm(principal)];
     let starts = old_length == 0.0;
     let is_fixed = norm(cross(new, old)) <= PARALLEL * length * old_length;
-    let is_beyond = length.max(old_length) > WHOLE;
+    let is_beyond = length.max(old_length) > TAU + ROUNDED;
     // Along the straight path the quaternion changes without a jump: it ends as ±relative, and w < 0 is the long way.
     let [w, x, y, z] = so3::exp(old);
     let [a, b, c, d] = before.quaternion;
     let is_long = (w * a + x * b + y * c + z * d < 0.0) != (relative[0] < 0.0);
     let longer = TAU - shorter;
+    let is_even = longer - shorter < ROUNDED;
     if is_fixed && (starts || is_beyond) {
         let difference = sub(new, old);
         let increment = so3::continuous_log_quaternion(relative, difference).phi;
         // Close past a whole turn, vectors swing to the other side: the fixed axis may be a coincidence.
         let sheet = |length: f64| (length / TAU).round();
         let swings = dot(new, old) < 0.0 && sheet(length) == sheet(old_length);
-        let is_ambiguous = if is_beyond { swings } else { is_long };
+        let is_ambiguous = if is_beyond { swings } else { is_long || is_even };
         return Turn { increment, other: is_ambiguous.then_some(shorter) };
     }
-    let is_even = longer < shorter * (1.1 / 0.9);
-    let leaps = is_beyond && (length - old_length).abs() > shorter + 1e-3;
-    let is_ambiguous = (is_long && (is_beyond || shorter > FRAC_PI_4)) || leaps;
+    let leaps = is_beyond && (length - old_length).abs() > shorter + ROUNDED;
+    let is_ambiguous = (is_long && (is_beyond || shorter > FRAC_PI_4)) || leaps || is_even;
     if is_even && is_long {
         let other_way = scale(principal, 1.0 - TAU / shorter);
         let increment = so3::continuous_log_quaternion(relative, other_way).phi;
@@ -194,6 +194,7 @@ fn increment(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
 
     fn motion(rotation: Rotation) -> NodeMotion {
         NodeMotion { rotation, ..NodeMotion::default() }
@@ -238,11 +239,11 @@ mod tests {
             |angles: &[f64], expected: f64| assert!((turned(angles) - expected).abs() < 1e-12, "{angles:?}");
         is(&[3.0, 3.2, 7.0, 3000.0, 2.0], 2.0);
         is(&[3.0, 4.0, -4.0], tau - 4.0);
-        is(&[3.0, 6.2, 0.1, -0.2], tau - 0.2);
+        is(&[3.0, 6.0, 0.1, -0.2], tau - 0.2);
         is(&[1.0, 7.5, -7.5, 0.0], 0.0);
         is(&[3.0, -3.0, -0.5], tau - 0.5);
         // Half a turn, as a file has it that rounds π up.
-        let half = std::f64::consts::PI + 7e-6;
+        let half = PI + 7e-6;
         is(&[half], half);
         is(&[3.0, half, 3.3], 3.3);
         is(&[3.0, half, -3.0], tau - 3.0);
@@ -278,7 +279,7 @@ mod tests {
         let mut numbers = Numbers(1);
         let (mut compared, mut swung) = (0, 0);
         for start in [0.37, 6.1, 6.27, 12.5, 40.0, 1e3, 1e4] {
-            for largest in [0.02, 0.2, 1.0, 0.9 * std::f64::consts::PI] {
+            for largest in [0.02, 0.2, 1.0, 0.9 * PI] {
                 let mut continued = numbers.vector(start);
                 let first = motion(Rotation::Vector(continued));
                 let mut before = [follow(&first, &UNTURNED, true, true, true).1; 5];
@@ -292,7 +293,7 @@ mod tests {
                         q = so3::normalize(so3::compose(so3::exp(scale(true_increment, 1.0 / 64.0)), q));
                         continued = so3::continuous_log_quaternion(q, continued).phi;
                     }
-                    swung += usize::from(norm(sub(continued, old)) > std::f64::consts::PI);
+                    swung += usize::from(norm(sub(continued, old)) > PI);
                     let forms = [
                         Rotation::Vector(continued),
                         Rotation::Vector(reduced(q, false)),
@@ -353,7 +354,9 @@ mod tests {
         for (old, new, taken, told) in [
             (-1.91, 1.74, -2.633_185_307_179_586, Some(3.65)),
             (-1.91, 3.5, -0.873_185_307_179_586, Some(5.41)),
-            (-1.6, 1.6, 3.2, Some(3.083_185_307_179_586)),
+            (-1.6, 1.6, 3.2 - TAU, Some(3.2)),
+            (-FRAC_PI_2, FRAC_PI_2, PI, Some(PI)),
+            (PI, TAU, PI, Some(PI)),
             (0.0, 5.0, 5.0, Some(1.283_185_307_179_586)),
             (7.5, -7.5, -15.0, Some(2.433_629_385_640_828)),
             (3.0, -3.0, TAU - 6.0, None),
