@@ -36,8 +36,7 @@ impl Given {
     fn of(case: Case) -> Option<Self> {
         let numbers = product(&case)?;
         let (narrow, truth, state) = (Narrow::of(&case)?, Truth::of(&case)?, case.last()?.state);
-        let bound =
-            Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, narrow.nearness());
+        let bound = Bound::new(&numbers, &state, case.length, narrow.nearness());
         Some(Self { narrow, truth, rows: numbers.entries(Quantity::FirstDerivatives).clone(), bound, case })
     }
 

@@ -47,6 +47,17 @@ pub(crate) const NUMERICS: &[Gate] = &[
     gate("jerk, matrices", 60.0, 150.0, 16.0),
 ];
 
+/// Those of lanes, where they differ: reciprocals are refined from estimates, and both sides of a choice are formed.
+pub(crate) const NUMERICS_ON_LANES: &[Gate] = &[
+    gate("norm3", 1.0, 3.0, 4.0),
+    gate("direction3", 3.0, 4.0, 5.0),
+    gate("continuous_log", 5.0, 6.0, 12.0),
+    gate("continuous_log_matrix", 5.0, 6.0, 12.0),
+    gate("cardan, each angle", 1.0, 5.0, 3.0),
+    gate("euler", 2.0, 2.0, 3.0),
+    gate("euler, each angle", 2.0, 5.0, 3.0),
+];
+
 /// Exported programs against `eval`, in units of the audit's bound on either.
 pub(crate) const EXPORT: f64 = 2.0;
 

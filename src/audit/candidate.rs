@@ -47,7 +47,9 @@ use pintle_kinematics::node::DOFS;
 use pintle_kinematics::node::dof_size;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_scene::{Diagnostic, Span};
+use std::cell::Cell;
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 
 /// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
 /// rows of derivatives by the nodal degrees of freedom; `None` where the connector has no such component.
@@ -56,6 +58,19 @@ use std::collections::BTreeSet;
 /// from the path, and its value may be `None`.
 pub type Given = (Components<f64>, Components<NodalRow<f64>>);
 
+/// What a routine is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// The state.
+    pub state: &'a State<f64>,
+    /// The state before it; `None` where that is the initial one.
+    pub before: Option<&'a State<f64>>,
+    /// Whether rows are wanted, or values alone.
+    pub wants_rows: bool,
+    /// Whether it was drawn, and is not one beside such a state, for differences.
+    pub is_drawn: bool,
+}
+
 /// A routine to be checked against one connector.
 #[derive(Clone, Debug)]
 pub struct Candidate<'a> {
@@ -63,6 +78,8 @@ pub struct Candidate<'a> {
     definition: &'a Definition,
     settings: Settings,
     reference_length: f64,
+    offers_values: bool,
+    offers_rows: bool,
 }
 
 impl<'a> Candidate<'a> {
@@ -70,13 +87,20 @@ impl<'a> Candidate<'a> {
     /// follow into them: [`Settings::near_singular_states`] asks for them.
     pub fn new(name: &'a str, definition: &'a Definition) -> Self {
         let settings = Settings { states: 200, near_singular_states: 0, atlas: false, ..Settings::default() };
-        Self { name, definition, settings, reference_length: 0.0 }
+        Self { name, definition, settings, reference_length: 0.0, offers_values: true, offers_rows: true }
     }
 
     /// Another number of states, oracles or seed.
     #[must_use]
     pub fn settings(mut self, settings: Settings) -> Self {
         self.settings = settings;
+        self
+    }
+
+    /// Whether the routine gives values, and rows: what it does not offer is not judged.
+    #[must_use]
+    pub const fn offers(mut self, values: bool, rows: bool) -> Self {
+        (self.offers_values, self.offers_rows) = (values, rows);
         self
     }
 
@@ -164,6 +188,18 @@ impl<'a> Candidate<'a> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
+        let Ok(report) = self.try_check(|asked| Ok::<_, Infallible>(Some(routine(asked.state))));
+        report
+    }
+
+    /// The same of a routine that may fail, and gives nothing at a state that it does not cover.
+    ///
+    /// # Errors
+    /// The first of the routine.
+    pub fn try_check<E>(
+        &self,
+        routine: impl Fn(&Question<'_>) -> Result<Option<Given>, E>,
+    ) -> Result<Report, E> {
         let mut found: Vec<Check> = Vec::new();
         let mut coverage = Coverage::default();
         let mut cases = 0;
@@ -176,20 +212,18 @@ impl<'a> Candidate<'a> {
             if let Some(step) = case.last() {
                 coverage.add(self.definition, &step.state, case.length);
             }
-            checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i)));
+            checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i))?);
         }
         let connection = &self.definition.connection;
         let connector = Connector::<f64>::new(self.definition);
         let is_one_form = |k: &usize| connector.differentiated(*k).map(|measure| measure.is_one_form());
         // What a one-form sums up is no function of the state: its formula is that of its row.
-        let is_judged_by_row = (0..6).any(|k| is_one_form(&k) == Some(true));
-        let has_values = (0..6).any(|k| is_one_form(&k) == Some(false));
-        let expected: &[Quantity] = if has_values {
-            &[Quantity::Value, Quantity::FirstDerivatives]
-        } else {
-            &[Quantity::FirstDerivatives]
-        };
-        let expected = Expected::numbers(expected);
+        let is_judged_by_row = !self.offers_values || (0..6).any(|k| is_one_form(&k) == Some(true));
+        let has_values = self.offers_values && (0..6).any(|k| is_one_form(&k) == Some(false));
+        let mut expected = Vec::new();
+        expected.extend(has_values.then_some(Quantity::Value));
+        expected.extend(self.offers_rows.then_some(Quantity::FirstDerivatives));
+        let expected = Expected::numbers(&expected);
         let mut subject =
             Subject::new(self.name.to_string(), certificate(connection), cases, found, &expected);
         // A candidate's formula is judged state by state, by a witness that shares no elementary function with it or with us.
@@ -202,14 +236,14 @@ impl<'a> Candidate<'a> {
         let of_values = subject.checks.iter().filter(is_formula);
         let values = of_values.filter(|check| is_witness(check.against) && check.compared > 0);
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
-        Report {
+        Ok(Report {
             version: pintle_kinematics::VERSION,
             settings: self.settings.clone(),
             constant: crate::C,
             subjects: vec![subject],
             atlas: Vec::new(),
             models: self.lacks(coverage).into_iter().collect(),
-        }
+        })
     }
 
     /// What the states leave out, if anything.
@@ -235,16 +269,23 @@ impl<'a> Candidate<'a> {
         })
     }
 
-    fn judge(&self, case: &Case, routine: &impl Fn(&State<f64>) -> Given, wide: bool) -> Vec<Check> {
+    fn judge<E>(
+        &self,
+        case: &Case,
+        routine: &impl Fn(&Question<'_>) -> Result<Option<Given>, E>,
+        wide: bool,
+    ) -> Result<Vec<Check>, E> {
         let mut checks = Vec::new();
-        let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return checks };
-        let (values, rows) = routine(&step.state);
+        let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return Ok(checks) };
+        let before = case.path.iter().rev().nth(1).map(|step| &step.state);
+        let asked = Question { state: &step.state, before, wants_rows: self.offers_rows, is_drawn: true };
+        let Some((values, rows)) = routine(&asked)? else { return Ok(checks) };
         let mut given = Numbers::<f64>::default();
         given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
         given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
-        let Some(product) = crate::oracles::force::product_with_forces(case) else { return checks };
-        let asked = |oracle: Oracle| self.settings.oracles.contains(&oracle);
-        let Some(truth) = Truth::of(case) else { return checks };
+        let Some(product) = crate::oracles::force::product_with_forces(case) else { return Ok(checks) };
+        let asks = |oracle: Oracle| self.settings.oracles.contains(&oracle);
+        let Some(truth) = Truth::of(case) else { return Ok(checks) };
         let nearness = truth.nearness();
         // On a singular set only the wide differences tell its two sides.
         let answers = (wide || nearness == 0.0).then(|| WideAnswers::of_kinematics(&truth));
@@ -254,7 +295,7 @@ impl<'a> Candidate<'a> {
             None => Trusted::Others(product),
         };
         let examined = Examined::new(case, &given, trusted, &narrow, &of_components);
-        let Some(examined) = examined else { return checks };
+        let Some(examined) = examined else { return Ok(checks) };
         let (examined, sides) = examined.on_sets(Some(&truth));
         let (bound, units) = (&examined.bound, &examined.units);
         let connector = case.connector();
@@ -276,28 +317,37 @@ impl<'a> Candidate<'a> {
             }
             checks.push(check);
         };
-        let has_value = |k: usize| values[k].is_some() || units[k].is_some() && !is_one_form[k];
-        if asked(Oracle::WideDifferences) && (0..6).any(has_value) {
+        let has_value =
+            |k: usize| values[k].is_some() || self.offers_values && units[k].is_some() && !is_one_form[k];
+        if asks(Oracle::WideDifferences) && (0..6).any(has_value) {
             compare(Quantity::Value, &Answer::sharp(Oracle::WideDifferences, &truth.value()));
         }
         match &answers {
-            Some(answers) if asked(Oracle::WideDifferences) => {
+            _ if !self.offers_rows => {}
+            Some(answers) if asks(Oracle::WideDifferences) => {
                 if let Some(answer) = answers.answer(Oracle::WideDifferences, Quantity::FirstDerivatives) {
                     compare(Quantity::FirstDerivatives, &answer);
                 }
             }
-            _ if asked(Oracle::NodalDual) && nearness > 0.0 => {
+            _ if asks(Oracle::NodalDual) && nearness > 0.0 => {
                 compare(Quantity::FirstDerivatives, &narrow.nodal_dual(bound));
             }
             _ => {}
         }
         // A component on its singular set has no step for differences of its values, and a one-form no value.
         let near = of_components.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min);
+        let failed = Cell::new(None);
         let own = central_differences(
             |by: &[f64; DOFS]| {
                 let mut state = step.state;
                 state.pair = moved(&state.pair, by);
-                routine(&state).0
+                match routine(&Question { state: &state, before, wants_rows: false, is_drawn: false }) {
+                    Ok(given) => given.map_or([None; 6], |(values, _)| values),
+                    Err(error) => {
+                        failed.set(Some(error));
+                        [None; 6]
+                    }
+                }
             },
             std::array::from_fn(|k| {
                 values[k].is_some() && rows[k].is_some() && examined.is_smooth[k] && !is_one_form[k]
@@ -306,8 +356,11 @@ impl<'a> Candidate<'a> {
             narrow.active(),
             bound,
         );
+        if let Some(error) = failed.into_inner() {
+            return Err(error);
+        }
         if own.numbers.is_empty() {
-            return checks;
+            return Ok(checks);
         }
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
         let around = Surroundings { sides: None, ..around };
@@ -317,7 +370,7 @@ impl<'a> Candidate<'a> {
         let score = if proves { examined.score(Quantity::FirstDerivatives, &own) } else { Score::default() };
         check.add(judgement, score, case);
         checks.push(check);
-        checks
+        Ok(checks)
     }
 }
 
@@ -446,7 +499,10 @@ mod tests {
         };
         let checks = |oracles: &[Oracle], wide: bool, routine: &dyn Fn(&State<f64>) -> Given| {
             let settings = Settings { oracles: oracles.iter().copied().collect(), ..Settings::default() };
-            Candidate::new("mine", &definition).settings(settings).judge(&case, &routine, wide)
+            let asked = |asked: &Question<'_>| Ok::<_, Infallible>(Some(routine(asked.state)));
+            let Ok(checks) =
+                Candidate::new("mine", &definition).settings(settings).judge(&case, &asked, wide);
+            checks
         };
         let of = |checks: &[Check], oracle: Oracle| {
             let is_it = |check: &&Check| {

@@ -121,8 +121,7 @@ impl Illustration {
         planted.into_iter().for_each(|planted| planted.spoil(&mut numbers));
         let answers = WideAnswers::of(&truth);
         let trusted = crate::singular::atlas::truth_to_f64(&answers.differences);
-        let bound =
-            Bound::new(&trusted, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+        let bound = Bound::new(&trusted, &step.state, case.length, nearness);
         let rows = numbers.entries(Quantity::FirstDerivatives);
         let want = answers.differences.entries(Quantity::FirstDerivatives).map(|_, _, x| x.into());
         Some(Self {

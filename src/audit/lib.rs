@@ -31,7 +31,7 @@ mod scene;
 pub mod settings;
 pub mod singular;
 
-pub use candidate::{Candidate, Given};
+pub use candidate::{Candidate, Given, Question};
 pub use case::failing::{Failing, FrictionCase, MpcCase};
 pub use case::hex::Hex;
 pub use case::quantity::{Entries, Numbers, Quantity};

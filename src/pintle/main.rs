@@ -46,6 +46,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Export(arguments) => cli::export::run(arguments),
         Command::Schema { of } => cli::convert::schema(*of),
         Command::Audit(arguments) => cli::audit::run(arguments),
+        Command::Check(arguments) => cli::check::run(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments),
         Command::Bench(arguments) => cli::bench::run(arguments),
         Command::Completions(arguments) => cli::manual::completions(arguments),

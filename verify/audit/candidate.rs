@@ -2,7 +2,9 @@
 
 use crate::audit::at_rest;
 use pintle_audit::{Candidate, Oracle, Report, Settings, Verdict};
-use pintle_kinematics::connector::{Connector, Definition, Increment, NodalRow, Request, Tally};
+use pintle_kinematics::connector::{Connector, Definition, Increment, NodalRow, Request, State, Tally};
+use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::so3;
 use pintle_report::audit::AssertOk;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -106,4 +108,26 @@ fn what_is_undecided_is_not_ok() {
     long.initial.reference = long.initial.reference.map(|x| x * 1e308);
     let overflown = complaint(&checked(&long, brief(20, 5), |_| ()));
     assert!(overflown.contains("overflow"), "{overflown}");
+}
+
+/// A routine that works on the rotations nearest to its triads is right, beside a lock too.
+#[test]
+fn nearest_rotations_are_no_mismatch() {
+    let nearest = |node: Node<f64>| Node { triad: so3::matrix(so3::quaternion(&node.triad)), ..node };
+    for name in ["CARDAN", "EULER", "REVOLUTE", "UNIVERSAL", "FLEXION-TORSION", "ROTATION"] {
+        let definition = at_rest(name);
+        let connector = Connector::<f64>::new(&definition);
+        let settings = Settings { near_singular_states: 200, ..brief(200, 200) };
+        let report = Candidate::new("mine", &definition).settings(settings).check(|state| {
+            let Pair { a, b, reference } = state.pair;
+            let state = &State { pair: Pair { a: nearest(a), b: nearest(b), reference }, ..*state };
+            let branch = connector.advance(state, &Increment::none(), &connector.initial_branch());
+            let asked = Request::everything(1);
+            let found = connector.evaluate(state, &Increment::none(), &branch, &asked, &mut Tally::default());
+            (std::array::from_fn(|k| found.residual[k].or(found.displacement[k])), found.jacobian)
+        });
+        let compared: usize = report.subjects[0].checks.iter().map(|check| check.compared as usize).sum();
+        assert!(compared > 5_000, "{name}: {compared}");
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{name}: {}", wrong_entry(&report));
+    }
 }

@@ -199,6 +199,29 @@ fn audited(deck: &str, states: &[State], settings: &Settings) -> Report {
     audit_scenes(settings, &[Target { name: "scene", model: &model, plan: &plan, states }], &|_| {})
 }
 
+/// Rates and accelerations of any size beside each other are judged, and what differences in time do not tell is not asked of them.
+#[test]
+fn tiny_rates_are_no_mismatch() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nHINGE\nO,\n";
+    let sizes = [0.0, 1e-300, 1e-160, 1e-53, 1e-30, 1e-12, 1.0, 1e12, 1e100];
+    let mut compared = 0;
+    for (rate, acceleration) in sizes.into_iter().flat_map(|rate| sizes.map(|second| (rate, second))) {
+        let motion = NodeMotion {
+            rotation: Rotation::Vector([0.3, 0.0, 0.0]),
+            angular_velocity: [0.2 * rate, 0.0, rate],
+            angular_acceleration: [0.0, 0.3 * acceleration, acceleration],
+            ..NodeMotion::default()
+        };
+        let state = State { nodes: [(Label::from(2), motion)].into(), ..State::default() };
+        let report = audited(deck, &[state], &Settings { atlas: false, ..Settings::default() });
+        let found = (report.mismatches(), report.survivors());
+        assert_eq!(found, (0, 0), "vr = {rate:e}, ar = {acceleration:e}");
+        compared += report.subjects[0].checks.iter().map(|check| check.compared).sum::<u64>();
+    }
+    assert!(compared > 81 * 1_000, "{compared}");
+}
+
 /// A counter-example of every friction of a scene, and of its springs.
 fn recorded() -> Vec<Value> {
     let tabled = DECK.replace("*FRICTION\n0.3\n", "*FRICTION\n0.3, 0.\n0.2, 1.\n0.1, 20.\n").replace(

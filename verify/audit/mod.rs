@@ -284,7 +284,7 @@ pub(crate) fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
     let step = case.last().unwrap();
     let narrow = pintle_audit::oracles::oracle::Narrow::of(case).unwrap();
     let nearness = narrow.nearness();
-    let bound = Bound::new(&numbers, &step.state.velocity, &step.state.acceleration, case.length, nearness);
+    let bound = Bound::new(&numbers, &step.state, case.length, nearness);
     (numbers, bound, nearness)
 }
 

@@ -64,6 +64,21 @@ fn a_behaviour_says_what_it_holds() {
     );
 }
 
+/// What is given for a component on which nothing of the model acts is its force; where something does, the sum of that is.
+#[test]
+fn given_forces_of_free_components_stand() {
+    let law = "*CONNECTOR ELASTICITY, COMPONENT=2\n5.";
+    for (law, force, flagged) in [(law, 7.0, false), ("*CONNECTOR ELASTICITY, COMPONENT=1\n5.", 0.5, true)] {
+        let [found] = &one(law, "", &[(0.0, 0.1, 0.0)], &[7.0])[..] else { panic!("one state") };
+        let outcome = found.behavior.as_deref().unwrap();
+        let total = outcome.total.value[0].unwrap();
+        assert!((total - force).abs() < 1e-14 && outcome.reaction.value[0] == Some(0.0), "{law}: {total}");
+        assert_eq!(has(found, |flag| flag.name() == "out-of-balance"), flagged, "{law}");
+        let nodal = found.forces.as_deref().unwrap().nodal.unwrap();
+        assert!((nodal[7] - force).abs() < 1e-14, "{law}: {nodal:?}");
+    }
+}
+
 /// Motions alone tell friction that no constraint force presses.
 #[test]
 fn friction_is_told_where_nothing_constrained_presses() {

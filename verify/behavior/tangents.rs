@@ -306,6 +306,14 @@ fn each(mut judge: impl FnMut(&str, &Truth<'_>)) {
                 let reactions = [0, 1, 2, 3, 4, 5].map(|k| match tangent.reacting[k] {
                     true if is_rigid[k] => outcome.total.value[k].unwrap(),
                     true => outcome.total.value[k].unwrap() - laws(k),
+                    // What is given where nothing of the model acts.
+                    false
+                        if [&outcome.elastic, &outcome.viscous, &outcome.friction]
+                            .iter()
+                            .all(|part| part.value[k].is_none() && part.unknown[k].is_none()) =>
+                    {
+                        outcome.total.value[k].unwrap_or(0.0)
+                    }
                     false => 0.0,
                 });
                 let truth = Truth {

@@ -88,7 +88,7 @@ fn sample(connection: &ConnectionType, frame: Frame, case: &Case) -> (Vec<f64>, 
     };
     let numbers = Numbers::of(&evaluation);
     let nearness = pintle_audit::oracles::oracle::Narrow::of(case).unwrap().nearness();
-    let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, nearness);
+    let bound = Bound::new(&numbers, &state, case.length, nearness);
     let columns: Vec<usize> = if frame == Frame::Relative { RELATIVE.into() } else { (0..DOFS).collect() };
     let (mut values, mut rows, mut second) = (Vec::new(), Vec::new(), Vec::new());
     for function in Function::of(connection) {
@@ -135,10 +135,12 @@ fn shapes(routine: &Routine<'_>) -> Vec<Vec<usize>> {
     routine.gives.iter().map(|output| output.shape.clone()).collect()
 }
 
-/// What friction is at some forces, with the parameters 0.5, 0.75, 1 … and a positive internal contact force.
+/// What friction is at some forces, with the parameters 0.5, 0.75, 1 … and a positive internal contact force; `bare`, those that may
+/// be left out are zero.
 fn friction(
     friction: &Friction,
     which: usize,
+    bare: bool,
     draw: &mut Draw,
 ) -> (Vec<f64>, Point<Derivatives<f64>>, usize) {
     let mu = 0.3;
@@ -151,7 +153,9 @@ fn friction(
         let (tension, angle) = ([draw.between(1.0, 9.0), draw.between(1.0, 9.0)], draw.between(0.1, 3.0));
         return (vec![tension[0], tension[1], angle, mu], belt.derivatives(tension, angle, mu).0, 3);
     }
-    let parameters: Vec<f64> = (0..friction.parameters.len()).map(|i| 0.5 + 0.25 * i as f64).collect();
+    let number =
+        |i: usize| if bare && !friction.parameters[i].required { 0.0 } else { 0.5 + 0.25 * i as f64 };
+    let parameters: Vec<f64> = (0..friction.parameters.len()).map(number).collect();
     let given: Vec<Option<f64>> = parameters.iter().copied().map(Some).collect();
     let criteria = Criterion::predefined(friction, &given, &[], false).unwrap();
     let forces: [f64; 6] = std::array::from_fn(|_| draw.between(-5.0, 5.0));
@@ -181,11 +185,11 @@ fn jobs(frame: Frame, near: usize, most: usize) -> Vec<(Export, Vec<Job>)> {
                     .map(|(inputs, wants)| (inputs.clone(), std::mem::take(&mut wants[part])))
                     .unzip(),
                 None => (0..most)
-                    .map(|_| {
+                    .map(|state| {
                         let data = connection.friction.unwrap();
                         let which =
                             routine.name.strip_prefix("friction_").unwrap().parse::<usize>().unwrap() - 1;
-                        let (inputs, point, count) = friction(&data, which, draw);
+                        let (inputs, point, count) = friction(&data, which, state % 3 == 1, draw);
                         let scale = point.tangential.value + point.normal.value + 10.0;
                         let with = |x: f64| Some((x, 8.0 * pintle_kinematics::scalar::U * scale));
                         let values = [&point.tangential, &point.contact, &point.normal, &point.criterion];

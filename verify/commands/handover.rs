@@ -120,7 +120,7 @@ fn of_law(case: &Case, law: Invariant) -> Option<CounterExample> {
     let numbers = product(case)?;
     let last = case.last()?.state;
     let nearness = Narrow::of(case)?.nearness();
-    let bound = Bound::new(&numbers, &last.velocity, &last.acceleration, case.length, nearness);
+    let bound = Bound::new(&numbers, &last, case.length, nearness);
     let demands = invariant::Context::new(case, &numbers, &bound)?.demands(law);
     let size = |demand: &&invariant::Demand| {
         let terms =
@@ -235,8 +235,7 @@ fn a_script_confirms_what_is_right() {
         let mut example = exact(&case, quantity, k, i);
         let nearness = Narrow::of(&case).unwrap().nearness();
         let last = case.last().unwrap().state;
-        let bound =
-            Bound::new(&product(&case).unwrap(), &last.velocity, &last.acceleration, case.length, nearness);
+        let bound = Bound::new(&product(&case).unwrap(), &last, case.length, nearness);
         example.tolerance = Hex(bound.tolerance(quantity, k, i));
         let (passes, said) = run_script(&python, &format!("right_{n}"), &example.jax().unwrap());
         assert!(passes && said.contains("JAX confirms"), "{name}: {said}");

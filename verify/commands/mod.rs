@@ -1,6 +1,7 @@
 //! What the commands write, and what programs make of it.
 
 pub(crate) mod bench; // whether times are told of right numbers, with their errors
+mod check; // somebody's routine in a process
 pub(crate) mod cli; // the command line
 pub(crate) mod convert; // scenes in other forms
 pub(crate) mod export; // exported programs, compiled and run

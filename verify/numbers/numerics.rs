@@ -16,13 +16,14 @@ mod fuzz;
 mod golden;
 mod grid;
 mod identity;
+mod jacobian;
 mod margins;
 mod midway;
 mod orders;
 mod truth;
 mod turns;
 
-use crate::tolerance::NUMERICS;
+use crate::tolerance::{Gate, NUMERICS};
 use function::Function;
 use std::fmt::Write;
 
@@ -70,12 +71,12 @@ impl Worst {
     }
 }
 
-/// Prints what was measured and fails where a gate is missed.
-fn assert_gates(title: &str, measured: &[Worst]) {
+/// Prints what was measured and fails where a gate is missed: one of `own` before the common ones.
+fn assert_gates(title: &str, measured: &[Worst], own: &[Gate]) {
     let mut table = format!("{title}: largest error in u of the conditioned scale (gate)\n");
     let mut missed = String::new();
     for worst in measured {
-        let gate = NUMERICS.iter().find(|g| g.function == worst.function).expect(worst.function);
+        let gate = own.iter().chain(NUMERICS).find(|g| g.function == worst.function).expect(worst.function);
         let _ = write!(table, "{:22}", worst.function);
         for (k, (error, place)) in worst.orders.iter().enumerate() {
             let _ = write!(table, " {:>9.3} ({:>2})", error, gate.orders[k]);

@@ -23,9 +23,11 @@
 //! from the origin.
 
 use crate::case::quantity::{Entries, Numbers, Quantity};
+use pintle_kinematics::connector::State;
 use pintle_kinematics::node::dof_size;
-use pintle_kinematics::node::{DOFS, NodalRates};
+use pintle_kinematics::node::{DOFS, PSI_A, THETA_A, XB};
 use pintle_kinematics::scalar::U;
+use pintle_kinematics::vector::{Matrix, transposed_product};
 
 /// C, stated in every report: how many roundings of the conditioned scale are allowed. The worst ever measured over the
 /// catalogue is in `verify/audit/mod.rs`.
@@ -70,6 +72,15 @@ pub fn scales(
     [vec![f], row, matrix, vec![rate], vec![faster]]
 }
 
+/// How far a triad is from the nearest rotation (rad): half the largest sum of a row of |AᵀA − 1|. A routine may work on that one.
+fn defect(triad: &Matrix<f64>) -> f64 {
+    /// What is farther from a rotation was not rounded.
+    const ROUNDED: f64 = 8.0 * U;
+    let square = transposed_product(triad, triad);
+    let row = |i: usize| (0..3).map(|j| (square[i][j] - f64::from(u8::from(i == j))).abs()).sum::<f64>();
+    ((0..3).map(row).fold(0.0, f64::max) / 2.0).min(ROUNDED)
+}
+
 /// Tolerances and scales of everything that is judged at one state.
 #[derive(Clone, Debug, Default)]
 pub struct Bound {
@@ -83,25 +94,18 @@ pub struct Bound {
 
 impl Bound {
     /// From derivatives that are trusted: the wide oracle's, where it was asked.
-    pub fn new(
-        truth: &Numbers<f64>,
-        velocity: &NodalRates<f64>,
-        acceleration: &NodalRates<f64>,
-        length: f64,
-        nearness: f64,
-    ) -> Self {
-        Self::of_components(truth, velocity, acceleration, length, &[nearness; 6])
+    pub fn new(truth: &Numbers<f64>, state: &State<f64>, length: f64, nearness: f64) -> Self {
+        Self::of_components(truth, state, length, &[nearness; 6])
     }
 
     /// The same with the nearness of each component to its own singular sets.
-    pub fn of_components(
-        truth: &Numbers<f64>,
-        velocity: &NodalRates<f64>,
-        acceleration: &NodalRates<f64>,
-        length: f64,
-        nearness: &[f64; 6],
-    ) -> Self {
+    pub fn of_components(truth: &Numbers<f64>, state: &State<f64>, length: f64, nearness: &[f64; 6]) -> Self {
         let size: [f64; DOFS] = std::array::from_fn(|j| dof_size(j, length));
+        let skewed = [&state.pair.a.triad, &state.pair.b.triad].map(|triad| defect(triad) / (C * U));
+        let input: [f64; DOFS] = std::array::from_fn(|j| {
+            if (THETA_A..PSI_A).contains(&(j % XB)) { size[j] * (1.0 + skewed[j / XB]) } else { size[j] }
+        });
+        let (velocity, acceleration) = (&state.velocity, &state.acceleration);
         let mut of = Self { length, ..Self::default() };
         let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
         for k in 0..6 {
@@ -111,7 +115,7 @@ impl Bound {
             };
             let (first, second) = (of(Quantity::FirstDerivatives), of(Quantity::SecondDerivatives));
             let found =
-                self::scales(value, &first, &second, (&size, &size), (velocity, acceleration), nearness[k]);
+                self::scales(value, &first, &second, (&size, &input), (velocity, acceleration), nearness[k]);
             for (scale, entries) in scales.iter_mut().zip(found) {
                 scale.0[k] = Some(entries);
             }
@@ -125,7 +129,7 @@ impl Bound {
             let value = truth.entries(Quantity::Value).get(k, 0).filter(|_| is_own).unwrap_or(0.0);
             let still = ([0.0; DOFS], [0.0; DOFS]);
             let [_, row, matrix, ..] =
-                self::scales(value, rows, changes, (&size, &size), (&still.0, &still.1), nearness[k]);
+                self::scales(value, rows, changes, (&size, &input), (&still.0, &still.1), nearness[k]);
             scales[Quantity::NodalForces as usize].0[k] = Some(row);
             scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }

@@ -37,6 +37,7 @@ impl Conditioned {
     /// Of numbers at the end of a case; `units` are those of the components, `nearness` their distances to singular sets.
     pub fn new(numbers: &Numbers<f64>, case: &Case, units: &[Option<Unit>; 6], nearness: &[f64; 6]) -> Self {
         const CLEAR: f64 = 0.1;
+        const LEAST: f64 = 1e-15;
         let mut found = Self { length: case.length, ..Self::default() };
         let Some(state) = case.last().map(|step| step.state) else { return found };
         let size = |j: usize| dof_size(j, case.length);
@@ -64,7 +65,10 @@ impl Conditioned {
                 set(Quantity::Value, unit);
                 set(Quantity::FirstDerivatives, s);
                 set(Quantity::SecondDerivatives, s);
-                set(Quantity::Rate, s * velocity);
+                // A rate that is nothing beside what the acceleration makes of it in no time is not told by differences in time.
+                if velocity >= LEAST * acceleration.sqrt() {
+                    set(Quantity::Rate, s * velocity);
+                }
                 set(Quantity::Acceleration, s * acceleration + (s + s2) * velocity * velocity);
             }
             if let (Some(s), Some(s2)) = (sum(Quantity::NodalForces, k), sum(Quantity::GeometricStiffness, k))

@@ -68,8 +68,7 @@ impl<'a> Examined<'a> {
             Trusted::Wide(numbers) | Trusted::Others(numbers) => numbers,
             Trusted::Own => numbers.clone(),
         };
-        let (velocity, acceleration) = (&step.state.velocity, &step.state.acceleration);
-        let bound = Bound::of_components(&trusted, velocity, acceleration, case.length, nearness);
+        let bound = Bound::of_components(&trusted, &step.state, case.length, nearness);
         let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
         let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
@@ -105,9 +104,8 @@ impl<'a> Examined<'a> {
             });
             steepest.set(quantity, rows);
         }
-        let State { velocity, acceleration, .. } = self.state;
         let nearness = truth.nearness_of_components();
-        let bound = Bound::of_components(&steepest, velocity, acceleration, self.case.length, &nearness);
+        let bound = Bound::of_components(&steepest, self.state, self.case.length, &nearness);
         self.bound = bound.of_wide(is_state(self.state));
         (self, Some(sides))
     }

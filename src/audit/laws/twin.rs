@@ -371,7 +371,7 @@ mod tests {
             for case in cases(connection, Extent::Full) {
                 let numbers = crate::product(&case).unwrap();
                 let state = case.last().unwrap().state;
-                let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, 1.0);
+                let bound = Bound::new(&numbers, &state, case.length, 1.0);
                 let context = Context::new(&case, &numbers, &bound).unwrap();
                 let demands = context.restored();
                 assert!(worst(&numbers, &demands).is_none_or(|(_, units)| units == 0.0));
@@ -403,7 +403,7 @@ mod tests {
             let case = cases(connection, Extent::Brief).swap_remove(0);
             let numbers = crate::product(&case).unwrap();
             let state = case.last().unwrap().state;
-            let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, 1.0);
+            let bound = Bound::new(&numbers, &state, case.length, 1.0);
             let context = Context::new(&case, &numbers, &bound).unwrap();
             let demands = context.node_swap();
             if demands.is_empty() {

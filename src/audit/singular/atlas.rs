@@ -8,7 +8,7 @@ use crate::oracles::force::product_with_forces as product;
 use crate::oracles::truth::Truth;
 pub use crate::singular::beside::{Site, beside, near, random_near, sites};
 use pintle_kinematics::catalog::{COMPONENT, ConnectionType};
-use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::connector::{Output, Request, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{LOCK, SingularClass, Unit};
 use pintle_kinematics::node::DOFS;
@@ -188,7 +188,8 @@ impl Seen {
         let mut trusted = truth_to_f64(&truth);
         trusted.set(Quantity::SecondDerivatives, numbers.entries(Quantity::SecondDerivatives).clone());
         let still = [0.0; DOFS];
-        let bound = Bound::new(&trusted, &still, &still, case.length, distance);
+        let state = State { velocity: still, acceleration: still, ..case.last()?.state };
+        let bound = Bound::new(&trusted, &state, case.length, distance);
         Some(Self { distance, numbers, truth, bound })
     }
 

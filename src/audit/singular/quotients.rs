@@ -217,8 +217,7 @@ mod tests {
         let nearness = truth.nearness_of_components();
         assert_eq!(nearness[0], 0.0);
         let trusted = answers.trusted(&nearness.map(|near| near > 0.0));
-        let bound =
-            Bound::of_components(&trusted, &state.velocity, &state.acceleration, case.length, &nearness);
+        let bound = Bound::of_components(&trusted, &state, case.length, &nearness);
         let sides = truth.sides(&bound);
         let around = Surroundings::of(&case, &truth, &bound, Some(&sides));
         let verdict = |quantity: Quantity, spoil: &dyn Fn(f64) -> f64| {

@@ -69,7 +69,7 @@ impl<R: Real> Increment<R> {
 }
 
 /// How far the choice between two equally near sheets leans to where the nodes turned: enough to outweigh rounding at an
-/// increment of exactly half a turn, too little to matter elsewhere.
+/// increment of half a turn, and no more than to matter within some 3e-6 rad of it.
 const LEAN: (i32, i32) = (1, 1_000_000);
 
 impl<R: Differentiable> Connector<R> {

@@ -2,6 +2,7 @@
 
 pub(crate) mod audit;
 pub(crate) mod bench;
+pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
@@ -62,6 +63,8 @@ pub(crate) enum Command {
     },
     /// Audit the catalogue, or scenes: are kinematics, forces and slopes right, and would an error have been noticed?
     Audit(Box<audit::Audit>),
+    /// Check somebody's element routine, in any language: which entry is wrong, and why?
+    Check(check::Check),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
     /// Measure what values, Jacobians and Hessians cost on this machine, at which error

@@ -149,7 +149,7 @@ fn rotation_connector() {
             note(&mut worst, order, computed[order], rho[order], scale, size(rho[0]));
         }
     }
-    assert_gates("ROTATION connector", &[worst]);
+    assert_gates("ROTATION connector", &[worst], &[]);
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn two_moving_nodes() {
         }
         worst
     });
-    assert_gates("two moving nodes", &measured);
+    assert_gates("two moving nodes", &measured, &[]);
 }
 
 /// Third derivatives through `Dual3`, fourth through `Dual2` of `Dual2`.
@@ -201,5 +201,5 @@ fn jerk_and_beyond() {
         }
         worst
     });
-    assert_gates("third and fourth derivative, and the second among them", &measured);
+    assert_gates("third and fourth derivative, and the second among them", &measured, &[]);
 }

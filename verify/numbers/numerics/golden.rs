@@ -65,5 +65,5 @@ fn product_agrees_with_mpmath() {
             worst
         })
         .collect();
-    assert_gates("mpmath", &measured);
+    assert_gates("mpmath", &measured, &[]);
 }

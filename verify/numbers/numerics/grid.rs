@@ -2,6 +2,8 @@
 
 use super::function::{ALL, Function};
 use super::{U, Worst, assert_gates, golden, judge, order, truth, unmeasured};
+use crate::tolerance::NUMERICS_ON_LANES;
+use pintle_kinematics::scalar::lanes::{LANES, Lanes};
 use pintle_kinematics::scalar::{Real, Wide};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
@@ -230,13 +232,20 @@ fn inputs(function: Function) -> Vec<Vec<f64>> {
 }
 
 /// The errors of one function over its grid, on four threads.
-fn measured(function: Function) -> Vec<Worst> {
-    let inputs = inputs(function);
+fn measured(function: Function, numbers: impl Fn(&[f64]) -> Vec<Vec<f64>> + Sync) -> Vec<Worst> {
+    measured_at(function, inputs(function), numbers)
+}
+
+fn measured_at(
+    function: Function,
+    inputs: Vec<Vec<f64>>,
+    numbers: impl Fn(&[f64]) -> Vec<Vec<f64>> + Sync,
+) -> Vec<Worst> {
     let per_thread = inputs.len().div_ceil(4);
     let part = |inputs: &[Vec<f64>]| {
         let mut worst = unmeasured(function);
         for input in inputs {
-            judge(&mut worst, function, input, &function.numbers(input), &truth::references(function, input));
+            judge(&mut worst, function, input, &numbers(input), &truth::references(function, input));
         }
         worst
     };
@@ -255,8 +264,24 @@ fn measured(function: Function) -> Vec<Worst> {
 
 #[test]
 fn product_agrees_with_wide() {
-    let measured: Vec<Worst> = ALL.iter().flat_map(|function| measured(*function)).collect();
-    assert_gates("237-bit scalar", &measured);
+    let measured = ALL.iter().flat_map(|function| measured(*function, |input| function.numbers(input)));
+    assert_gates("237-bit scalar", &measured.collect::<Vec<_>>(), &[]);
+}
+
+#[test]
+fn lanes_agree_with_wide() {
+    let on_lanes = |function: Function, input: &[f64]| -> Vec<Vec<f64>> {
+        let lanes: Vec<Lanes<true>> = input.iter().map(|x| Lanes([*x; LANES])).collect();
+        let outputs = function.numbers(&lanes).into_iter();
+        outputs.map(|numbers| numbers.iter().map(|lanes| lanes.0[0]).collect()).collect()
+    };
+    // Lanes have no numbers below the normal ones.
+    let is_normal = |input: &Vec<f64>| input.iter().any(|x| x.abs() > 1e-299);
+    let measured = ALL.iter().flat_map(|function| {
+        let inputs = inputs(*function).into_iter().filter(is_normal).collect();
+        measured_at(*function, inputs, |input| on_lanes(*function, input))
+    });
+    assert_gates("lanes", &measured.collect::<Vec<_>>(), NUMERICS_ON_LANES);
 }
 
 /// mpmath judges the reference: agreement within a hundred-thousandth of the unit in which the product is measured.

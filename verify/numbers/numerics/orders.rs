@@ -215,10 +215,8 @@ fn spins_of_every_order() {
 /// A double for a number that may be too large for one.
 fn alike(found: f64, exact: Wide, scale: Wide) -> bool {
     let nearest = exact.to_f64();
-    if nearest.is_infinite() || exact.abs().to_f64() > 1e307 {
-        return found == nearest || found == f64::INFINITY.copysign(nearest);
-    }
-    (Wide::from_f64(found) - exact).abs() <= scale * Wide::from_f64(64.0 * super::U) || found == nearest
+    let is_close = (Wide::from_f64(found) - exact).abs() <= scale * Wide::from_f64(64.0 * super::U);
+    is_close || found == nearest || (nearest.abs() > 1e307 && found == f64::INFINITY.copysign(nearest))
 }
 
 /// Close to zero a derivative is what it is, or infinite where no double is as large: to the third order of a norm, the second of

@@ -70,8 +70,7 @@ pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Equali
     else {
         return lost("it has no state");
     };
-    let (velocity, acceleration) = (&last.state.velocity, &last.state.acceleration);
-    let bound = Bound::new(&numbers, velocity, acceleration, case.length, narrow.nearness());
+    let bound = Bound::new(&numbers, &last.state, case.length, narrow.nearness());
     let Some(context) = Context::new(case, &numbers, &bound) else { return lost("it has no state") };
     let all = context.demands(law);
     let found = demanded.and_then(|broken| {
@@ -140,7 +139,7 @@ mod tests {
             let case = cases(&connection, Extent::Brief).pop().unwrap();
             let numbers = crate::product(&case).unwrap();
             let state = case.last().unwrap().state;
-            let bound = Bound::new(&numbers, &state.velocity, &state.acceleration, case.length, 1.0);
+            let bound = Bound::new(&numbers, &state, case.length, 1.0);
             let context = Context::new(&case, &numbers, &bound).unwrap();
             for invariant in Invariant::ALL {
                 let demands = context.demands(invariant);

@@ -180,7 +180,8 @@ impl Term {
             factor = factor * S::Real::from_f64(*number);
         }
         if let Some(over) = self.over {
-            factor = factor / S::Real::from_f64(over);
+            // A length of zero drops the term, in traced formulas too.
+            factor = factor * S::Real::from_f64(over).reciprocal_or_zero();
         }
         magnitude.scale(factor)
     }
@@ -261,8 +262,7 @@ impl Tangential {
             Self::Norm(components) => {
                 let mut listed = [S::zero(); 6];
                 for (component, radius) in components {
-                    listed[*component] =
-                        f[*component].scale(S::Real::integer(1) / S::Real::from_f64(*radius));
+                    listed[*component] = f[*component].scale(S::Real::from_f64(*radius).reciprocal_or_zero());
                 }
                 norm(listed)
             }

@@ -1,0 +1,212 @@
+//! In which order, unit and frame a routine answers, and how that is undone.
+
+use pintle_kinematics::connector::{Components, Connector, Definition, NodalRow, State};
+use pintle_kinematics::measure::Unit;
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Matrix, Vector, apply, apply_transposed, product, transpose};
+use serde::Deserialize;
+
+/// The columns of a row, as the protocol names them.
+pub(crate) const COLUMNS: [&str; DOFS] = [
+    "a.u1", "a.u2", "a.u3", "a.ur1", "a.ur2", "a.ur3", "a.flow", "b.u1", "b.u2", "b.u3", "b.ur1", "b.ur2",
+    "b.ur3", "b.flow",
+];
+
+/// Which variation of a rotation the columns of a row belong to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Variation {
+    /// δC = δθ^ C, along global axes.
+    #[default]
+    Spatial,
+    /// δC = C δΘ^, along the axes of the node.
+    Body,
+    /// δφ of the total rotation vector, C = exp(φ^).
+    TotalVector,
+}
+
+/// The unit of an angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum Angle {
+    /// Radians.
+    #[default]
+    #[serde(rename = "rad")]
+    Radian,
+    /// Degrees.
+    #[serde(rename = "deg")]
+    Degree,
+}
+
+impl Angle {
+    /// One of these, in radians.
+    fn size(self) -> f64 {
+        match self {
+            Self::Radian => 1.0,
+            Self::Degree => std::f64::consts::PI / 180.0,
+        }
+    }
+}
+
+/// How rows are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Storage {
+    /// A list of components, each a list of columns.
+    #[default]
+    Rows,
+    /// A list of columns, each a list of components: transposed.
+    Columns,
+}
+
+/// The conventions of a routine. Those left out are pintle's own.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Convention {
+    /// The columns of a row, in the routine's order; those left out are zero.
+    pub columns: Vec<String>,
+    /// The variation of rotations.
+    pub rotations: Variation,
+    /// The unit of components that are angles, in values and rows.
+    pub angles: Angle,
+    /// The unit of the rotations by which rows differentiate.
+    pub column_angles: Angle,
+    /// The routine's unit of length, in units of the scene: 0.001 for a routine in mm of a scene in m.
+    pub length: f64,
+    /// The routine's component over pintle's: −1 where it has the opposite sign.
+    pub factors: [f64; 6],
+    /// How rows are stored.
+    pub storage: Storage,
+}
+
+impl Default for Convention {
+    fn default() -> Self {
+        Self {
+            columns: COLUMNS.map(String::from).to_vec(),
+            rotations: Variation::default(),
+            angles: Angle::default(),
+            column_angles: Angle::default(),
+            length: 1.0,
+            factors: [1.0; 6],
+            storage: Storage::default(),
+        }
+    }
+}
+
+impl Convention {
+    /// The place of each of the routine's columns among pintle's.
+    ///
+    /// # Errors
+    /// In words, what is no convention.
+    pub(crate) fn places(&self) -> Result<Vec<usize>, String> {
+        let mut places = Vec::new();
+        for name in &self.columns {
+            let place = COLUMNS.iter().position(|known| known == name);
+            match place {
+                None => {
+                    return Err(format!(
+                        "convention.columns names {name:?}; the columns are {}",
+                        COLUMNS.join(", ")
+                    ));
+                }
+                Some(place) if places.contains(&place) => {
+                    return Err(format!("convention.columns names {name} twice"));
+                }
+                Some(place) => places.push(place),
+            }
+        }
+        if !(self.length > 0.0 && self.length.is_finite()) {
+            return Err(format!("convention.length is {}, not a positive number", self.length));
+        }
+        if let Some(k) = (0..6).find(|k| !(self.factors[*k] != 0.0 && self.factors[*k].is_finite())) {
+            return Err(format!(
+                "convention.factors[{k}] is {}, not a finite number other than 0",
+                self.factors[k]
+            ));
+        }
+        Ok(places)
+    }
+
+    /// A component of the routine, by the unit of pintle's: what a number of it is to be multiplied with.
+    pub(crate) fn unit(&self, k: usize, connector: &Connector<f64>) -> f64 {
+        let of_unit = match connector.differentiated(k).map(|measure| measure.unit()) {
+            Some(Unit::Angle) => self.angles.size(),
+            Some(Unit::Length) => self.length,
+            _ => 1.0,
+        };
+        of_unit / self.factors[k]
+    }
+
+    /// A row of the routine in pintle's conventions: columns in place, by unit columns, for spatial variations.
+    pub(crate) fn row(
+        &self,
+        of_routine: &[f64],
+        places: &[usize],
+        unit: f64,
+        turned: &[Turned; 2],
+    ) -> NodalRow<f64> {
+        let mut row = [0.0; DOFS];
+        for (entry, place) in of_routine.iter().zip(places) {
+            let is_rotation = matches!(place % 7, 3..=5);
+            let column = if is_rotation { self.column_angles.size() } else { self.length };
+            row[*place] = entry * unit / column;
+        }
+        for (end, turned) in turned.iter().enumerate() {
+            let at = 7 * end + 3;
+            let own = [row[at], row[at + 1], row[at + 2]];
+            let spatial = match self.rotations {
+                Variation::Spatial => continue,
+                // δΘ = Cᵀ δθ.
+                Variation::Body => apply(&turned.rotation, own),
+                // δφ = J_l(φ)⁻¹ δθ.
+                Variation::TotalVector => apply_transposed(&so3::inverse_left_jacobian(turned.vector), own),
+            };
+            row[at..at + 3].copy_from_slice(&spatial);
+        }
+        row
+    }
+}
+
+/// How a node is turned from its initial orientation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turned {
+    pub(crate) rotation: Matrix<f64>,
+    /// The principal rotation vector.
+    pub(crate) vector: Vector<f64>,
+}
+
+impl Turned {
+    /// Of both nodes at a state: C = A A₀ᵀ.
+    pub(crate) fn of(definition: &Definition, state: &State<f64>) -> [Self; 2] {
+        let initial = &definition.initial;
+        [(&state.pair.a, &initial.a), (&state.pair.b, &initial.b)].map(|(now, first)| {
+            let rotation = product(&now.triad, &transpose(&first.triad));
+            Self { rotation, vector: so3::log(&rotation) }
+        })
+    }
+}
+
+/// What a routine answered, in its own conventions.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Own {
+    pub(crate) values: [Option<f64>; 6],
+    pub(crate) rows: [Option<Vec<f64>>; 6],
+}
+
+impl Own {
+    /// In pintle's conventions.
+    pub(crate) fn read(
+        &self,
+        convention: &Convention,
+        places: &[usize],
+        (definition, connector): (&Definition, &Connector<f64>),
+        state: &State<f64>,
+    ) -> (Components<f64>, Components<NodalRow<f64>>) {
+        let turned = Turned::of(definition, state);
+        let unit = |k: usize| convention.unit(k, connector);
+        (
+            std::array::from_fn(|k| Some(self.values[k]? * unit(k))),
+            std::array::from_fn(|k| Some(convention.row(self.rows[k].as_ref()?, places, unit(k), &turned))),
+        )
+    }
+}

@@ -1,0 +1,23 @@
+//! A Python function behind the protocol: a driver that Python runs from its command line.
+
+/// The driver, which imports nothing but the standard library, and NumPy where it is there.
+const DRIVER: &str = include_str!("driver.py");
+
+/// The command that asks a function `module:function` of the Python on the path, in the current folder.
+///
+/// # Errors
+/// In words, where the name is none.
+pub fn command(routine: &str) -> Result<String, String> {
+    let is_name = |name: &str| {
+        !name.is_empty()
+            && name
+                .split('.')
+                .all(|part| !part.is_empty() && part.chars().all(|c| c.is_alphanumeric() || c == '_'))
+    };
+    match routine.split_once(':') {
+        Some((module, function)) if is_name(module) && is_name(function) => {
+            Ok(format!("exec python3 -c '{DRIVER}' {module} {function}"))
+        }
+        _ => Err(format!("{routine:?} is not MODULE:FUNCTION, as my_elements.revolute:evaluate")),
+    }
+}

@@ -1,0 +1,135 @@
+//! `pintle check`.
+
+use super::audit::{AuditFormat, verdict, write};
+use super::eval::{complain, read, source};
+use super::{Failure, connection};
+use clap::Args;
+use pintle_audit::sampling::{aligned, definition, pair};
+use pintle_check::{Misbehaviour, Patience};
+use pintle_kinematics::connector::{Definition, Request};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::so3;
+use pintle_model::evaluate::{Model, Plan, Selection};
+use std::time::Duration;
+
+const HELP: &str = "\
+The routine runs in a process of its own and answers one state after the other.
+It gives, of each component, the residual of what the connection constrains and
+the displacement of what it leaves free (CU), and rows: derivatives by the 14
+degrees of freedom of the nodes. pintle explain TYPE has the formulas, and
+docs/reference/protocol.md the messages. Every number is judged against 237-bit
+numbers, within what the conditioning of the state allows; rows besides against
+differences of the routine's own values.
+
+--python MODULE:FUNCTION needs no protocol. The function gets a state and the
+connector as dictionaries (arrays where NumPy is installed) and gives values and
+rows: two lists of six, None where the connector has no such component.
+
+  def evaluate(state, connector):
+      d = state[\"b\"][\"x\"] - state[\"a\"][\"x\"]
+      ...
+      return values, rows
+
+A routine in another language prints hello, opened and answers as JSON lines.
+A state that it does not cover is answered by {\"out_of_domain\": \"why\"}.
+
+Examples:
+  pintle check AXIAL --python my_elements:axial
+  pintle check model.inp:106 --with './my_element --json'
+  pintle check \"CARTESIAN CARDAN\" --with 'python3 bushing.py' --format junit
+
+Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = HELP)]
+pub(crate) struct Check {
+    /// A connection type, or two basic ones in quotes; or a connector of a scene, SCENE:ELEMENT
+    #[arg(value_name = "TYPE|SCENE:ELEMENT")]
+    of: String,
+    /// The command that starts the routine, for a shell
+    #[arg(long, value_name = "COMMAND", required_unless_present = "python")]
+    with: Option<String>,
+    /// A Python function, from the current folder or the path of Python
+    #[arg(long, value_name = "MODULE:FUNCTION", conflicts_with = "with")]
+    python: Option<String>,
+    /// States about the initial one
+    #[arg(long, value_name = "COUNT", default_value_t = 200)]
+    states: usize,
+    /// States near the singular sets of the connector, besides
+    #[arg(long, value_name = "COUNT", default_value_t = 50)]
+    near_singular_states: usize,
+    /// How many of all are judged by differences on 237 bits
+    #[arg(long, value_name = "COUNT", default_value_t = 30)]
+    wide_states: usize,
+    /// What random states are drawn from
+    #[arg(long, value_name = "WORD", default_value = "pintle")]
+    seed: String,
+    /// Seconds that one answer may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive)]
+    timeout: f64,
+    /// How to write it
+    #[arg(long, value_enum, default_value_t)]
+    format: AuditFormat,
+    /// Show every check
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = super::finite(text)?;
+    if number > 0.0 && number < 1e6 { Ok(number) } else { Err(format!("{text} is no time")) }
+}
+
+/// The connector that the routine is to be.
+fn definition_of(name: &str) -> Result<Definition, Failure> {
+    // The last colon: a gallery scene has one of its own.
+    if let Some((scene, element)) = name.rsplit_once(':').filter(|(scene, _)| *scene != "gallery") {
+        let source = source(scene)?;
+        let (scene, _) = read(source, None)?;
+        let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+        let plan = Plan::compile(&model, &Selection::Named(vec![element.to_string()]), Request::nothing(0))
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        let [one] = plan.connectors.as_slice() else {
+            let count = plan.connectors.len();
+            return Err(Failure::Usage(format!(
+                "{element} names {count} connectors: name one by its element number"
+            )));
+        };
+        return Ok(model.connectors[*one].definition());
+    }
+    let mut names = name.split([' ', ',', '+']).filter(|part| !part.is_empty());
+    let connection = connection(names.next().unwrap_or_default(), names.next())?;
+    // Both triads are oblique, and satisfy what the type constrains.
+    let draw = &mut Draw::new("the connector of a check");
+    let a = so3::turn([0.4, -0.3, 0.7]);
+    let relative = aligned(&connection, draw);
+    Ok(definition(&connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2))
+}
+
+/// Checks a routine and writes the report.
+pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
+    let definition = definition_of(&arguments.of)?;
+    let command = match (&arguments.python, &arguments.with) {
+        (Some(routine), _) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
+        (None, with) => with.clone().unwrap_or_default(),
+    };
+    let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
+    let settings = pintle_audit::Settings {
+        states: arguments.states,
+        near_singular_states: arguments.near_singular_states,
+        wide_states: arguments.wide_states,
+        seed: arguments.seed.clone(),
+        atlas: false,
+        ..pintle_audit::Settings::default()
+    };
+    let checked = pintle_check::check(&command, &definition, settings, patience);
+    let checked = checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
+    if checked.outside > 0 {
+        let message =
+            format!("{} of {} states are outside the domain of the routine", checked.outside, checked.states);
+        complain("note", &message);
+    }
+    write(arguments.format, arguments.verbose, &checked.report)?;
+    verdict(&checked.report)?;
+    if checked.report.is_open() { Err(Failure::Undecided) } else { Ok(()) }
+}

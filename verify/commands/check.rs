@@ -1,0 +1,281 @@
+//! Somebody's routine in a process: what is judged, and every way in which a process may misbehave.
+
+use crate::commands::cli::{pintle, stderr, stdout};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+const EXAMPLE: &str = "examples.check.cartesian";
+
+/// Arguments of a short check.
+fn brief<'a>(of: &'a str, door: &'a str, routine: &'a str) -> Vec<&'a str> {
+    let few = ["--states", "12", "--near-singular-states", "0", "--wide-states", "6"];
+    [&["check", of, door, routine][..], &few].concat()
+}
+
+fn python() -> bool {
+    let found = std::process::Command::new("python3").arg("--version").output().is_ok();
+    assert!(found || std::env::var_os("CI").is_none(), "CI has no python3");
+    if !found {
+        eprintln!("SKIPPED: there is no python3");
+    }
+    found
+}
+
+/// A Python routine is right, or the entry that is wrong is named.
+#[test]
+fn python_routines_are_judged() {
+    if !python() {
+        return;
+    }
+    let right = format!("{EXAMPLE}:evaluate");
+    let report = pintle(&[&brief("CARTESIAN", "--python", &right)[..], &["--format", "json"]].concat());
+    let report: Value = serde_json::from_str(&stdout(&report.assert().success())).unwrap();
+    let subject = &report["subjects"][0];
+    assert_eq!((&subject["derivative"], &subject["formula"]), (&"pass".into(), &"pass".into()));
+    let compared: u64 =
+        subject["checks"].as_array().unwrap().iter().map(|check| check["compared"].as_u64().unwrap()).sum();
+    assert!(compared > 600, "{compared}");
+    let wrong = format!("{EXAMPLE}:without_arm");
+    let page = stdout(&pintle(&brief("CARTESIAN", "--python", &wrong)).assert().code(1));
+    assert!(page.contains("∂u") && page.contains("/∂θa") && page.contains("wrong"), "{page}");
+    // A connector of a scene.
+    let of_scene = "gallery:slider_crank:106";
+    let report = stdout(&pintle(&brief(of_scene, "--python", &right)).assert().code(1));
+    assert!(report.contains("is missing"), "TRANSLATOR has rotations: {report}");
+}
+
+/// A process in Python: `answer` makes the answer to `message` of whatever `id`.
+fn process(name: &str, hello: &str, open: &str, answer: &str, close: &str) -> String {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("check");
+    fs::create_dir_all(&folder).unwrap();
+    let file = folder.join(format!("{name}.py"));
+    let text = format!(
+        "import json, os, sys, time\nsys.path.insert(0, {:?})\nfrom {EXAMPLE} import evaluate\nconnector = None\n\
+         def right(asked):\n    values, rows = evaluate(asked['states'][0], connector)\n    return {{'values': values, 'rows': rows}}\n\
+         def send(message):\n    print(json.dumps(message), flush=True)\n\
+         count = 0\nfor line in sys.stdin:\n    message = json.loads(line)\n    if 'hello' in message:\n        {hello}\n\
+         \x20   elif 'open' in message:\n        connector = message['open']\n        {open}\n\
+         \x20   elif 'evaluate' in message:\n        asked = message['evaluate']\n        id, count = asked['id'], count + 1\n        {answer}\n\
+         \x20   elif 'close' in message:\n        {close}\n",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    fs::write(&file, text).unwrap();
+    format!("exec python3 {}", file.display())
+}
+
+const HELLO: &str =
+    "send({'hello': {'protocol': 'pintle-candidate/1', 'name': 'mine', 'offers': ['values', 'rows']}})";
+const OPEN: &str = "send({'opened': True})";
+const ANSWER: &str = "send({'id': id, 'answers': [right(asked)]})";
+const CLOSE: &str = "break";
+
+/// Every misbehaviour is told as what it is, in time, with exit code 6; nothing of the process is left.
+#[test]
+fn misbehaviours_are_named() {
+    if !python() {
+        return;
+    }
+    let cases = [
+        (
+            "dies-at-hello",
+            "sys.exit(3)",
+            OPEN,
+            ANSWER,
+            CLOSE,
+            "ended (exit status: 3) when it was to say hello",
+        ),
+        (
+            "other-protocol",
+            "send({'hello': {'protocol': 'mine/2', 'name': 'x', 'offers': []}})",
+            OPEN,
+            ANSWER,
+            CLOSE,
+            "its protocol is \"mine/2\"",
+        ),
+        ("no-hello", "send({'hi': 1})", OPEN, ANSWER, CLOSE, "it has no \"hello\""),
+        (
+            "unknown-key",
+            "send({'hello': {'protocol': 'pintle-candidate/1', 'name': 'x', 'offers': ['rows'], 'colour': 1}})",
+            OPEN,
+            ANSWER,
+            CLOSE,
+            "unknown field `colour`",
+        ),
+        (
+            "bad-convention",
+            "send({'hello': {'protocol': 'pintle-candidate/1', 'name': 'x', 'offers': ['rows'], 'convention': {'columns': ['ux']}}})",
+            OPEN,
+            ANSWER,
+            CLOSE,
+            "names \"ux\"",
+        ),
+        (
+            "offers-nothing",
+            "send({'hello': {'protocol': 'pintle-candidate/1', 'name': 'x', 'offers': []}})",
+            OPEN,
+            ANSWER,
+            CLOSE,
+            "offers nothing",
+        ),
+        ("refuses", HELLO, "send({'error': 'no CARTESIAN here'})", ANSWER, CLOSE, "no CARTESIAN here"),
+        ("opens-nothing", HELLO, "send({'fine': 1})", ANSWER, CLOSE, "is not {\"opened\": true}"),
+        (
+            "dies",
+            HELLO,
+            OPEN,
+            "sys.exit(9) if count == 5 else send({'id': id, 'answers': [right(asked)]})",
+            CLOSE,
+            "ended (exit status: 9) when it was to answer",
+        ),
+        ("is-killed", HELLO, OPEN, "os.kill(os.getpid(), 11)", CLOSE, "signal: 11"),
+        ("hangs", HELLO, OPEN, "time.sleep(60)", CLOSE, "did not answer within"),
+        ("floods", HELLO, OPEN, "print('x' * 3000000, flush=True)", CLOSE, "longer than 1 MB"),
+        (
+            "half-a-line",
+            HELLO,
+            OPEN,
+            "sys.stdout.write('{\"id\":'); sys.exit(0)",
+            CLOSE,
+            "in the middle of a line",
+        ),
+        (
+            "no-text",
+            HELLO,
+            OPEN,
+            "sys.stdout.buffer.write(b'\\xff\\xfe\\n'); sys.stdout.flush()",
+            CLOSE,
+            "no UTF-8",
+        ),
+        ("prints", HELLO, OPEN, "print('iteration 1', flush=True)", CLOSE, "belongs on stderr"),
+        ("wrong-id", HELLO, OPEN, "send({'id': id + 1, 'answers': [right(asked)]})", CLOSE, "was asked id 1"),
+        (
+            "twice",
+            HELLO,
+            OPEN,
+            "[send({'id': id, 'answers': [right(asked)]}) for _ in range(2)]; time.sleep(0.05)",
+            CLOSE,
+            "a second answer",
+        ),
+        ("no-answers", HELLO, OPEN, "send({'id': id})", CLOSE, "\"answers\" is no list"),
+        (
+            "wrong-count",
+            HELLO,
+            OPEN,
+            "send({'id': id, 'answers': []})",
+            CLOSE,
+            "has 0 items, and one state was asked",
+        ),
+        (
+            "wrong-width",
+            HELLO,
+            OPEN,
+            "send({'id': id, 'answers': [{'values': [1] * 6, 'rows': [[1] * 12] * 6}]})",
+            CLOSE,
+            "\"rows\"[0] has 12 items, not 14",
+        ),
+        (
+            "no-number",
+            HELLO,
+            OPEN,
+            "send({'id': id, 'answers': [{'values': ['one'] * 6}]})",
+            CLOSE,
+            "is \"one\", not a number",
+        ),
+        (
+            "fails",
+            HELLO,
+            OPEN,
+            "send({'id': id, 'answers': [{'error': 'singular matrix'}]})",
+            CLOSE,
+            "singular matrix",
+        ),
+        ("closes-output", HELLO, OPEN, "os.close(1); time.sleep(60)", CLOSE, "closed its standard output"),
+        (
+            "changes",
+            HELLO,
+            OPEN,
+            "answer = right(asked); answer['values'][0] += (count > 100) * 1e-16 + count * 1e-17; send({'id': id, 'answers': [answer]})",
+            CLOSE,
+            "gave another answer",
+        ),
+        ("ignores-close", HELLO, OPEN, ANSWER, "time.sleep(60)", "did not end within"),
+        ("bad-end", HELLO, OPEN, ANSWER, "sys.exit(4)", "exit status: 4 after it was closed"),
+    ];
+    for (name, hello, open, answer, close, told) in cases {
+        let command = process(name, hello, open, answer, close);
+        let arguments = [&brief("CARTESIAN", "--with", &command)[..], &["--timeout", "3"]].concat();
+        let message = stderr(&pintle(&arguments).assert().code(6));
+        assert!(message.contains(told), "{name}: {message}");
+    }
+    let message = stderr(&pintle(&brief("CARTESIAN", "--with", "no-such-program-here")).assert().code(6));
+    assert!(message.contains("cannot be started"), "{message}");
+    assert_eq!(cases.len(), 26);
+    let left = std::process::Command::new("ps").args(["-eo", "args"]).output().map(|output| output.stdout);
+    let left = String::from_utf8_lossy(&left.unwrap_or_default()).to_string();
+    let left: Vec<&str> =
+        left.lines().filter(|line| line.contains("/check/") && line.contains("python3")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+/// What a routine declares of its conventions is undone; what it does not offer is not asked of it.
+#[test]
+fn conventions_are_undone() {
+    if !python() {
+        return;
+    }
+    let hello = |convention: &str| {
+        format!(
+            "send({{'hello': {{'protocol': 'pintle-candidate/1', 'name': 'mine', 'offers': ['values', 'rows'], 'convention': {convention}}}}})"
+        )
+    };
+    let changed =
+        |change: &str| format!("answer = right(asked); {change}; send({{'id': id, 'answers': [answer]}})");
+    let turned = "M = lambda n: list(map(list, zip(*[[sum(asked['states'][0][n]['triad'][k][i] * connector['initial'][n]['triad'][k][j] for k in range(3)) for j in range(3)] for i in range(3)]))); \
+                  answer['rows'] = [r and r[:3] + [sum(M('a')[i][j] * r[3 + j] for j in range(3)) for i in range(3)] + r[6:] for r in answer['rows']]";
+    let cases = [
+        (
+            "signs",
+            "{'factors': [-1, 2, 1, 1, 1, 1]}".to_string(),
+            "answer['values'][0] *= -1; answer['rows'][0] = [-x for x in answer['rows'][0]]; answer['values'][1] *= 2; answer['rows'][1] = [2 * x for x in answer['rows'][1]]",
+        ),
+        (
+            "columns",
+            "{'columns': ['b.u1', 'b.u2', 'b.u3', 'a.u1', 'a.u2', 'a.u3', 'a.ur1', 'a.ur2', 'a.ur3']}"
+                .to_string(),
+            "answer['rows'] = [r and r[7:10] + r[:6] for r in answer['rows']]",
+        ),
+        (
+            "stored",
+            "{'storage': 'columns'}".to_string(),
+            "answer['rows'] = [[r and r[j] for r in answer['rows']] for j in range(14)]",
+        ),
+        ("length", "{'length': 0.001}".to_string(), "pass"),
+        (
+            "degrees",
+            "{'column_angles': 'deg'}".to_string(),
+            "answer['rows'] = [r and [x * (0.017453292519943295 if j % 7 in (3, 4, 5) else 1) for j, x in enumerate(r)] for r in answer['rows']]",
+        ),
+        ("body", "{'rotations': 'body'}".to_string(), turned),
+    ];
+    for (name, convention, change) in cases {
+        let right = process(name, &hello(&convention), OPEN, &changed(change), CLOSE);
+        pintle(&brief("CARTESIAN", "--with", &right)).assert().success();
+        // Undeclared, it is wrong, but for a length that is the unit of everything.
+        let undeclared = process(&format!("{name}-not"), HELLO, OPEN, &changed(change), CLOSE);
+        let code = match name {
+            "length" => 0,
+            "columns" | "stored" => 6,
+            _ => 1,
+        };
+        pintle(&brief("CARTESIAN", "--with", &undeclared)).assert().code(code);
+    }
+    let rows = HELLO.replace("'values', ", "");
+    let alone = process("rows-alone", &rows, OPEN, ANSWER, CLOSE);
+    pintle(&brief("CARTESIAN", "--with", &alone)).assert().success();
+    let outside =
+        "send({'id': id, 'answers': [{'out_of_domain': 'small turns only'} if count % 2 else right(asked)]})";
+    let some = process("outside", &rows, OPEN, outside, CLOSE);
+    let message = stderr(&pintle(&brief("CARTESIAN", "--with", &some)).assert().success());
+    assert!(message.contains("outside the domain of the routine"), "{message}");
+}
