@@ -49,6 +49,7 @@ pub(crate) const NUMERICS: &[Gate] = &[
 
 /// Those of lanes, where they differ: reciprocals are refined from estimates, and both sides of a choice are formed.
 pub(crate) const NUMERICS_ON_LANES: &[Gate] = &[
+    gate("norm2", 1.0, 3.0, 4.0),
     gate("norm3", 1.0, 3.0, 4.0),
     gate("direction3", 3.0, 4.0, 5.0),
     gate("continuous_log", 5.0, 6.0, 12.0),

@@ -80,6 +80,7 @@ pub struct Candidate<'a> {
     reference_length: f64,
     offers_values: bool,
     offers_rows: bool,
+    offers_components: [bool; 6],
 }
 
 impl<'a> Candidate<'a> {
@@ -87,7 +88,15 @@ impl<'a> Candidate<'a> {
     /// follow into them: [`Settings::near_singular_states`] asks for them.
     pub fn new(name: &'a str, definition: &'a Definition) -> Self {
         let settings = Settings { states: 200, near_singular_states: 0, atlas: false, ..Settings::default() };
-        Self { name, definition, settings, reference_length: 0.0, offers_values: true, offers_rows: true }
+        Self {
+            name,
+            definition,
+            settings,
+            reference_length: 0.0,
+            offers_values: true,
+            offers_rows: true,
+            offers_components: [true; 6],
+        }
     }
 
     /// Another number of states, oracles or seed.
@@ -97,10 +106,11 @@ impl<'a> Candidate<'a> {
         self
     }
 
-    /// Whether the routine gives values, and rows: what it does not offer is not judged.
+    /// Whether the routine gives values, and rows, and of which components: what it does not offer is not judged.
     #[must_use]
-    pub const fn offers(mut self, values: bool, rows: bool) -> Self {
+    pub const fn offers(mut self, values: bool, rows: bool, components: [bool; 6]) -> Self {
         (self.offers_values, self.offers_rows) = (values, rows);
+        self.offers_components = components;
         self
     }
 
@@ -308,7 +318,8 @@ impl<'a> Candidate<'a> {
         let mut compare = |quantity: Quantity, answer: &Answer| {
             // Mutants of the routine's numbers, at the states on 237 bits.
             let mut check = examined.check(quantity, answer, &around, (Some(&referee), wide));
-            let may_lack = |k: usize| quantity == Quantity::Value && is_one_form[k];
+            let may_lack =
+                |k: usize| !self.offers_components[k] || quantity == Quantity::Value && is_one_form[k];
             examined.add_missing(&mut check, quantity, answer, may_lack);
             if let Some((k, i, x)) = given.entries(quantity).iter().find(|(k, ..)| units[*k].is_none()) {
                 let name = quantity.entry_name(k, i);
@@ -317,8 +328,8 @@ impl<'a> Candidate<'a> {
             }
             checks.push(check);
         };
-        let has_value =
-            |k: usize| values[k].is_some() || self.offers_values && units[k].is_some() && !is_one_form[k];
+        let is_due = |k: usize| self.offers_values && self.offers_components[k] && units[k].is_some();
+        let has_value = |k: usize| values[k].is_some() || is_due(k) && !is_one_form[k];
         if asks(Oracle::WideDifferences) && (0..6).any(has_value) {
             compare(Quantity::Value, &Answer::sharp(Oracle::WideDifferences, &truth.value()));
         }

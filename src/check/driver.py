@@ -40,12 +40,13 @@ routine = module
 for part in function.split("."):
     routine = getattr(routine, part)
 convention = getattr(module, "CONVENTION", {})
+components = getattr(module, "COMPONENTS", None)
 offers = getattr(module, "OFFERS", ["values", "rows"])
 connector = None
 for line in sys.stdin:
     message = json.loads(line)
     if "hello" in message:
-        hello = {"protocol": "pintle-candidate/1", "name": f"{name}:{function}", "offers": offers, "convention": convention}
+        hello = {"protocol": "pintle-candidate/1", "name": f"{name}:{function}", "offers": offers, "components": components, "convention": convention}
         send({"hello": hello})
     elif "open" in message:
         connector = arrays(message["open"])

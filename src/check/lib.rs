@@ -32,6 +32,8 @@ pub struct Checked {
     pub states: u64,
     /// At how many of them the routine said that it does not cover them.
     pub outside: u64,
+    /// What it does not offer: values, rows, components of the connector.
+    pub not_offered: Vec<&'static str>,
     /// How often it was asked, differences of its own values and all.
     pub asked: u64,
 }
@@ -48,10 +50,10 @@ pub fn check(
 ) -> Result<Checked, Misbehaviour> {
     let session = Session::start(command, definition, patience)?;
     let name = session.name().to_string();
-    let (values, rows) = session.offers();
+    let (values, rows, components) = session.offers();
     let session = RefCell::new(session);
     let (states, outside) = (Cell::new(0), Cell::new(0));
-    let candidate = Candidate::new(&name, definition).settings(settings).offers(values, rows);
+    let candidate = Candidate::new(&name, definition).settings(settings).offers(values, rows, components);
     let report = candidate.try_check(|asked: &Question<'_>| {
         let given = session.borrow_mut().ask(asked)?;
         // Values alone are asked for where they are differenced.
@@ -62,8 +64,9 @@ pub fn check(
         Ok(given)
     })?;
     let mut session = session.into_inner();
+    let not_offered = session.not_offered();
     session.ask_again()?;
     let asked = session.asked();
     session.close()?;
-    Ok(Checked { report, states: states.get(), outside: outside.get(), asked })
+    Ok(Checked { report, states: states.get(), outside: outside.get(), not_offered, asked })
 }

@@ -2,6 +2,7 @@
 
 use crate::protocol::{self, Answer, Hello, Offer, PROTOCOL};
 use pintle_audit::{Given, Question};
+use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Connector, Definition, State};
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
@@ -241,10 +242,24 @@ impl<'a> Session<'a> {
         &self.hello.name
     }
 
-    /// Whether it offers values, and rows.
-    pub fn offers(&self) -> (bool, bool) {
+    /// Whether it offers values, and rows, and which components.
+    pub fn offers(&self) -> (bool, bool, [bool; 6]) {
         let offers = |what| self.hello.offers.contains(&what);
-        (offers(Offer::Values), offers(Offer::Rows))
+        let has = |name: &str| {
+            self.hello.components.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
+        };
+        (offers(Offer::Values), offers(Offer::Rows), COMPONENT.map(has))
+    }
+
+    /// What the connector has and the routine does not offer.
+    pub fn not_offered(&self) -> Vec<&'static str> {
+        let (values, rows, components) = self.offers();
+        let mut names = Vec::new();
+        names.extend((!values).then_some("values"));
+        names.extend((!rows).then_some("rows"));
+        let has = |k: &usize| self.connector.differentiated(*k).is_some() && !components[*k];
+        names.extend((0..6).filter(has).map(|k| COMPONENT[k]));
+        names
     }
 
     /// How often it was asked.
@@ -270,6 +285,11 @@ impl<'a> Session<'a> {
         self.hello =
             serde_json::from_value(hello).map_err(|error| Misbehaviour::BadHello(error.to_string()))?;
         self.places = self.hello.convention.places().map_err(Misbehaviour::BadConvention)?;
+        let unknown = |name: &&String| !COMPONENT.contains(&name.as_str());
+        if let Some(name) = self.hello.components.iter().flatten().find(unknown) {
+            let names = COMPONENT.join(", ");
+            return Err(Misbehaviour::BadHello(format!("its components name {name:?}; there are {names}")));
+        }
         if self.hello.offers.is_empty() {
             return Err(Misbehaviour::OffersNothing);
         }
@@ -353,11 +373,9 @@ impl<'a> Session<'a> {
                 let of = (self.definition, &self.connector);
                 let (mut values, mut rows) = own.read(&self.hello.convention, &self.places, of, asked.state);
                 let offered = self.offers();
-                if !offered.0 {
-                    values = [None; 6];
-                }
-                if !offered.1 {
-                    rows = [None; 6];
+                for k in 0..6 {
+                    values[k] = values[k].filter(|_| offered.0 && offered.2[k]);
+                    rows[k] = rows[k].filter(|_| offered.1 && offered.2[k]);
                 }
                 Ok(Some((values, rows)))
             }

@@ -21,6 +21,8 @@ pub(crate) struct Hello {
     _protocol: Value,
     pub(crate) name: String,
     pub(crate) offers: Vec<Offer>,
+    /// The components that it has; without them, all.
+    pub(crate) components: Option<Vec<String>>,
     #[serde(default)]
     pub(crate) convention: Convention,
 }

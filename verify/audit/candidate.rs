@@ -110,6 +110,16 @@ fn what_is_undecided_is_not_ok() {
     assert!(overflown.contains("overflow"), "{overflown}");
 }
 
+/// The first wrong check, and by how much.
+fn worst(report: &Report) -> Option<String> {
+    let wrong = report.subjects[0].checks.iter().find(|check| check.verdict.is_mismatch())?;
+    let worst = wrong.worst.as_ref()?;
+    Some(format!(
+        "{:?} {:?}: {} {} for {}, {}",
+        wrong.quantity, wrong.against, worst.entry, worst.got, worst.want, worst.units
+    ))
+}
+
 /// A routine that works on the rotations nearest to its triads is right, beside a lock too.
 #[test]
 fn nearest_rotations_are_no_mismatch() {
@@ -128,6 +138,6 @@ fn nearest_rotations_are_no_mismatch() {
         });
         let compared: usize = report.subjects[0].checks.iter().map(|check| check.compared as usize).sum();
         assert!(compared > 5_000, "{name}: {compared}");
-        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{name}: {}", wrong_entry(&report));
+        assert_eq!((report.mismatches(), report.survivors()), (0, 0), "{name}: {:?}", worst(&report));
     }
 }

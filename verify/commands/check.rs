@@ -1,16 +1,37 @@
 //! Somebody's routine in a process: what is judged, and every way in which a process may misbehave.
 
 use crate::commands::cli::{pintle, stderr, stdout};
+use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-const EXAMPLE: &str = "examples.check.cartesian";
+const EXAMPLE: &str = "my_elements";
 
 /// Arguments of a short check.
 fn brief<'a>(of: &'a str, door: &'a str, routine: &'a str) -> Vec<&'a str> {
     let few = ["--states", "12", "--near-singular-states", "0", "--wide-states", "6"];
     [&["check", of, door, routine][..], &few].concat()
+}
+
+/// A folder with the routines that the page shows.
+fn elements() -> PathBuf {
+    let page =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/how-to/check-my-element.md"));
+    let page = page.unwrap();
+    let (_, code) = page.split_once("file=my_elements.py\n").unwrap();
+    let (code, _) = code.split_once("```").unwrap();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("check");
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("my_elements.py"), code).unwrap();
+    folder
+}
+
+/// `pintle` in the folder of the routines.
+fn there(arguments: &[&str]) -> Command {
+    let mut command = pintle(arguments);
+    command.current_dir(elements());
+    command
 }
 
 fn python() -> bool {
@@ -28,8 +49,8 @@ fn python_routines_are_judged() {
     if !python() {
         return;
     }
-    let right = format!("{EXAMPLE}:evaluate");
-    let report = pintle(&[&brief("CARTESIAN", "--python", &right)[..], &["--format", "json"]].concat());
+    let right = format!("{EXAMPLE}:cartesian");
+    let mut report = there(&[&brief("CARTESIAN", "--python", &right)[..], &["--format", "json"]].concat());
     let report: Value = serde_json::from_str(&stdout(&report.assert().success())).unwrap();
     let subject = &report["subjects"][0];
     assert_eq!((&subject["derivative"], &subject["formula"]), (&"pass".into(), &"pass".into()));
@@ -37,28 +58,26 @@ fn python_routines_are_judged() {
         subject["checks"].as_array().unwrap().iter().map(|check| check["compared"].as_u64().unwrap()).sum();
     assert!(compared > 600, "{compared}");
     let wrong = format!("{EXAMPLE}:without_arm");
-    let page = stdout(&pintle(&brief("CARTESIAN", "--python", &wrong)).assert().code(1));
+    let page = stdout(&there(&brief("CARTESIAN", "--python", &wrong)).assert().code(1));
     assert!(page.contains("∂u") && page.contains("/∂θa") && page.contains("wrong"), "{page}");
     // A connector of a scene.
     let of_scene = "gallery:slider_crank:106";
-    let report = stdout(&pintle(&brief(of_scene, "--python", &right)).assert().code(1));
+    let report = stdout(&there(&brief(of_scene, "--python", &right)).assert().code(1));
     assert!(report.contains("is missing"), "TRANSLATOR has rotations: {report}");
 }
 
 /// A process in Python: `answer` makes the answer to `message` of whatever `id`.
 fn process(name: &str, hello: &str, open: &str, answer: &str, close: &str) -> String {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("check");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = elements();
     let file = folder.join(format!("{name}.py"));
     let text = format!(
-        "import json, os, sys, time\nsys.path.insert(0, {:?})\nfrom {EXAMPLE} import evaluate\nconnector = None\n\
+        "import json, os, sys, time\nfrom {EXAMPLE} import cartesian as evaluate\nconnector = None\n\
          def right(asked):\n    values, rows = evaluate(asked['states'][0], connector)\n    return {{'values': values, 'rows': rows}}\n\
          def send(message):\n    print(json.dumps(message), flush=True)\n\
          count = 0\nfor line in sys.stdin:\n    message = json.loads(line)\n    if 'hello' in message:\n        {hello}\n\
          \x20   elif 'open' in message:\n        connector = message['open']\n        {open}\n\
          \x20   elif 'evaluate' in message:\n        asked = message['evaluate']\n        id, count = asked['id'], count + 1\n        {answer}\n\
          \x20   elif 'close' in message:\n        {close}\n",
-        env!("CARGO_MANIFEST_DIR")
     );
     fs::write(&file, text).unwrap();
     format!("exec python3 {}", file.display())
@@ -204,7 +223,11 @@ fn misbehaviours_are_named() {
     ];
     for (name, hello, open, answer, close, told) in cases {
         let command = process(name, hello, open, answer, close);
-        let arguments = [&brief("CARTESIAN", "--with", &command)[..], &["--timeout", "3"]].concat();
+        let arguments = [
+            &brief("CARTESIAN", "--with", &command)[..],
+            &["--timeout", if name == "hangs" { "8" } else { "60" }],
+        ]
+        .concat();
         let message = stderr(&pintle(&arguments).assert().code(6));
         assert!(message.contains(told), "{name}: {message}");
     }
@@ -270,6 +293,11 @@ fn conventions_are_undone() {
         };
         pintle(&brief("CARTESIAN", "--with", &undeclared)).assert().code(code);
     }
+    // Of some components only: of TRANSLATOR the translations.
+    let some = HELLO.replace("]}})", "], 'components': ['u1', 'u2', 'u3']}})");
+    let part = process("components", &some, OPEN, ANSWER, CLOSE);
+    let message = stderr(&pintle(&brief("TRANSLATOR", "--with", &part)).assert().success());
+    assert!(message.contains("not offered, and not judged: ur1, ur2, ur3"), "{message}");
     let rows = HELLO.replace("'values', ", "");
     let alone = process("rows-alone", &rows, OPEN, ANSWER, CLOSE);
     pintle(&brief("CARTESIAN", "--with", &alone)).assert().success();

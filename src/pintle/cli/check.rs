@@ -123,7 +123,15 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         ..pintle_audit::Settings::default()
     };
     let checked = pintle_check::check(&command, &definition, settings, patience);
-    let checked = checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
+    let mut checked =
+        checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
+    // A counter-example would ask pintle again, not the routine.
+    for check in checked.report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
+        check.failing = None;
+    }
+    if !checked.not_offered.is_empty() {
+        complain("note", &format!("not offered, and not judged: {}", checked.not_offered.join(", ")));
+    }
     if checked.outside > 0 {
         let message =
             format!("{} of {} states are outside the domain of the routine", checked.outside, checked.states);

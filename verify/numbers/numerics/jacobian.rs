@@ -60,7 +60,7 @@ fn jacobians_of_rotation_vectors() {
                         first[i][j].eps
                     );
                     assert!((third[i][j].v1 - exact).abs() < 32.0 * U, "{phi:?}: {} {exact}", third[i][j].v1);
-                    assert_eq!(first[i][j].real(), jacobian[i][j]);
+                    assert!((first[i][j].real() - jacobian[i][j]).abs() < 4.0 * U);
                 }
             }
         }

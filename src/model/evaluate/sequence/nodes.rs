@@ -7,7 +7,7 @@ use pintle_kinematics::so3::Quaternion;
 use pintle_kinematics::vector::{Matrix, Vector, cross, dot, identity, scale, sub};
 use pintle_scene::{NodeMotion, Rotation};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI, TAU};
 
 /// A node at one state, its rotation worked out once for all connectors that share it.
 #[derive(Clone, Copy, Debug)]
@@ -149,8 +149,9 @@ pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -
 /// 2. *Else* it is the shorter of the two ways round: right for every motion sampled at less than 0.9 π, whichever sheet each of
 ///    the vectors is on. At half a turn it is the way of the straight path between the vectors.
 ///
-/// The straight path between two vectors of one sheet turns the short way: the other is `other` where it turns the long way and
-/// that is less than seven times as long, and where vectors beyond a whole turn speak of turns about no fixed axis.
+/// The straight path between two vectors of one sheet turns the short way. The longer way is `other` where that path takes it and it is
+/// less than twice as long, or seven times where a vector is longer than half a turn; and where vectors beyond a whole turn speak of turns
+/// about no fixed axis.
 fn increment(
     new: Vector<f64>,
     before: &Orientation,
@@ -182,7 +183,9 @@ fn increment(
         return Turn { increment, other: is_ambiguous.then_some(shorter) };
     }
     let leaps = is_beyond && (length - old_length).abs() > shorter + ROUNDED;
-    let is_ambiguous = (is_long && (is_beyond || shorter > FRAC_PI_4)) || leaps || is_even;
+    // Vectors none of which is longer than half a turn are reduced, most likely.
+    let likely = if length.max(old_length) > PI + ROUNDED { FRAC_PI_4 } else { 2.0 * FRAC_PI_3 };
+    let is_ambiguous = (is_long && (is_beyond || shorter > likely)) || leaps || is_even;
     if is_even && is_long {
         let other_way = scale(principal, 1.0 - TAU / shorter);
         let increment = so3::continuous_log_quaternion(relative, other_way).phi;
@@ -194,7 +197,7 @@ fn increment(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::FRAC_PI_2;
 
     fn motion(rotation: Rotation) -> NodeMotion {
         NodeMotion { rotation, ..NodeMotion::default() }
@@ -359,6 +362,7 @@ mod tests {
             (PI, TAU, PI, Some(PI)),
             (0.0, 5.0, 5.0, Some(1.283_185_307_179_586)),
             (7.5, -7.5, -15.0, Some(2.433_629_385_640_828)),
+            (2.1, -2.7, TAU - 4.8, None),
             (3.0, -3.0, TAU - 6.0, None),
             (6.2, 0.1, TAU - 6.1, None),
             (0.3, 20.0, 19.7, None),
