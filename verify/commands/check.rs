@@ -5,6 +5,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 const EXAMPLE: &str = "my_elements";
 
@@ -21,9 +22,12 @@ fn elements() -> PathBuf {
     let page = page.unwrap();
     let (_, code) = page.split_once("file=my_elements.py\n").unwrap();
     let (code, _) = code.split_once("```").unwrap();
+    static WRITTEN: Once = Once::new();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("check");
-    fs::create_dir_all(&folder).unwrap();
-    fs::write(folder.join("my_elements.py"), code).unwrap();
+    WRITTEN.call_once(|| {
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("my_elements.py"), code).unwrap();
+    });
     folder
 }
 

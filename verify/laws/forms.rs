@@ -135,3 +135,23 @@ fn every_form_of_input_gives_the_same_numbers() {
     }
     check.finish();
 }
+
+/// A rotation vector beside a whole turn keeps its sheet, and is ill-conditioned there; beside none it is not.
+#[test]
+fn beside_whole_turns_rotation_vectors_are_ill_conditioned() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nROTATION\nO,\n";
+    let model = Model::compile(&Scene::parse("rotation.inp", deck).unwrap()).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, Request::new(&[Output::CP], [true; 6], 1)).unwrap();
+    let mut walk = Sequence::new(&model, &plan);
+    for (angle, flagged) in
+        [(0.05, 0), (2.9, 0), (5.6, 0), (6.25, 3), (TAU + 0.07, 3), (6.5, 0), (9.2, 0), (12.5, 3)]
+    {
+        let rotation = Rotation::Vector([0.0, 0.6 * angle, 0.8 * angle]);
+        let moved = NodeMotion { rotation, ..NodeMotion::default() };
+        let state = State { nodes: [(Label::from(2), moved)].into(), ..State::default() };
+        let flags = walk.step(&state).connectors.remove(0).flags;
+        let found = flags.iter().filter(|flag| flag.name() == "ill-conditioned").count();
+        assert_eq!(found, flagged, "{angle}: {flags:?}");
+    }
+}

@@ -110,6 +110,7 @@ impl Bound {
         let mut scales: [Entries<f64>; Quantity::ALL.len()] = Default::default();
         for k in 0..6 {
             let Some(value) = truth.entries(Quantity::Value).get(k, 0) else { continue };
+            let value = value * (1.0 + skewed[0] + skewed[1]);
             let of = |quantity: Quantity| -> Vec<f64> {
                 (0..quantity.entries()).map(|i| truth.entries(quantity).get(k, i).unwrap_or(0.0)).collect()
             };

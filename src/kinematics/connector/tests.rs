@@ -198,6 +198,16 @@ fn drum(of_a: Vector<f64>, of_b: Vector<f64>) -> (f64, Vec<Flag>) {
     (after.accumulated, connector.flags(&[None; 6], &increment, &state, &before, &after))
 }
 
+/// Where a node turns too far, it is the node that is named, and not the component that follows it.
+#[test]
+fn the_node_that_turned_is_named() {
+    for (of_a, of_b, node) in [(3.0, 0.2, Turned::NodeA), (-0.4, -3.0, Turned::NodeB)] {
+        let (_, flags) = drum([0.0, 0.0, of_a], [0.0, 0.0, of_b]);
+        let [Flag::LargeIncrement { component: "ur3", of, change }] = flags[..] else { panic!("{flags:?}") };
+        assert_eq!((of, change), (node, 3.0));
+    }
+}
+
 /// A drum that spins about its own axis accumulates its angle. One that tips while b turns depends on the path. The flag tells by
 /// how much: mean direction (sin 1.5)/1.5 against the midpoint's cos 0.75.
 #[test]

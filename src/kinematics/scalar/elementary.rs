@@ -216,14 +216,21 @@ inlined_for_doubles! {
         // With p_ij = u_j e_i − u_i e_j: the part of e across u is Σ_j p_ij u_j, and its square Σ_{i<j} p_ij². Over 1 + a/n, these are
         // P_ij, τ and Σ P_ij²: the tangent is τ/n. What is multiplied is of the size of e, and divided by n last, so that nothing
         // overflows that the derivatives do not.
-        let shorten = if const { S::ORDER > 1 } { inverse_one_plus(a.scale(inverse)) } else { S::one() };
+        let radial = a.scale(inverse);
+        let shorten = if const { S::ORDER > 2 } { inverse_one_plus(radial) } else { S::one() };
         let mut tangent = [S::zero(); N]; // τ
         let mut rise = S::zero(); // Σ p P/n
         let mut square = S::zero(); // Σ P²/n
         each!(S, i < N, {
             each!(S, j < i; N, {
                 let p = e[i].scale(u[j]) - e[j].scale(u[i]);
-                let short = if const { S::ORDER > 1 } { p.nilpotent_times(shorten) } else { p };
+                let short = if const { S::ORDER > 2 } {
+                    p.nilpotent_times(shorten)
+                } else if const { S::ORDER == 2 } {
+                    p - p.nilpotent_product(radial)
+                } else {
+                    p
+                };
                 tangent[i] = tangent[i] + short.scale(u[j]);
                 tangent[j] = tangent[j] - short.scale(u[i]);
                 if const { S::ORDER == 2 } {
