@@ -1,9 +1,13 @@
 //! Rotations: exp and log of SO(3), the log continued over turns, Cardan and Euler angles.
 //!
 //! All are regular at zero rotation, through half a turn and at exact right angles, for every order of derivative, because
-//! derivatives are lifted from real Taylor coefficients ([`crate::scalar`]). Errors are in units u = 2⁻⁵³ of the conditioned
-//! scale, value / first / second derivative, as `verify/numbers/numerics.rs` asserts them: on doubles with any type of derivatives, and on
-//! lanes but for continued logs (5 / 6 / 12 u), the angles one by one (2 / 5 / 3 u) and those of Euler together (2 / 2 / 3 u).
+//! derivatives are lifted from real Taylor coefficients ([`crate::scalar`]).
+//!
+//! Errors are in units u = 2⁻⁵³ of the conditioned scale: value / first / second derivative, as `verify/numbers/numerics.rs` asserts
+//! them. They hold on doubles with any type of derivatives. On lanes they are larger for these:
+//!
+//! - continued logs, 5 / 6 / 12 u;
+//! - Cardan angles one by one, 1 / 5 / 3 u; Euler angles, 2 / 5 / 3 u.
 //!
 //! ```
 //! use num_dual::Dual64;

@@ -149,9 +149,10 @@ pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -
 /// 2. *Else* it is the shorter of the two ways round: right for every motion sampled at less than 0.9 π, whichever sheet each of
 ///    the vectors is on. At half a turn it is the way of the straight path between the vectors.
 ///
-/// The straight path between two vectors of one sheet turns the short way. The longer way is `other` where that path takes it and it is
-/// less than twice as long, or seven times where a vector is longer than half a turn; and where vectors beyond a whole turn speak of turns
-/// about no fixed axis.
+/// The straight path between two vectors of one sheet turns the short way. The longer way is `other` in these cases:
+///
+/// - that path takes it, and it is less than twice as long; seven times where a vector is longer than half a turn;
+/// - vectors beyond a whole turn speak of turns about no fixed axis.
 fn increment(
     new: Vector<f64>,
     before: &Orientation,
