@@ -115,12 +115,14 @@ impl Orientation {
         };
         let triad = match self.system {
             System::User => {
-                let message = format!("orientation {name} comes from a user subroutine");
+                let message = format!(
+                    "orientation {name} comes from a user subroutine, or differs from element to element"
+                );
                 return Err(Diagnostic::error(
                     Code::UnsupportedOrientation,
                     self.span,
                     message,
-                    "SYSTEM=USER",
+                    "SYSTEM=USER, or a *DISTRIBUTION",
                 )
                 .help("give the directions by SYSTEM=RECTANGULAR and the points a, b"));
             }
@@ -271,7 +273,7 @@ fn normal(u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// u × v, each component to two units in the last place also where its two products cancel.
-fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
     let difference = |a: f64, b: f64, c: f64, d: f64| {
         let product = c * d;
         let error = (-c).mul_add(d, product);
