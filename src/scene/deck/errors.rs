@@ -17,9 +17,7 @@ impl Errors {
     pub(super) fn add(&mut self, error: Diagnostic) {
         let (errors, unsaid) = error.apart();
         for error in errors {
-            let is_told = |told: &Diagnostic| {
-                (told.code(), told.span(), told.message()) == (error.code(), error.span(), error.message())
-            };
+            let is_told = |told: &Diagnostic| (told.code(), told.span()) == (error.code(), error.span());
             let mut told = self.found.iter().flat_map(|first| std::iter::once(first).chain(first.further()));
             if self.spoiled.contains(&error.code()) || told.any(is_told) {
                 continue;
@@ -82,6 +80,11 @@ fn implied(code: Code) -> &'static [Code] {
         UnknownNode | UnknownNodeSet => &[EmptySet, BadConnectivity],
         SetCycle => &[MissingSection, EmptySet, WrongElementType, BadConnectivity, UnknownNode],
         WrongElementType | EmptySet => &[MissingSection],
+        // The data lines are those of another keyword, and the steps those that did not begin.
+        DanglingContinuation => {
+            &[MalformedInteger, MalformedNumber, MissingData, SurplusData, UnexpectedData]
+        }
+        HistoryOutsideStep => &[HistoryOutsideStep],
         _ => &[],
     }
 }
@@ -95,13 +98,16 @@ fn defined(keyword: &str) -> &'static [Code] {
         }
         "NSET" => &[UnknownNodeSet, EmptySet, BadConnectivity],
         "ELSET" => &[UnknownElementSet, MissingSection, EmptySet],
-        "ELEMENT" | "ELGEN" | "ELCOPY" => {
-            &[UnknownElement, UnknownElementSet, MissingSection, EmptySet, WrongElementType]
+        "ELGEN" | "ELCOPY" => {
+            &[UnknownElement, UnknownElementSet, MissingSection, EmptySet, WrongElementType, UnknownNode]
         }
+        "ELEMENT" => &[UnknownElement, UnknownElementSet, MissingSection, EmptySet, WrongElementType],
         "ORIENTATION" => &[UnknownOrientation],
         "AMPLITUDE" => &[UnknownAmplitude],
         "CONNECTOR SECTION" => &[MissingSection],
-        "STEP" | "END STEP" => &[HistoryOutsideStep, UnfinishedStep, TwoProcedures, ModelDataInStep],
+        "STEP" | "END STEP" => {
+            &[HistoryOutsideStep, UnfinishedStep, TwoProcedures, ModelDataInStep, MisplacedKeyword]
+        }
         "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => &[
             MisplacedKeyword,
             UnfinishedBlock,

@@ -41,6 +41,8 @@ pub(super) enum Strange {
     Refused,
     /// It is skipped, for no connector depends on it.
     Skipped,
+    /// It is skipped unless it looks misspelt.
+    Unlike,
     /// The keyword is skipped with its lines, unless they name a node of a connector or constraint.
     ByNodes,
 }
@@ -652,7 +654,7 @@ pub(super) static RULES: &[Rule] = &[
         "its lines are: time, value, time, value …",
         history::amplitude,
     )
-    .with_strange(Strange::Skipped),
+    .with_strange(Strange::Unlike),
     rule(
         "STEP",
         Stage::Step,
@@ -923,12 +925,18 @@ impl Rule {
         }
     }
 
-    /// A parameter that is not known is no error where it looks like a word of its own, neither misspelt nor data.
+    /// A parameter that is not known is no error where no connector depends on it, or where it looks like a word of its own.
     fn lets_pass(&self, given: &str) -> bool {
-        let known = self.parameters.into_iter().flatten().map(|parameter| parameter.name);
-        self.strange != Strange::Refused
-            && given.starts_with(|letter: char| letter.is_ascii_alphabetic())
-            && nearest(given, known).is_none()
+        match self.strange {
+            Strange::Refused => false,
+            Strange::Skipped => true,
+            Strange::Unlike | Strange::ByNodes => self.meant(given).is_none(),
+        }
+    }
+
+    /// The parameter that a name looks like.
+    pub(super) fn meant(&self, given: &str) -> Option<&'static str> {
+        nearest(given, self.parameters.into_iter().flatten().map(|parameter| parameter.name))
     }
 
     fn unknown(&self, keyword: &Keyword, index: usize) -> Diagnostic {

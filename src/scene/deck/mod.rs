@@ -285,6 +285,12 @@ impl Deck<'_> {
         for parameter in rule.passed_over(&keyword).map(str::to_owned).chain(strange.iter().cloned()) {
             self.scene.skipped.count(format!("*{}, {parameter}", rule.name), keyword.span.line());
         }
+        for (given, near) in strange.iter().filter_map(|given| Some((given, rule.meant(given)?))) {
+            let message = format!("{given} of *{} is skipped", rule.name);
+            let label = "not a parameter that is read";
+            let warning = Diagnostic::warning(Code::MisspeltKeyword, keyword.span, message, label);
+            self.warn(warning.help(format!("did you mean {near}?")));
+        }
         if let Some(parameter) = strange.first().filter(|_| rule.strange == Strange::ByNodes) {
             return unread::lines_on_nodes(self, &keyword, parameter);
         }

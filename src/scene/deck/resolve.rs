@@ -14,6 +14,7 @@ use crate::label::labelled::{Beside, LabelMap, LabelSet};
 use crate::model::{ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
 use crate::span::{Span, Spanned};
 use std::cell::OnceCell;
+use std::collections::HashSet;
 
 /// Checks every reference. What is wrong is added to the errors of the deck.
 pub(super) fn resolve(deck: &mut Deck<'_>) {
@@ -31,6 +32,9 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     deck.scene.mpcs = mpcs(&deck.scene, &raw, &mut errors);
     deck.errors = errors;
     unread::judge(deck);
+    if deck.unread.is_elsewhere && deck.scene.connectors.is_empty() && deck.scene.mpcs.is_empty() {
+        unread::drop_steps(deck);
+    }
     let mut errors = std::mem::take(&mut deck.errors);
     actuation(deck, &mut errors);
     deck.errors = errors;
@@ -90,6 +94,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         }
     };
     let mut warn = |warning| warnings.push(warning);
+    let (needed_nodes, needed_elements) = needed_sets(deck);
     let hint = undefined(Kind::Element);
     let elements = Known {
         member: &element,
@@ -104,6 +109,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         &elements,
         &|_, _| Ok(()),
         &hint,
+        &|name| needed_elements.contains(name),
         &mut warn,
         errors,
     )?;
@@ -127,10 +133,46 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         sorted: OnceCell::new(),
         other: &OtherElements::default(),
     };
-    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn, errors)?;
+    let node_sets = sets::resolve(
+        Kind::Node,
+        &deck.node_sets,
+        &known,
+        &nodes_of,
+        &hint,
+        &|name| needed_nodes.contains(name),
+        &mut warn,
+        errors,
+    )?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
+}
+
+/// The node sets, and the element sets, of which what is evaluated takes the members.
+fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
+    fn set(target: &Spanned<Target>) -> Option<&str> {
+        match &target.value {
+            Target::Set(name) => Some(name),
+            Target::Label(_) => None,
+        }
+    }
+    let Scene { transforms, steps, connector_sections, masses, rotary_inertias, .. } = &deck.scene;
+    let nodes = deck.mpcs.iter().flat_map(|mpc| &mpc.items).filter_map(set);
+    let nodes = nodes.chain(transforms.iter().map(|transform| transform.node_set.value.as_str()));
+    let nodes = sets::closure(&deck.node_sets, nodes);
+    let motions = steps.iter().flat_map(|step| &step.connector_motions).chain(&deck.scene.connector_motions);
+    let loads = steps.iter().flat_map(|step| &step.connector_loads);
+    let elements = connector_sections.iter().map(|section| section.element_set.value.as_str());
+    let elements = elements.chain(masses.iter().map(|mass| mass.element_set.value.as_str()));
+    let elements = elements.chain(rotary_inertias.iter().map(|inertia| inertia.element_set.value.as_str()));
+    let discrete = deck.scene.springs.iter().chain(&deck.scene.dashpots);
+    let elements = elements.chain(discrete.map(|discrete| discrete.element_set.value.as_str()));
+    let elements = elements.chain(motions.filter_map(|motion| set(&motion.target)));
+    let elements = elements.chain(loads.filter_map(|load| set(&load.target)));
+    let of_nodes = nodes.iter().filter_map(|name| deck.node_sets.get(*name));
+    let elements = elements.chain(of_nodes.flat_map(|builder| builder.element_sets()));
+    let elements = sets::closure(&deck.element_sets, elements);
+    (nodes, elements)
 }
 
 fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {

@@ -2,7 +2,7 @@
 
 use crate::deck::Deck;
 use crate::deck::errors::Errors;
-use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::diagnostic::{Code, Diagnostic, Result, Severity, suggest_scoped};
 use crate::label::labelled::{LabelSet, LabelState};
 use crate::label::{Instance, Label};
 use crate::model::Set;
@@ -211,6 +211,22 @@ impl SetBuilder {
         self.entries.push(Entry::Set(name));
     }
 
+    /// The sets of the same kind that it names.
+    pub(super) fn inner(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().filter_map(|entry| match entry {
+            Entry::Set(name) => Some(name.value.as_str()),
+            Entry::Range { .. } | Entry::NodesOf(_) => None,
+        })
+    }
+
+    /// The element sets whose nodes it takes.
+    pub(super) fn element_sets(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().filter_map(|entry| match entry {
+            Entry::NodesOf(name) => Some(name.value.as_str()),
+            Entry::Range { .. } | Entry::Set(_) => None,
+        })
+    }
+
     pub(super) fn push_nodes_of(&mut self, name: Spanned<String>) {
         self.entries.push(Entry::NodesOf(name));
     }
@@ -352,6 +368,7 @@ pub(super) fn resolve(
     known: &Known<'_>,
     nodes_of: NodesOf<'_>,
     hint: &dyn Fn() -> String,
+    needed: &dyn Fn(&str) -> bool,
     warn: &mut dyn FnMut(Diagnostic),
     errors: &mut Errors,
 ) -> Result<IndexMap<String, Set>> {
@@ -391,8 +408,12 @@ pub(super) fn resolve(
                 }
                 &Entry::Range { instance, first, last, step, generated, span } => {
                     let range = (Label::of(instance, first), last, step, generated);
-                    let found = expand(kind, range, span, known, hint, &mut set, warn);
-                    listed += errors.value(found).unwrap_or(0);
+                    match expand(kind, range, span, known, hint, &mut set, warn) {
+                        Ok(found) => listed += found,
+                        Err(error) if needed(name) => errors.add(error),
+                        // No connector and no constraint has to do with the set.
+                        Err(error) => warn(error.of_severity(Severity::Warning)),
+                    }
                     if listed > MAX_LISTED {
                         let message =
                             format!("the {} sets list more than {MAX_LISTED} numbers together", kind.name());
@@ -482,6 +503,21 @@ fn expand(
         );
     }
     Ok(looked_at)
+}
+
+/// The sets of some names, and all sets within them.
+pub(super) fn closure<'a>(
+    builders: &'a IndexMap<String, SetBuilder>,
+    names: impl Iterator<Item = &'a str>,
+) -> HashSet<&'a str> {
+    let mut found = HashSet::new();
+    let mut open: Vec<&str> = names.collect();
+    while let Some(name) = open.pop() {
+        if found.insert(name) {
+            open.extend(builders.get(name).into_iter().flat_map(SetBuilder::inner));
+        }
+    }
+    found
 }
 
 /// An order in which every set comes after those that it names.

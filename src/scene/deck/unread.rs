@@ -19,6 +19,8 @@ pub(super) struct Unread {
     changes: Vec<Change>,
     /// What moves nodes or takes them from elsewhere.
     warnings: Vec<Diagnostic>,
+    /// The model is in another deck.
+    pub(super) is_elsewhere: bool,
 }
 
 /// Lines of one keyword that name nodes.
@@ -109,6 +111,7 @@ pub(super) fn elsewhere(deck: &mut Deck<'_>, keyword: &Keyword) {
         ),
     };
     let warning = Diagnostic::warning(Code::NotFollowed, keyword.span, message, label).help(remedy);
+    deck.unread.is_elsewhere |= keyword.name != "IMPERFECTION";
     deck.unread.warnings.push(warning);
 }
 
@@ -124,7 +127,8 @@ fn named<'a>(scene: &'a Scene, target: &'a Target, among: impl Fn(&Label) -> boo
 
 /// Tells which of what was passed over bears on connectors and constraints. The sets and constraints must be resolved.
 pub(super) fn judge(deck: &mut Deck<'_>) {
-    let Unread { lines, amplitudes, changes, warnings } = std::mem::take(&mut deck.unread);
+    let Unread { lines, amplitudes, changes, warnings, is_elsewhere } = std::mem::take(&mut deck.unread);
+    deck.unread.is_elsewhere = is_elsewhere;
     let scene = &mut deck.scene;
     let mut bearing = LabelSet::with_capacity_and_hasher(0, LabelState::default());
     bearing.extend(scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten());
@@ -142,7 +146,7 @@ pub(super) fn judge(deck: &mut Deck<'_>) {
     if !amplitudes.is_empty() {
         drop_unread(deck, &amplitudes, &bearing);
     }
-    if !bearing.is_empty() || deck.scene.nodes.is_empty() {
+    if !bearing.is_empty() || is_elsewhere {
         warnings.into_iter().for_each(|warning| deck.warn(warning));
     }
     for Change { is_removal, targets } in changes {
@@ -163,6 +167,24 @@ pub(super) fn judge(deck: &mut Deck<'_>) {
                 .help("evaluate the steps before and after apart, with --connector");
             deck.warn(warning);
         }
+    }
+}
+
+/// Takes out what acts on a model that another deck has, and counts it.
+pub(super) fn drop_steps(deck: &mut Deck<'_>) {
+    let Scene { steps, boundaries, skipped, .. } = &mut deck.scene;
+    let mut drop = |count: usize, line: u32| {
+        for _ in 0..count {
+            skipped.count("what acts on the model of another deck".to_owned(), line);
+        }
+    };
+    drop(std::mem::take(boundaries).len(), 0);
+    for step in steps {
+        let line = step.span.line();
+        drop(std::mem::take(&mut step.boundaries).len(), line);
+        drop(std::mem::take(&mut step.concentrated_loads).len(), line);
+        drop(std::mem::take(&mut step.distributed_loads).len(), line);
+        drop(std::mem::take(&mut step.outputs).len(), line);
     }
 }
 

@@ -149,7 +149,8 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
         return Err(Diagnostic::error(Code::SceneUnknownSchema, schema.span, message, "not this one")
             .help(format!("write schema = \"{SCHEMA}\", or leave it out")));
     }
-    if document.nodes.0.is_empty() {
+    let has_nodes = matches!(&tree.value, tree::Value::Table(entries) if entries.iter().any(|(key, _)| key.name == "nodes"));
+    if document.nodes.0.is_empty() && !has_nodes {
         return Err(Diagnostic::error(Code::SceneMissingField, tree.span, "the scene has no nodes", "here")
             .help("give nodes, such as nodes.1 = [0, 0, 0]"));
     }

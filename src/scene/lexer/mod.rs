@@ -163,7 +163,12 @@ impl<'a> Lexer<'a> {
                 return Ok(keyword.map(|keyword| Keyword { not_utf8, ..keyword }));
             }
             let comma = line.last_byte();
-            if !self.fill_line()? || self.at_keyword() {
+            let goes_on = self.fill_line()?;
+            if goes_on && self.at_number() {
+                // No parameter begins like that: the comma is one too many, and the line one of data.
+                return Ok(keyword.map(|keyword| Keyword { not_utf8, ..keyword }));
+            }
+            if !goes_on || self.at_keyword() {
                 return Err(Diagnostic::error(
                     Code::DanglingContinuation,
                     comma,
@@ -214,6 +219,11 @@ impl<'a> Lexer<'a> {
 
     fn at_keyword(&self) -> bool {
         self.buffer.trim_ascii_start().first() == Some(&b'*')
+    }
+
+    fn at_number(&self) -> bool {
+        let first = self.buffer.trim_ascii_start().first();
+        first.is_some_and(|byte| byte.is_ascii_digit() || b"+-.".contains(byte))
     }
 
     fn stray(&self) -> Diagnostic {
