@@ -3,9 +3,10 @@
 use crate::choice::choices;
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
-use crate::model::{End, Scene};
+use crate::model::{ConnectorSection, End, Scene};
 use crate::span::Span;
 use serde::Serialize;
+use std::collections::HashSet;
 
 /// The directions e1, e2, e3, each in global components: the columns of a rotation matrix.
 pub type Triad = [[f64; 3]; 3];
@@ -207,7 +208,7 @@ impl Orientation {
 }
 
 impl Scene {
-    /// What is wrong with orientations: with those that hold everywhere, and with every other where a connector uses it. Reading a scene
+    /// What is wrong with orientations that connectors use: with those that hold everywhere, and with every other at the connector. Reading a scene
     /// leaves that to whoever evaluates it: an audit tells all of them.
     pub fn orientation_errors(&self) -> Vec<Diagnostic> {
         let everywhere = |orientation: &Orientation| {
@@ -216,7 +217,11 @@ impl Scene {
                 && !matches!(orientation.definition, Definition::OffsetToNodes { .. })
         };
         let mut found = Vec::new();
-        for (name, orientation) in &self.orientations {
+        let named =
+            |section: &ConnectorSection| [section.orientation_a.clone(), section.orientation_b.clone()];
+        let used: HashSet<String> =
+            self.connector_sections.iter().flat_map(named).flatten().map(|name| name.value).collect();
+        for (name, orientation) in self.orientations.iter().filter(|(name, _)| used.contains(*name)) {
             if everywhere(orientation) {
                 found.extend(orientation.triad(name, self, [0.0; 3], &[]).err());
             }

@@ -11,7 +11,7 @@ use crate::deck::unread;
 use crate::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::label::Label;
 use crate::label::labelled::{Beside, LabelMap, LabelSet};
-use crate::model::{ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
+use crate::model::{ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target};
 use crate::span::{Span, Spanned};
 use std::cell::OnceCell;
 use std::collections::HashSet;
@@ -30,8 +30,10 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw, &mut errors);
+    let bearing = unread::bearing(&deck.scene);
+    errors.value(transforms(&deck.scene, &bearing));
     deck.errors = errors;
-    unread::judge(deck);
+    unread::judge(deck, &bearing);
     if deck.unread.is_elsewhere && deck.scene.connectors.is_empty() && deck.scene.mpcs.is_empty() {
         unread::drop_steps(deck);
     }
@@ -322,7 +324,7 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
     Ok(())
 }
 
-/// Masses, inertias, springs, dashpots and transforms.
+/// Masses, inertias, springs and dashpots.
 fn properties(scene: &Scene, errors: &mut Errors) {
     let of_kind = |name: &Spanned<String>, keyword: &str, kinds: &[PointKind]| {
         let set = element_set(scene, name)?;
@@ -363,18 +365,20 @@ fn properties(scene: &Scene, errors: &mut Errors) {
             errors.value(check_degrees_of_freedom(discrete, keyword, kinds));
         }
     }
-    errors.value(transforms(scene));
 }
 
-/// The axes of every node that has some, and no node with two.
-fn transforms(scene: &Scene) -> Result<()> {
+/// The axes of every node of a connector or constraint that has some, and no such node with two.
+fn transforms(scene: &Scene, bearing: &LabelSet) -> Result<()> {
     let mut known: LabelMap<usize> = LabelMap::default();
     for (index, transform) in scene.transforms.iter().enumerate() {
-        let set = complete_node_set(scene, &transform.node_set)?;
-        for label in &set.labels {
-            if let Some(node) =
-                scene.nodes.get(label).filter(|_| transform.kind != TransformKind::Rectangular)
-            {
+        // A set may lack nodes where there is no connector that could have one of them.
+        let set = if bearing.is_empty() {
+            node_set(scene, &transform.node_set)?
+        } else {
+            complete_node_set(scene, &transform.node_set)?
+        };
+        for label in set.labels.iter().filter(|label| bearing.contains(*label)) {
+            if let Some(node) = scene.nodes.get(label) {
                 transform.triad(scene, node.coordinates)?;
             }
             let Some(first) = known.insert(*label, index).and_then(|first| scene.transforms.get(first))
@@ -387,9 +391,6 @@ fn transforms(scene: &Scene) -> Result<()> {
             return Err(Diagnostic::error(Code::TwoTransforms, span, message, label)
                 .beside(first)
                 .help("take the node out of one of the two sets"));
-        }
-        if transform.kind == TransformKind::Rectangular {
-            transform.triad(scene, [0.0; 3])?;
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use crate::deck::Deck;
 use crate::deck::history::target;
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
-use crate::label::labelled::{LabelSet, LabelState};
+use crate::label::labelled::LabelSet;
 use crate::lexer::{Keyword, normal};
 use crate::model::{Application, Scene, Target};
 use crate::span::{Span, Spanned};
@@ -125,14 +125,17 @@ fn named<'a>(scene: &'a Scene, target: &'a Target, among: impl Fn(&Label) -> boo
     }
 }
 
+/// The nodes of connectors and constraints.
+pub(super) fn bearing(scene: &Scene) -> LabelSet {
+    let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
+    ends.chain(scene.mpcs.iter().flat_map(|mpc| &mpc.nodes).copied()).collect()
+}
+
 /// Tells which of what was passed over bears on connectors and constraints. The sets and constraints must be resolved.
-pub(super) fn judge(deck: &mut Deck<'_>) {
+pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     let Unread { lines, amplitudes, changes, warnings, is_elsewhere } = std::mem::take(&mut deck.unread);
     deck.unread.is_elsewhere = is_elsewhere;
     let scene = &mut deck.scene;
-    let mut bearing = LabelSet::with_capacity_and_hasher(0, LabelState::default());
-    bearing.extend(scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten());
-    bearing.extend(scene.mpcs.iter().flat_map(|mpc| &mpc.nodes));
     for OnNodes { what, targets, remedy } in lines {
         for target in targets {
             if let Some(label) = named(scene, &target.value, |label| bearing.contains(label)) {
@@ -144,7 +147,7 @@ pub(super) fn judge(deck: &mut Deck<'_>) {
         }
     }
     if !amplitudes.is_empty() {
-        drop_unread(deck, &amplitudes, &bearing);
+        drop_unread(deck, &amplitudes, bearing);
     }
     if !bearing.is_empty() || is_elsewhere {
         warnings.into_iter().for_each(|warning| deck.warn(warning));
