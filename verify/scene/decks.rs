@@ -14,7 +14,8 @@ fn read(text: &str) -> Scene {
 /// Lines that a deck with a HINGE may have, and what is counted of them.
 #[test]
 fn what_bears_on_no_connector_is_skipped_and_counted() {
-    let solid = "*NODE, NSET=FAR\n11, 5., 0., 0.\n12, 6., 0., 0.\n*ELEMENT, TYPE=T3D2, ELSET=BARS\n1, 11, 12\n";
+    let solid =
+        "*NODE, NSET=FAR\n11, 5., 0., 0.\n12, 6., 0., 0.\n*ELEMENT, TYPE=T3D2, ELSET=BARS\n1, 11, 12\n";
     let cases = [
         ("*BOUNDARY\nFAR, 11, 11, 20.\n1, 8\n", "*BOUNDARY of degree of freedom"),
         ("*STEP\n*CLOAD\n1, 9, 2.\n11, 11, 1.\n*END STEP\n", "*CLOAD of degree of freedom"),
@@ -22,8 +23,14 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         ("*ORIENTATION, NAME=D\nField\n3, 0.\n", "*ORIENTATION by a distribution"),
         ("*STEP, NLGEO, UNSYM=YES, FLAVOUR=SWEET\n*END STEP\n", "*STEP, FLAVOUR"),
         ("*STEP\n*STATIC, SOLVER=PARDISO\n*BOUNDARY, AMP=A\n1, 1\n*END STEP\n*AMP", ""),
-        ("*AMPLITUDE, NAME=A, INPUT=not there\n*STEP\n*DLOAD, AMP=A\nBARS, P1, 1.\n*END STEP\n", "*DLOAD with an amplitude"),
-        ("*AMPLITUDE, NAME=A, USER\n*STEP\n*BOUNDARY, AMPLITUDE=A\nFAR, 1\n*END STEP\n", "*BOUNDARY with an amplitude"),
+        (
+            "*AMPLITUDE, NAME=A, INPUT=not there\n*STEP\n*DLOAD, AMP=A\nBARS, P1, 1.\n*END STEP\n",
+            "*DLOAD with an amplitude",
+        ),
+        (
+            "*AMPLITUDE, NAME=A, USER\n*STEP\n*BOUNDARY, AMPLITUDE=A\nFAR, 1\n*END STEP\n",
+            "*BOUNDARY with an amplitude",
+        ),
         ("*STEP\n*BOUNDARY, SUBMODEL, STEP=1\nFAR, 1, 3\n*END STEP\n", "*BOUNDARY, SUBMODEL"),
         ("*STEP\n*BOUNDARY, MASS FLOW\n11, 1, 1, 2.\n*END STEP\n", "*BOUNDARY, MASS FLOW"),
         ("*STEP\n*CLOAD, SECTOR=3\n11, 1, 2.\n*END STEP\n", "*CLOAD, SECTOR"),
@@ -42,7 +49,9 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
     let mut counted = 0;
     for (lines, what) in cases {
         // The first lines before the model, which may use their names.
-        let lines = lines.strip_suffix("*AMP").map_or(lines.to_owned(), |lines| format!("*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n{lines}"));
+        let lines = lines
+            .strip_suffix("*AMP")
+            .map_or(lines.to_owned(), |lines| format!("*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n{lines}"));
         let scene = read(&format!("{HINGE}{solid}{lines}"));
         let skipped = scene.skipped.parameters.keys().chain(scene.skipped.keywords.keys());
         assert!(what.is_empty() || skipped.clone().any(|name| name.contains(what)), "{lines}: {skipped:?}");
@@ -90,26 +99,48 @@ fn nodes_are_generated_where_the_manual_says() {
     places(&format!("{ends}*NGEN, LINE=C\n1, 5, 2, , 0., 0., 0.\n"), &[(3, [half, half, 0.0])]);
     let other_way = format!("{ends}*NGEN, LINE=C\n1, 9, 4, 20, , , , 0., 0., -1.\n");
     assert!(Scene::parse("deck.inp", &other_way).is_err(), "node 5 lies on the other half");
-    places(&format!("{ends}*NGEN, LINE=C\n1, 9, 2, 20, , , , 0., 0., 1.\n"), &[(3, [half, half, 0.0]), (7, [-half, half, 0.0])]);
-    places("*NODE\n1, 1., 0., 0.\n3, 0., 2., 4.\n*NGEN, LINE=C\n1, 3, 1, , 0., 0., 0., 0., 0., 1.\n",
-        &[(2, [1.5 * half, 1.5 * half, 2.0])]);
-    places("*NODE\n1, 0., 0., 0.\n5, 4., 0., 0.\n*NGEN, LINE=P\n1, 5, 1, , 2., 1., 0.\n",
-        &[(2, [1.0, 0.75, 0.0]), (3, [2.0, 1.0, 0.0]), (4, [3.0, 0.75, 0.0])]);
-    places("*NODE\n1, 2., 0., 0.\n5, 0., 2., 0.\n*NGEN, LINE=P, SYSTEM=C\n1, 5, 2, , 2., 45., 0.\n",
-        &[(3, [root, root, 0.0])]);
-    let bounds = "*NODE, NSET=A\n1, 0., 0., 0.\n2, 0., 1., 0.\n*NODE, NSET=B\n101, 7., 0., 0.\n102, 7., 8., 0.\n";
+    places(
+        &format!("{ends}*NGEN, LINE=C\n1, 9, 2, 20, , , , 0., 0., 1.\n"),
+        &[(3, [half, half, 0.0]), (7, [-half, half, 0.0])],
+    );
+    places(
+        "*NODE\n1, 1., 0., 0.\n3, 0., 2., 4.\n*NGEN, LINE=C\n1, 3, 1, , 0., 0., 0., 0., 0., 1.\n",
+        &[(2, [1.5 * half, 1.5 * half, 2.0])],
+    );
+    places(
+        "*NODE\n1, 0., 0., 0.\n5, 4., 0., 0.\n*NGEN, LINE=P\n1, 5, 1, , 2., 1., 0.\n",
+        &[(2, [1.0, 0.75, 0.0]), (3, [2.0, 1.0, 0.0]), (4, [3.0, 0.75, 0.0])],
+    );
+    places(
+        "*NODE\n1, 2., 0., 0.\n5, 0., 2., 0.\n*NGEN, LINE=P, SYSTEM=C\n1, 5, 2, , 2., 45., 0.\n",
+        &[(3, [root, root, 0.0])],
+    );
+    let bounds =
+        "*NODE, NSET=A\n1, 0., 0., 0.\n2, 0., 1., 0.\n*NODE, NSET=B\n101, 7., 0., 0.\n102, 7., 8., 0.\n";
     places(&format!("{bounds}*NFILL\nA, B, 4, 25\n"), &[(26, [1.75, 0.0, 0.0]), (77, [5.25, 6.25, 0.0])]);
-    places(&format!("{bounds}*NFILL, BIAS=0.5, NSET=ALL\nA, B, 3, 10\n"), &[(11, [1.0, 0.0, 0.0]), (21, [3.0, 0.0, 0.0])]);
+    places(
+        &format!("{bounds}*NFILL, BIAS=0.5, NSET=ALL\nA, B, 3, 10\n"),
+        &[(11, [1.0, 0.0, 0.0]), (21, [3.0, 0.0, 0.0])],
+    );
     let copied = |how: &str| format!("{bounds}*NCOPY, CHANGE NUMBER=1000, OLD SET=B, {how}");
     places(&copied("SHIFT\n1., 2., 3.\n"), &[(1101, [8.0, 2.0, 3.0]), (1102, [8.0, 10.0, 3.0])]);
-    places(&copied("SHIFT, MULTIPLE=2\n, ,\n0., 0., 0., 0., 0., 1., 90.\n"), &[(1102, [-8.0, 7.0, 0.0]), (2102, [-7.0, -8.0, 0.0])]);
+    places(
+        &copied("SHIFT, MULTIPLE=2\n, ,\n0., 0., 0., 0., 0., 1., 90.\n"),
+        &[(1102, [-8.0, 7.0, 0.0]), (2102, [-7.0, -8.0, 0.0])],
+    );
     places(&copied("REFLECT=LINE\n0., 0., 0., 1., 0., 0.\n"), &[(1102, [7.0, -8.0, 0.0])]);
     places(&copied("REFLECT=MIRROR\n1., 0., 0., 1., 1., 0.\n1., 0., 1.\n"), &[(1102, [-5.0, 8.0, 0.0])]);
     places(&copied("REFLECT=POINT\n1., 1., 1.\n"), &[(1102, [-5.0, -6.0, 2.0])]);
     places(&copied("POLE\n2,\n"), &[(1102, [14.0, 15.0, 0.0])]);
-    places("*SYSTEM\n1., 2., 3.\n*NODE\n1, 1., 0., 0.\n*SYSTEM\n*NODE\n2, 1., 0., 0.\n", &[(1, [2.0, 2.0, 3.0]), (2, [1.0, 0.0, 0.0])]);
+    places(
+        "*SYSTEM\n1., 2., 3.\n*NODE\n1, 1., 0., 0.\n*SYSTEM\n*NODE\n2, 1., 0., 0.\n",
+        &[(1, [2.0, 2.0, 3.0]), (2, [1.0, 0.0, 0.0])],
+    );
     places("*SYSTEM\n1., 0., 0., 1., 1., 5.\n*NODE\n1, 2., 3., 4.\n", &[(1, [-2.0, 2.0, 4.0])]);
-    places("*SYSTEM\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n*NODE, SYSTEM=C\n1, 2., 90., 1.\n", &[(1, [2.0, 1.0, 0.0])]);
+    places(
+        "*SYSTEM\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n*NODE, SYSTEM=C\n1, 2., 90., 1.\n",
+        &[(1, [2.0, 1.0, 0.0])],
+    );
     places("*NODE, SYSTEM=S\n1, 2., 90., 30.\n", &[(1, [0.0, 3.0_f64.sqrt(), 1.0])]);
     places("*PARAMETER\na = 2\nb = a*1.5 + 1\n*NODE\n<a>, <b>, 0., <a>\n", &[(2, [4.0, 0.0, 2.0])]);
 }
@@ -127,8 +158,10 @@ fn elements_are_copied_with_their_nodes() {
 
 #[test]
 fn parameters_may_be_shortened_to_any_unambiguous_beginning() {
-    let deck = format!("{HINGE}*NSET, NSET=ALL, GEN\n1, 2\n*AMPLITUDE, NAME=A, DEF=TABULAR, TI=TOTAL TIME\n0., 0., 1., 1.\n\
-        *STEP, NLGEO, INC=7\n*CONNECTOR MOTION, AMP=A\nE, 4, 1.\n*END STEP\n");
+    let deck = format!(
+        "{HINGE}*NSET, NSET=ALL, GEN\n1, 2\n*AMPLITUDE, NAME=A, DEF=TABULAR, TI=TOTAL TIME\n0., 0., 1., 1.\n\
+        *STEP, NLGEO, INC=7\n*CONNECTOR MOTION, AMP=A\nE, 4, 1.\n*END STEP\n"
+    );
     let scene = read(&deck);
     assert_eq!(scene.node_sets["ALL"].labels.len(), 2);
     assert_eq!((scene.steps[0].nlgeom, scene.steps[0].increments), (Some(true), Some(7)));
@@ -152,7 +185,8 @@ fn names_may_be_qualified_by_the_assembly() {
 
 #[test]
 fn a_deck_that_goes_on_from_another_says_so() {
-    let scene = read("*HEADING\n*RESTART, READ, STEP=1\n*STEP\n*BOUNDARY\nLEFT, 1, 3\n*CLOAD\n7, 1, 2.\n*END STEP\n");
+    let scene =
+        read("*HEADING\n*RESTART, READ, STEP=1\n*STEP\n*BOUNDARY\nLEFT, 1, 3\n*CLOAD\n7, 1, 2.\n*END STEP\n");
     let codes: Vec<Code> = scene.warnings.iter().map(pintle_scene::Diagnostic::code).collect();
     assert_eq!(codes, [Code::NotFollowed]);
     assert_eq!(scene.skipped.parameters["what acts on the model of another deck"].count, 2);
@@ -171,7 +205,9 @@ fn a_deck_without_nodes_converts_to_files_that_read_back() {
                 Format::Toml => Scene::parse_toml("deck.toml", &written),
                 Format::Json => Scene::parse_json("deck.json", &written),
             };
-            let back = back.unwrap_or_else(|error| panic!("{text} as {format:?}:\n{written}\n{}", error.render(100, false)));
+            let back = back.unwrap_or_else(|error| {
+                panic!("{text} as {format:?}:\n{written}\n{}", error.render(100, false))
+            });
             assert_eq!((back.nodes.len(), back.steps.len()), (0, scene.steps.len()), "{text} as {format:?}");
         }
     }
@@ -192,14 +228,17 @@ fn columns_are_in_any_case_and_forces_in_any_order_with_gaps() {
         let text = head.to_owned() + &lines.collect::<String>();
         let mut states = vec![State::default(), State::default(), State::default()];
         let file = ForceFile::parse_csv("f.csv", &text, &scene, ForceSign::Internal);
-        file.unwrap_or_else(|error| panic!("{text}\n{}", error.render(100, false))).attach(&mut states, 0).unwrap();
+        file.unwrap_or_else(|error| panic!("{text}\n{}", error.render(100, false)))
+            .attach(&mut states, 0)
+            .unwrap();
         let of = |state: &State| -> BTreeMap<String, Option<f64>> {
             state.forces.iter().map(|(label, forces)| (label.to_string(), forces.total[0])).collect()
         };
         states.iter().map(of).collect::<Vec<_>>()
     };
     let by_state = rows(&[(0, 101, "1"), (0, 102, "2"), (2, 101, "3"), (2, 102, "4")]);
-    let by_element = rows(&[(2, 101, "3"), (0, 101, "1"), (1, 101, ""), (0, 102, "2"), (1, 102, ""), (2, 102, "4")]);
+    let by_element =
+        rows(&[(2, 101, "3"), (0, 101, "1"), (1, 101, ""), (0, 102, "2"), (1, 102, ""), (2, 102, "4")]);
     assert_eq!(by_state, by_element);
     assert_eq!(by_state.iter().map(BTreeMap::len).collect::<Vec<_>>(), [2, 0, 2]);
 }

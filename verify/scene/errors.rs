@@ -4,6 +4,7 @@ use assert_cmd::Command;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Code, Diagnostic, MAX_ERRORS, Scene};
 use std::fs;
+use std::path::Path;
 
 const DECK: &str = "\
 *NODE
@@ -57,7 +58,10 @@ fn all_errors_come_in_one_run_and_none_that_follows_from_another() {
     let references = references.replace("102, 2, 3", "102, 2, 4");
     let error = Scene::parse("deck.inp", &references).unwrap_err();
     let found: Vec<Code> = codes(&error).into_iter().map(|(code, _)| code).collect();
-    assert_eq!(found, [Code::UnknownNode, Code::UnknownBehavior, Code::UnknownElementSet, Code::UnknownElement]);
+    assert_eq!(
+        found,
+        [Code::UnknownNode, Code::UnknownBehavior, Code::UnknownElementSet, Code::UnknownElement]
+    );
 }
 
 #[test]
@@ -69,13 +73,15 @@ fn errors_beyond_the_limit_are_counted() {
 
 #[test]
 fn commands_show_every_error_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let deck = folder.path().join("faulty.inp");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("errors-of-a-file");
+    fs::create_dir_all(&folder).unwrap();
+    let deck = folder.join("faulty.inp");
     fs::write(&deck, DECK).unwrap();
-    let rules = folder.path().join("rules.inp");
+    let rules = folder.join("rules.inp");
     let sound = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENERAT\n", "GENERATE\n");
     let sound = sound.replace("SYSTEM=ROUND", "SYSTEM=R").replace("COMPONENT=7", "COMPONENT=2");
-    let sound = sound.replace("E, 9", "E, 1").replace("E, 8", "E, 2").replace("-1.", "1.").replace("=C\n", "=B\n");
+    let sound =
+        sound.replace("E, 9", "E, 1").replace("E, 8", "E, 2").replace("-1.", "1.").replace("=C\n", "=B\n");
     fs::write(&rules, sound).unwrap();
     for (file, errors) in [(&deck, 8), (&rules, 3)] {
         for command in [vec!["eval"], vec!["audit", "--model-only"], vec!["convert", "--to", "json"]] {
@@ -102,11 +108,20 @@ fn excerpts_are_windows_around_the_place() {
     let shown = error.render(200, false);
     assert!(shown.contains("conectors") && shown.contains('…') && shown.len() < 3000, "{shown}");
     let column = json.find("\"conectors\"").unwrap();
-    assert!(shown.contains(&format!("scene.json:1:{}", column + 1)) || shown.contains(&format!("scene.json:1:{}", column + 2)), "{shown}");
+    assert!(
+        shown.contains(&format!("scene.json:1:{}", column + 1))
+            || shown.contains(&format!("scene.json:1:{}", column + 2)),
+        "{shown}"
+    );
     let line = format!("*NODE\n1, 0., 0., 0.\n2, {}x\n", "é".repeat(2_500_000));
     let brackets = "[".repeat(200_000);
     let unknown = format!("*NODE, {}=3\n", "ü".repeat(20_000));
-    for (name, text) in [("deck.inp", line.as_str()), ("deck.inp", &unknown), ("scene.json", &brackets), ("scene.toml", &brackets)] {
+    for (name, text) in [
+        ("deck.inp", line.as_str()),
+        ("deck.inp", &unknown),
+        ("scene.json", &brackets),
+        ("scene.toml", &brackets),
+    ] {
         let error = match name {
             "deck.inp" => Scene::parse(name, text),
             "scene.json" => Scene::parse_json(name, text),
@@ -123,7 +138,9 @@ fn excerpts_are_windows_around_the_place() {
 #[test]
 fn two_types_without_a_comma_are_told_to_have_one() {
     for written in ["Join Revolute", "JOIN+REVOLUTE", "slot-align"] {
-        let deck = format!("*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n1, 1, 2\n*CONNECTOR SECTION, ELSET=E\n{written}\n");
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n1, 1, 2\n*CONNECTOR SECTION, ELSET=E\n{written}\n"
+        );
         let error = Model::compile(&Scene::parse("deck.inp", &deck).unwrap()).unwrap_err();
         let types = written.to_uppercase().replace([' ', '+', '-'], ", ");
         assert!(error.remedy().contains(&format!("write {types}: a comma")), "{written}: {}", error.remedy());
