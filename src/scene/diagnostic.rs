@@ -400,7 +400,8 @@ const LONGEST_TEXT: usize = 600;
 /// The text, or its beginning.
 fn shortened(mut text: String) -> String {
     if text.len() > LONGEST_TEXT {
-        text.truncate(text.floor_char_boundary(LONGEST_TEXT));
+        let end = (0..=LONGEST_TEXT).rev().find(|place| text.is_char_boundary(*place));
+        text.truncate(end.unwrap_or(0));
         text.push('…');
     }
     text
@@ -765,7 +766,7 @@ impl Excerpt {
             // What is not UTF-8 may be longer when it is shown.
             let before = String::from_utf8_lossy(&window.bytes[torn..torn + before]).len();
             self.mark = self.bytes.len() + before;
-            self.column = if from > 0 { from - 1 } else { 0 };
+            self.column = from.saturating_sub(Self::CUT.len());
         }
         self.bytes.extend_from_slice(shown.trim_end_matches(['\n', '\r']).as_bytes());
         if (from + window.bytes.len() - torn) < usize::try_from(length).unwrap_or(usize::MAX) {

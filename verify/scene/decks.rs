@@ -39,12 +39,13 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         ("*STEP\n*MODEL CHANGE, REMOVE\nBARS,\n*END STEP\n", "MODEL CHANGE"),
         ("*MPC\nBARREL, 11, 12\n", ""),
         ("*RESTART, WRITE, FREQUENCY=3\n", "RESTART"),
-        ("*NMAP, NSET=FAR, TYPE=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n", "*NMAP"),
+        ("*NMAP, NSET=FAR, TYPE=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n", "NMAP"),
         ("*PARAMETER\nfar = 3\nname = 'text'\n", "PARAMETER"),
         ("*TRANSFORM, NSET=FAR, TYPE=C\n5., 0., 0., 5., 0., 1.\n", ""),
         ("*ORIENTATION, NAME=UNUSED\n1., 0., 0., 2., 0., 0.\n", ""),
         ("*BOUNDARY,\n11, 1, 3\n", ""),
         ("*NSET, NSET=GHOST\n77\n", ""),
+        ("*ELEMENT, TYPE=SPRINGA, ELSET=S\n21, 11, 12\n*SPRING, ELSET=S\n100.\n", ""),
     ];
     let mut counted = 0;
     for (lines, what) in cases {
@@ -58,7 +59,7 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         assert!(scene.orientation_errors().is_empty() && scene.connectors.len() == 1, "{lines}");
         counted += 1;
     }
-    assert_eq!(counted, 22);
+    assert_eq!(counted, 23);
 }
 
 /// What acts on a node of a connector is an error, or read.

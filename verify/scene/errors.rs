@@ -11,7 +11,7 @@ const DECK: &str = "\
 1, 0., 0., 0.
 2, 1., x, 0.
 3, 2., 0., y
-*NSET, NSET=N, GENERAT
+*NSET, NSET=N, GENRATE
 1, 3
 *ELEMENT, TYPE=CONN3D2, ELSET=E
 101, 1, 2
@@ -52,7 +52,7 @@ fn all_errors_come_in_one_run_and_none_that_follows_from_another() {
     ];
     let expected: Vec<_> = expected.iter().map(|(code, line)| (*code, Some(*line))).collect();
     assert_eq!((codes(&error), error.unsaid()), (expected, 0));
-    let references = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENERAT\n", "GENERATE\n");
+    let references = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENRATE\n", "GENERATE\n");
     let references = references.replace("SYSTEM=ROUND", "SYSTEM=R").replace("COMPONENT=7", "COMPONENT=4");
     let references = references.replace("E, 9", "F, 4").replace("E, 8", "103, 5").replace("-1.", "1.");
     let references = references.replace("102, 2, 3", "102, 2, 4");
@@ -78,7 +78,7 @@ fn commands_show_every_error_once() {
     let deck = folder.join("faulty.inp");
     fs::write(&deck, DECK).unwrap();
     let rules = folder.join("rules.inp");
-    let sound = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENERAT\n", "GENERATE\n");
+    let sound = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENRATE\n", "GENERATE\n");
     let sound = sound.replace("SYSTEM=ROUND", "SYSTEM=R").replace("COMPONENT=7", "COMPONENT=2");
     let sound =
         sound.replace("E, 9", "E, 1").replace("E, 8", "E, 2").replace("-1.", "1.").replace("=C\n", "=B\n");

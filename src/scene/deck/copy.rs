@@ -61,7 +61,7 @@ pub(super) fn fill(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let bias = keyword.number("BIAS")?.unwrap_or(1.0);
     let two_step = keyword.has("TWO STEP");
     let singular = keyword.get("SINGULAR").map(|value| value.integer("SINGULAR")).transpose()?;
-    if !(bias > 0.0) {
+    if bias <= 0.0 {
         let message = format!("BIAS is the ratio of two lengths, but is {bias}");
         return Err(Diagnostic::error(Code::NumberOutOfRange, keyword.span, message, "must be positive")
             .help("give a BIAS larger than 0"));

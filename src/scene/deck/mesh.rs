@@ -610,7 +610,14 @@ fn discrete(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Discrete> {
     let orientation = keyword.name_of("ORIENTATION")?;
     let (nonlinear, fields) = (keyword.has("NONLINEAR"), keyword.dependencies()?);
     let mut degrees_of_freedom = Vec::new();
-    if let Some(line) = deck.lexer.data()? {
+    // A spring along its line may begin with its coefficient, without the blank line of degrees of freedom.
+    let begins_with_number =
+        |line: &Data<'_>| line.items().maybe().is_some_and(|item| item.looks_numeric() && !item.is_integer());
+    let has_freedoms = deck.lexer.data()?.map(|line| !begins_with_number(&line));
+    if has_freedoms.is_some() {
+        deck.lexer.again();
+    }
+    if let Some(line) = if has_freedoms == Some(true) { deck.lexer.data()? } else { None } {
         let mut items = line.items();
         while degrees_of_freedom.len() < 2 {
             let Some(item) = items.maybe() else { break };

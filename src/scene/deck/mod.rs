@@ -162,9 +162,10 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
     let Deck { lexer, mut scene, warnings, errors, .. } = deck;
     scene.axisymmetric = scene.skipped.element_types.keys().any(|name| name.contains("AX"));
     scene.skipped.comments = lexer.comments;
-    // A keyword that looks misspelt may be the cause.
-    let misspelt = warnings.iter().filter(|warning| warning.code() == Code::MisspeltKeyword);
-    let error = errors.into_first().map(|first| misspelt.cloned().fold(first, Diagnostic::and));
+    // A keyword that looks misspelt may be the cause, or what a set lacks.
+    let causes = [Code::MisspeltKeyword, Code::UnknownNode, Code::UnknownElement];
+    let causes = warnings.iter().filter(|warning| causes.contains(&warning.code()));
+    let error = errors.into_first().map(|first| causes.cloned().fold(first, Diagnostic::and));
     (error.map_or(Ok(Scene { warnings, ..scene }), Err), lexer.into_names())
 }
 

@@ -104,6 +104,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         labels: &|| scene.connectors.keys().chain(scene.point_elements.keys()).copied().collect(),
         sorted: OnceCell::new(),
         other: &deck.other_elements,
+        needed: &|name| needed_elements.contains(name),
     };
     let element_sets = sets::resolve(
         Kind::Element,
@@ -111,7 +112,6 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         &elements,
         &|_, _| Ok(()),
         &hint,
-        &|name| needed_elements.contains(name),
         &mut warn,
         errors,
     )?;
@@ -134,17 +134,9 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         labels: &|| scene.nodes.keys().copied().collect(),
         sorted: OnceCell::new(),
         other: &OtherElements::default(),
+        needed: &|name| needed_nodes.contains(name),
     };
-    let node_sets = sets::resolve(
-        Kind::Node,
-        &deck.node_sets,
-        &known,
-        &nodes_of,
-        &hint,
-        &|name| needed_nodes.contains(name),
-        &mut warn,
-        errors,
-    )?;
+    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn, errors)?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())

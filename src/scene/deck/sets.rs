@@ -339,6 +339,8 @@ pub(super) struct Known<'a> {
     pub(super) sorted: OnceCell<Vec<Label>>,
     /// What was skipped.
     pub(super) other: &'a OtherElements,
+    /// Whether a set of that name is evaluated: only then it may list nothing that is not there.
+    pub(super) needed: &'a dyn Fn(&str) -> bool,
 }
 
 impl Known<'_> {
@@ -368,7 +370,6 @@ pub(super) fn resolve(
     known: &Known<'_>,
     nodes_of: NodesOf<'_>,
     hint: &dyn Fn() -> String,
-    needed: &dyn Fn(&str) -> bool,
     warn: &mut dyn FnMut(Diagnostic),
     errors: &mut Errors,
 ) -> Result<IndexMap<String, Set>> {
@@ -410,7 +411,7 @@ pub(super) fn resolve(
                     let range = (Label::of(instance, first), last, step, generated);
                     match expand(kind, range, span, known, hint, &mut set, warn) {
                         Ok(found) => listed += found,
-                        Err(error) if needed(name) => errors.add(error),
+                        Err(error) if (known.needed)(name) => errors.add(error),
                         // No connector and no constraint has to do with the set.
                         Err(error) => warn(error.of_severity(Severity::Warning)),
                     }

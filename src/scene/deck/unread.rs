@@ -53,7 +53,8 @@ pub(super) fn lines_on_nodes(deck: &mut Deck<'_>, keyword: &Keyword, parameter: 
 /// `*NMAP`: nodes go elsewhere.
 pub(super) fn mapping(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let set = keyword.need_name("NSET")?;
-    deck.lexer.skip()?;
+    let lines = deck.lexer.skip()?;
+    deck.count_skipped(keyword, lines);
     let targets = vec![Spanned::new(Target::Set(set.value), set.span)];
     let remedy = "list the nodes under *NODE, at their final positions".to_owned();
     deck.unread.lines.push(OnNodes { what: "*NMAP".to_owned(), targets, remedy });

@@ -190,6 +190,11 @@ impl<'a> Lexer<'a> {
         Ok(Some(data))
     }
 
+    /// The data line that was read last is the next one again.
+    pub(crate) fn again(&mut self) {
+        self.pending = true;
+    }
+
     /// The next data line that is not blank.
     pub(crate) fn row(&mut self) -> Result<Option<Data<'_>>> {
         while self.fill()? && self.buffer.trim_ascii().is_empty() {
