@@ -76,7 +76,8 @@ codes! {
     IncludeCycle = "deck::include-cycle": "A file includes itself, directly or through others.";
     IncludeLimit = "deck::include-limit": "Includes nest too deep, or are too many or too large altogether.";
 
-    UnsupportedKeyword = "deck::unsupported-keyword": "A keyword that changes nodes, elements or the deck itself and is not understood; skipping it would give another model.";
+    UnsupportedKeyword = "deck::unsupported-keyword": "A keyword or parameter that acts on nodes of connectors or constraints, or changes the deck itself, and is not understood; skipping it would give another model.";
+    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
     MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
     ModelDataInStep = "deck::model-data-in-step": "A keyword that defines the model stands after the first *STEP.";
@@ -107,7 +108,7 @@ codes! {
     NumberOutOfRange = "deck::number-out-of-range": "A number is too large or too small for a double, or outside the range that is allowed here.";
     MalformedName = "deck::malformed-name": "A name is empty or has a quotation mark inside.";
     BadComponent = "deck::bad-component": "A component of relative motion is not one of 1 to 6.";
-    BadDegreeOfFreedom = "deck::bad-degree-of-freedom": "A degree of freedom is not one of 1 to 6, or 10 (material flow).";
+    BadDegreeOfFreedom = "deck::bad-degree-of-freedom": "A degree of freedom is not one of 1 to 6, or 10 (material flow); of boundary conditions and loads those of other physics, up to 30, are skipped.";
     BadValue = "deck::bad-value": "An item is not one of those allowed here.";
 
     DuplicateNode = "deck::duplicate-node": "A node is defined twice, at different places.";
@@ -135,7 +136,7 @@ codes! {
     TwoSections = "deck::two-sections": "A connector element has two *CONNECTOR SECTIONs.";
     MissingFriction = "deck::missing-friction": "A *CONNECTOR FRICTION has no *FRICTION, so no friction coefficient.";
     DegenerateOrientation = "deck::degenerate-orientation": "The points of an orientation do not define three directions.";
-    UnsupportedOrientation = "deck::unsupported-orientation": "An orientation that a connector uses comes from a user subroutine.";
+    UnsupportedOrientation = "deck::unsupported-orientation": "An orientation that a connector uses comes from a user subroutine or a *DISTRIBUTION.";
     LimitsReversed = "deck::limits-reversed": "A lower limit lies above the upper one.";
     LimitsMissing = "deck::limits-missing": "A stop, lock or failure without any limit. A warning.";
     TableOrder = "deck::table-order": "The independent variable of a table does not increase.";
@@ -385,19 +386,39 @@ struct Parts {
     excerpt: Option<Excerpt>,
     /// The connectors that it is about.
     elements: Vec<Label>,
+    /// Further errors of the same file.
+    further: Vec<Diagnostic>,
+    /// Those that are counted only.
+    unsaid: usize,
+}
+
+/// How many errors of one file are told; the others are counted.
+pub const MAX_ERRORS: usize = 20;
+
+/// The longest message, label or remedy, in bytes: what is quoted in it may be as long as a line.
+const LONGEST_TEXT: usize = 600;
+
+/// The text, or its beginning.
+fn shortened(mut text: String) -> String {
+    if text.len() > LONGEST_TEXT {
+        let end = (0..=LONGEST_TEXT).rev().find(|place| text.is_char_boundary(*place));
+        text.truncate(end.unwrap_or(0));
+        text.push('…');
+    }
+    text
 }
 
 impl Diagnostic {
     /// An error at `span`. `label` stands under the marked text.
     #[must_use]
     pub fn error(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self::new(Severity::Error, code, span, message.into(), label.into())
+        Self::new(Severity::Error, code, span, shortened(message.into()), shortened(label.into()))
     }
 
     /// A warning at `span`. `label` stands under the marked text.
     #[must_use]
     pub fn warning(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self::new(Severity::Warning, code, span, message.into(), label.into())
+        Self::new(Severity::Warning, code, span, shortened(message.into()), shortened(label.into()))
     }
 
     /// What an audit found at `span`, as bad as its code says.
@@ -438,22 +459,73 @@ impl Diagnostic {
             other: None,
             excerpt: None,
             elements: Vec::new(),
+            further: Vec::new(),
+            unsaid: 0,
         }))
+    }
+
+    /// Several errors as the first of them, which carries the others: at most [`MAX_ERRORS`], the rest are counted. None without any.
+    #[must_use]
+    pub fn joined(errors: impl IntoIterator<Item = Self>) -> Option<Self> {
+        errors.into_iter().reduce(Self::and)
+    }
+
+    /// The same, and another one of the same file, with those that either carries.
+    #[must_use]
+    pub fn and(mut self, mut other: Self) -> Self {
+        let rest = std::mem::take(&mut other.0.further);
+        let parts = &mut self.0;
+        parts.unsaid += std::mem::take(&mut other.0.unsaid);
+        for error in std::iter::once(other).chain(rest) {
+            if parts.further.len() + 1 < MAX_ERRORS {
+                parts.further.push(error);
+            } else {
+                parts.unsaid += 1;
+            }
+        }
+        self
+    }
+
+    /// The other errors of the same file that are told.
+    #[must_use]
+    pub fn further(&self) -> &[Self] {
+        &self.0.further
+    }
+
+    /// How many more errors of the file there are.
+    #[must_use]
+    pub fn unsaid(&self) -> usize {
+        self.0.unsaid
+    }
+
+    /// Itself alone, the others, and the count of those that are not told.
+    pub(crate) fn apart(mut self) -> (Vec<Self>, usize) {
+        let rest = std::mem::take(&mut self.0.further);
+        let unsaid = std::mem::take(&mut self.0.unsaid);
+        (std::iter::once(self).chain(rest).collect(), unsaid)
+    }
+
+    /// The same, with so many that are counted only.
+    pub(crate) fn with_unsaid(mut self, count: usize) -> Self {
+        self.0.unsaid += count;
+        self
     }
 
     /// The same, with what to do about it.
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
-        self.0.remedy = remedy.into();
+        self.0.remedy = shortened(remedy.into());
         self
     }
 
     /// The same in other words.
-    pub(crate) fn reworded(mut self, words: impl Fn(&str) -> String) -> Self {
+    pub(crate) fn reworded(mut self, words: &dyn Fn(&str) -> String) -> Self {
         let parts = &mut self.0;
         for text in [&mut parts.message, &mut parts.label, &mut parts.remedy] {
             *text = words(text);
         }
+        let further = std::mem::take(&mut parts.further).into_iter();
+        parts.further = further.map(|error| error.reworded(words)).collect();
         self
     }
 
@@ -578,7 +650,7 @@ impl Diagnostic {
         diagnostic
     }
 
-    /// Fetches the source lines of all `diagnostics` in one pass over their file.
+    /// Fetches the source lines of all `diagnostics` in one pass over their file: of each line the [`WINDOW`] that is nearest to the mark.
     pub(crate) fn attach(diagnostics: &mut [Self], name: &str, mut source: impl BufRead) {
         let mut wanted: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (index, diagnostic) in diagnostics.iter_mut().enumerate() {
@@ -590,21 +662,33 @@ impl Diagnostic {
             }
         }
         let Some(last) = wanted.keys().next_back().copied() else { return };
-        let (mut start, mut bytes) = (0, Vec::new());
-        for line in 1..=last {
-            bytes.clear();
-            let Ok(length @ 1..) = source.read_until(b'\n', &mut bytes) else { return };
-            for &index in wanted.get(&line).into_iter().flatten() {
-                let excerpt = &mut diagnostics[index].0.excerpt;
-                let excerpt = excerpt.get_or_insert_with(|| Excerpt {
+        let mut start = 0;
+        for number in 1..=last {
+            let mut windows: Vec<Window> = wanted
+                .get(&number)
+                .into_iter()
+                .flatten()
+                .map(|&index| {
+                    let marked = diagnostics[index].0.span;
+                    let middle =
+                        if marked.line() == number { marked.start().saturating_sub(start) } else { 0 };
+                    Window { index, from: middle.saturating_sub(WINDOW / 2), bytes: Vec::new() }
+                })
+                .collect();
+            let Some(length) = pass_line(&mut source, &mut windows) else { return };
+            for window in windows {
+                let parts = &mut diagnostics[window.index].0;
+                let excerpt = parts.excerpt.get_or_insert_with(|| Excerpt {
                     name: name.to_owned(),
-                    first_line: line,
-                    start,
+                    first_line: number,
+                    mark: 0,
+                    column: 0,
                     bytes: Vec::new(),
                 });
-                excerpt.bytes.extend_from_slice(&bytes);
+                let is_marked = parts.span.line() == number;
+                excerpt.add(&window, length, is_marked.then(|| parts.span.start().saturating_sub(start)));
             }
-            start += length as u64;
+            start += length;
         }
     }
 }
@@ -612,13 +696,85 @@ impl Diagnostic {
 /// Lines shown before and after the one that is marked.
 const CONTEXT: u32 = 1;
 
+/// How many bytes of a line are shown.
+const WINDOW: u64 = 200;
+
+/// The part of a line that one diagnostic shows.
+struct Window {
+    /// Which diagnostic.
+    index: usize,
+    /// Its first byte in the line.
+    from: u64,
+    bytes: Vec<u8>,
+}
+
+/// Reads one line, fills the windows, and gives its length; nothing at the end of the file. A line of any length needs no memory.
+fn pass_line(source: &mut impl BufRead, windows: &mut [Window]) -> Option<u64> {
+    let mut length = 0;
+    loop {
+        let chunk = source.fill_buf().ok()?;
+        if chunk.is_empty() {
+            return (length > 0).then_some(length);
+        }
+        let end = chunk.iter().position(|&byte| byte == b'\n').map(|end| end + 1);
+        let part = &chunk[..end.unwrap_or(chunk.len())];
+        for window in &mut *windows {
+            let inside = |place: u64| {
+                usize::try_from(place.saturating_sub(length)).unwrap_or(usize::MAX).min(part.len())
+            };
+            let (from, to) = (inside(window.from), inside(window.from + WINDOW));
+            window.bytes.extend_from_slice(&part[from..to]);
+        }
+        let taken = part.len();
+        length += taken as u64;
+        source.consume(taken);
+        if end.is_some() {
+            return Some(length);
+        }
+    }
+}
+
 /// The few lines of a file that a diagnostic shows.
 #[derive(Debug, Clone)]
 struct Excerpt {
     name: String,
     first_line: u32,
-    start: u64,
+    /// Where in the bytes the mark begins.
+    mark: usize,
+    /// How far the marked line is cut at its beginning, less what stands for it.
+    column: usize,
     bytes: Vec<u8>,
+}
+
+impl Excerpt {
+    /// What stands where a line is cut.
+    const CUT: &'static str = "…";
+
+    /// Adds a line of that `length`, whose mark, if it has one, begins at `mark`.
+    fn add(&mut self, window: &Window, length: u64, mark: Option<u64>) {
+        let is_part = |byte: &u8| (0x80..0xc0).contains(byte);
+        let torn = window.bytes.iter().take_while(|byte| window.from > 0 && is_part(byte)).count();
+        let shown = String::from_utf8_lossy(&window.bytes[torn..]);
+        let from = window.from as usize + torn;
+        if from > 0 {
+            self.bytes.extend_from_slice(Self::CUT.as_bytes());
+        }
+        if let Some(mark) = mark {
+            let before = usize::try_from(mark)
+                .unwrap_or(usize::MAX)
+                .saturating_sub(from)
+                .min(window.bytes.len() - torn);
+            // What is not UTF-8 may be longer when it is shown.
+            let before = String::from_utf8_lossy(&window.bytes[torn..torn + before]).len();
+            self.mark = self.bytes.len() + before;
+            self.column = from.saturating_sub(Self::CUT.len());
+        }
+        self.bytes.extend_from_slice(shown.trim_end_matches(['\n', '\r']).as_bytes());
+        if (from + window.bytes.len() - torn) < usize::try_from(length).unwrap_or(usize::MAX) {
+            self.bytes.extend_from_slice(Self::CUT.as_bytes());
+        }
+        self.bytes.push(b'\n');
+    }
 }
 
 impl SourceCode for Excerpt {
@@ -629,12 +785,13 @@ impl SourceCode for Excerpt {
         lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
         let inner = self.bytes.as_slice().read_span(span, lines_before, lines_after)?;
+        let cut = if lines_before + lines_after == 0 { self.column } else { 0 };
         Ok(Box::new(MietteSpanContents::new_named(
             self.name.clone(),
             inner.data(),
             *inner.span(),
             inner.line() + self.first_line as usize - 1,
-            inner.column(),
+            inner.column() + cut,
             inner.line_count(),
         )))
     }
@@ -680,10 +837,11 @@ impl miette::Diagnostic for Diagnostic {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let excerpt = self.0.excerpt.as_ref()?;
-        let offset = usize::try_from(self.0.span.start().checked_sub(excerpt.start)?).ok()?;
-        let length = usize::from(u16::try_from(self.0.span.end() - self.0.span.start()).unwrap_or(u16::MAX));
-        let length = length.min(excerpt.bytes.len().saturating_sub(offset));
-        let label = LabeledSpan::new(Some(self.0.label.clone()), offset, length);
+        let offset = excerpt.mark;
+        let rest = excerpt.bytes.get(offset..).unwrap_or_default();
+        let line = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+        let length = usize::try_from(self.0.span.end() - self.0.span.start()).unwrap_or(usize::MAX);
+        let label = LabeledSpan::new(Some(self.0.label.clone()), offset, length.min(line));
         Some(Box::new(std::iter::once(label)))
     }
 }

@@ -15,8 +15,8 @@
 //! by commas; an empty item is the default, and trailing ones may be left out. Numbers may have a Fortran
 //! exponent (`1.D0`). Names may be used before they are defined.
 //!
-//! Keywords that are not understood are skipped with their data and counted in [`Skipped`]; those without which
-//! the model would be another (`*NFILL`, `*NCOPY`, `*SYSTEM`, `*PARAMETER` …) are errors.
+//! What does not bear on a connector or a constraint is skipped with its data and counted in [`Skipped`]; what bears on one and is
+//! not understood is an error. An error carries the others of its file: [`Diagnostic::further`].
 //!
 //! A deck may include files (`*INCLUDE`, `INPUT=`): their lines stand in place of the keyword, and their paths count from the file
 //! that includes them. [`Scene::read`] opens them on disk, [`Scene::parse_with`] where the caller says; [`Scene::parse`] opens
@@ -77,7 +77,7 @@ pub use behavior::{
 };
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
-pub use diagnostic::{Code, Diagnostic, Result, Severity};
+pub use diagnostic::{Code, Diagnostic, MAX_ERRORS, Result, Severity};
 pub use digits::{Digits, DigitsOfState};
 pub use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};

@@ -3,9 +3,10 @@
 use crate::choice::choices;
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
-use crate::model::{End, Scene};
+use crate::model::{ConnectorSection, End, Scene};
 use crate::span::Span;
 use serde::Serialize;
+use std::collections::HashSet;
 
 /// The directions e1, e2, e3, each in global components: the columns of a rotation matrix.
 pub type Triad = [[f64; 3]; 3];
@@ -115,12 +116,14 @@ impl Orientation {
         };
         let triad = match self.system {
             System::User => {
-                let message = format!("orientation {name} comes from a user subroutine");
+                let message = format!(
+                    "orientation {name} comes from a user subroutine, or differs from element to element"
+                );
                 return Err(Diagnostic::error(
                     Code::UnsupportedOrientation,
                     self.span,
                     message,
-                    "SYSTEM=USER",
+                    "SYSTEM=USER, or a *DISTRIBUTION",
                 )
                 .help("give the directions by SYSTEM=RECTANGULAR and the points a, b"));
             }
@@ -205,7 +208,7 @@ impl Orientation {
 }
 
 impl Scene {
-    /// What is wrong with orientations: with those that hold everywhere, and with every other where a connector uses it. Reading a scene
+    /// What is wrong with orientations that connectors use: with those that hold everywhere, and with every other at the connector. Reading a scene
     /// leaves that to whoever evaluates it: an audit tells all of them.
     pub fn orientation_errors(&self) -> Vec<Diagnostic> {
         let everywhere = |orientation: &Orientation| {
@@ -214,7 +217,11 @@ impl Scene {
                 && !matches!(orientation.definition, Definition::OffsetToNodes { .. })
         };
         let mut found = Vec::new();
-        for (name, orientation) in &self.orientations {
+        let named =
+            |section: &ConnectorSection| [section.orientation_a.clone(), section.orientation_b.clone()];
+        let used: HashSet<String> =
+            self.connector_sections.iter().flat_map(named).flatten().map(|name| name.value).collect();
+        for (name, orientation) in self.orientations.iter().filter(|(name, _)| used.contains(*name)) {
             if everywhere(orientation) {
                 found.extend(orientation.triad(name, self, [0.0; 3], &[]).err());
             }
@@ -271,7 +278,7 @@ fn normal(u: [f64; 3], v: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// u × v, each component to two units in the last place also where its two products cancel.
-fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
     let difference = |a: f64, b: f64, c: f64, d: f64| {
         let product = c * d;
         let error = (-c).mul_add(d, product);

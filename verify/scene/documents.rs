@@ -442,7 +442,8 @@ fn the_schema_accepts_what_is_written_and_refuses_what_is_not_read() {
 /// Places in TOML and JSON reach the diagnostics of what is wrong with the model: lines, and the marked text.
 #[test]
 fn diagnostics_mark_the_value() {
-    let toml = "nodes = { 1 = [0, 0, 0], 2 = [1, 0, 0] }\n[connectors]\n101 = { a = 1, b = 2 }\n[element_sets]\nE = [101,\n  102]\n";
+    let toml = "nodes = { 1 = [0, 0, 0], 2 = [1, 0, 0] }\n[connectors]\n101 = { a = 1, b = 2 }\n[element_sets]\nE = [101,\n  102]\n\
+        [[connector_sections]]\nelement_set = \"E\"\ntype = \"BEAM\"\n";
     let error = Scene::parse_toml("scene.toml", toml).unwrap_err();
     assert_eq!(
         (error.line(), &toml[error.span().start() as usize..error.span().end() as usize]),

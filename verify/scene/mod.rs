@@ -2,7 +2,9 @@
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
 mod assembly;
+mod decks;
 mod documents;
+mod errors;
 pub(crate) mod faults; // what is said about every faulty input
 pub(crate) mod freedom; // which degrees of freedom nodes have
 pub(crate) mod fuzzing; // what holds of any bytes whatever

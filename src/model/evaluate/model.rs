@@ -509,10 +509,11 @@ fn resolve(section: &scene::ConnectorSection) -> Result<ConnectionType, Diagnost
             NameError::Unknown { name, nearest } => {
                 let second_is_wrong = second.is_some_and(|other| other.value.eq_ignore_ascii_case(name));
                 let span = second.filter(|_| second_is_wrong).map_or(first.span, |other| other.span);
-                let remedy = nearest.map_or_else(
-                    || "`pintle list` shows the types there are".to_string(),
-                    |nearest| format!("write {nearest}, or see `pintle list`"),
-                );
+                let remedy = match (two_types(name), nearest) {
+                    (Some([one, two]), _) => format!("write {one}, {two}: a comma separates two types"),
+                    (None, Some(nearest)) => format!("write {nearest}, or see `pintle list`"),
+                    (None, None) => "`pintle list` shows the types there are".to_string(),
+                };
                 (span, remedy)
             }
             NameError::Pair { .. } => {
@@ -521,6 +522,13 @@ fn resolve(section: &scene::ConnectorSection) -> Result<ConnectionType, Diagnost
         };
         Diagnostic::error(Code::UnknownConnectionType, span, error.to_string(), "this type").help(remedy)
     })
+}
+
+/// The two types that a name without a comma was meant to be: `JOIN REVOLUTE`.
+fn two_types(name: &str) -> Option<[&str; 2]> {
+    let breaks = name.match_indices([' ', '+', '-', '/', ';']);
+    let halves = breaks.map(|(place, sign)| [&name[..place], &name[place + sign.len()..]].map(str::trim));
+    halves.into_iter().find(|[one, two]| ConnectionType::named(one, Some(two)).is_ok())
 }
 
 /// The mean length of the connectors of a scene whose nodes are apart; `None` where there is none.

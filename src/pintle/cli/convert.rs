@@ -2,7 +2,7 @@
 
 use super::eval::{self, complain};
 use super::{Convert, Described, Failure, SceneFormat};
-use pintle_scene::{Format, Scene, StateFile};
+use pintle_scene::{Diagnostic, Format, Scene, StateFile};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -40,7 +40,7 @@ fn format(arguments: &Convert) -> Result<Format, Failure> {
 pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
     let format = format(arguments)?;
     let mut scene = read(&arguments.scene)?;
-    if let Some(error) = scene.orientation_errors().into_iter().next() {
+    if let Some(error) = Diagnostic::joined(scene.orientation_errors()) {
         return Err(error.into());
     }
     if let Some(file) = &arguments.states {

@@ -204,7 +204,10 @@ impl Source<'_> {
 /// Reads and resolves a scene, and says what deserves a look.
 fn load(source: Source<'_>) -> Result<Loaded, Failure> {
     let (scene, states) = read(source, None)?;
-    let mut model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    let (mut model, errors) = Model::examine(&scene);
+    if let Some(error) = Diagnostic::joined(errors.into_iter().map(|error| source.quoted(error))) {
+        return Err(error.into());
+    }
     source.warn(&scene, &mut model, |warning| Some(warning.severity()));
     Ok(Loaded { scene, states, model })
 }
@@ -536,10 +539,19 @@ impl Progress {
     }
 }
 
-/// Shows a diagnostic on stderr with its source line.
+/// Shows a diagnostic, and the others of its file that it carries, on stderr with their source lines.
 pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
-    let text = diagnostic.render(page_width(&io::stderr()), true);
-    _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+    for one in std::iter::once(diagnostic).chain(diagnostic.further()) {
+        let text = one.render(page_width(&io::stderr()), true);
+        _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+    }
+    if diagnostic.unsaid() > 0 {
+        let count = diagnostic.unsaid();
+        complain(
+            "note",
+            &format!("{count} more error{} not shown", if count == 1 { " is" } else { "s are" }),
+        );
+    }
 }
 
 /// A line on stderr.

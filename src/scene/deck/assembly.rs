@@ -82,7 +82,7 @@ impl Open {
 
 impl Placement {
     /// R x + (1 − R) a + R t: exact where the axis is one of the coordinates and the angle a multiple of 90 degrees.
-    fn point(&self, x: [f64; 3]) -> [f64; 3] {
+    pub(super) fn point(&self, x: [f64; 3]) -> [f64; 3] {
         let moved: [f64; 3] = std::array::from_fn(|k| x[k] + self.translation[k]);
         match &self.rotation {
             None => moved,
@@ -185,12 +185,14 @@ impl Deck<'_> {
     /// Reads what follows into `level`, until [`leave`](Self::leave).
     fn enter(&mut self, mut level: Level) {
         self.swap_level(&mut level);
+        self.system = None;
         self.assembly.around = Some(Box::new(level));
     }
 
     fn leave(&mut self) -> Level {
         let mut level = self.assembly.around.take().map(|level| *level).unwrap_or_default();
         self.swap_level(&mut level);
+        self.system = None;
         level
     }
 
@@ -203,6 +205,8 @@ impl Deck<'_> {
         let has_parts = !assembly.parts.is_empty() || assembly.begun.is_some();
         match assembly.open.last() {
             _ if keywords::is_of_assembly(name) => Ok(()),
+            // Below *END ASSEMBLY they belong to the assembly.
+            None if keywords::is_of_level(name) && assembly.begun.is_some() => Ok(()),
             None if keywords::is_of_level(name) && has_parts => misplaced(
                 format!("*{name} stands outside every part, instance and assembly"),
                 "belongs into one of them",
@@ -468,6 +472,9 @@ pub(super) fn assembly(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             .help("put everything into one assembly"));
     }
     state.begun = Some(keyword.span);
+    // In capitals or between quotation marks, names are compared in any case.
+    deck.lexer.assembly = keyword.name_of("NAME")?.map(|name| name.value);
+    let state = &mut deck.assembly;
     state.open.push((Open::Assembly, keyword.span));
     Ok(())
 }
@@ -495,6 +502,10 @@ pub(super) fn end_assembly(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()>
 pub(super) fn instance(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     deck.open_block(keyword, Some("ASSEMBLY"))?;
     let name = keyword.need_name("NAME")?;
+    if deck.lexer.assembly.as_ref().is_some_and(|assembly| assembly.eq_ignore_ascii_case(&name.value)) {
+        // Then its name qualifies what the instance has.
+        deck.lexer.assembly = None;
+    }
     let part = keyword.need_name("PART")?;
     if let Some(first) = deck.assembly.instances.get(&name.value) {
         return Err(keyword.duplicate(&name, *first));
@@ -536,7 +547,7 @@ fn three(items: &mut Items<'_>) -> Result<[f64; 3]> {
 }
 
 /// The data lines of `*INSTANCE`: a translation, then two points of an axis and an angle in degrees.
-fn placement(deck: &mut Deck<'_>) -> Result<Placement> {
+pub(super) fn placement(deck: &mut Deck<'_>) -> Result<Placement> {
     // −0 adds nothing, not even to −0.
     let mut placement = Placement { translation: [-0.0; 3], rotation: None };
     let Some(line) = deck.lexer.data()? else { return Ok(placement) };

@@ -2,7 +2,7 @@
 
 use crate::deck::Deck;
 use crate::deck::history::target;
-use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::diagnostic::{Code, Diagnostic, Result, nearest};
 use crate::lexer::{Data, Item, Keyword, normal};
 use crate::model::{ConnectorSection, MpcKind, Target};
 use crate::span::{Span, Spanned};
@@ -91,22 +91,25 @@ const KEPT: &[&str] = &[
     "BILINEAR",
     "C BIQUAD",
     "CYCLSYM",
+    "DIST",
     "ELBOW",
     "LINEAR",
+    "MEANROT",
     "P BILINEAR",
     "P LINEAR",
+    "PLANE",
     "QUADRATIC",
     "SLIDER",
     "SS BILINEAR",
     "SS LINEAR",
     "SSF BILINEAR",
+    "STRAIGHT",
     "T BIQUAD",
     "T LINEAR",
     "V LOCAL",
 ];
 
 pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    crate::deck::mesh::take_input(deck, keyword)?;
     let user = keyword.has("USER");
     let mut warnings: Vec<Diagnostic> = Vec::new();
     while let Some(line) = deck.lexer.row()? {
@@ -139,14 +142,21 @@ pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             None if user => MpcKind::Other(format!("USER {name}")),
             None if KEPT.contains(&name.as_str()) => MpcKind::Other(name),
             None => {
-                let names = mpc::TABLE.iter().map(|entry| entry.name);
-                let remedy = suggest(&name, names.clone().chain(KEPT.iter().copied()), || {
-                    format!("types are {}", names.collect::<Vec<_>>().join(", "))
-                });
-                let message = format!("there is no constraint type {name}");
-                return Err(
-                    Diagnostic::error(Code::UnknownMpc, first.span, message, "not a type").help(remedy)
-                );
+                // What looks like no type of ours is one of another program.
+                let names = mpc::TABLE.iter().map(|entry| entry.name).chain(KEPT.iter().copied());
+                let is_word = name.starts_with(|letter: char| letter.is_ascii_alphabetic());
+                match nearest(&name, names) {
+                    None if is_word => MpcKind::Other(name),
+                    near => {
+                        let remedy = near.map_or_else(
+                            || format!("types are {}", mpc::TABLE.map(|entry| entry.name).join(", ")),
+                            |near| format!("did you mean {near}?"),
+                        );
+                        let message = format!("there is no constraint type {name}");
+                        return Err(Diagnostic::error(Code::UnknownMpc, first.span, message, "not a type")
+                            .help(remedy));
+                    }
+                }
             }
         };
         if let MpcKind::Other(name) = &kind {

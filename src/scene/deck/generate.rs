@@ -1,6 +1,7 @@
-//! `*NGEN` and `*ELGEN`: nodes on straight lines, and elements in rows, of which a deck gives the first.
+//! `*NGEN` and `*ELGEN`: nodes on lines between two, and elements in rows, of which a deck gives the first.
 
 use crate::deck::Deck;
+use crate::deck::curve::Curve;
 use crate::deck::mesh::{add_connector, add_point};
 use crate::deck::sets::{MAX_MEMBERS, SetBuilder};
 use crate::diagnostic::{Code, Diagnostic, Result};
@@ -13,8 +14,9 @@ use indexmap::map::Entry;
 impl Deck<'_> {
     /// Counts what is generated, so that no line of a deck can ask for more than a deck may have.
     pub(super) fn count_generated(&mut self, count: u64, span: Span) -> Result<()> {
-        self.generated = self.generated.saturating_add(count);
-        if self.generated <= MAX_MEMBERS {
+        let all = self.generated.saturating_add(count);
+        if all <= MAX_MEMBERS {
+            self.generated = all;
             return Ok(());
         }
         let message =
@@ -24,20 +26,36 @@ impl Deck<'_> {
     }
 }
 
-/// Nodes at equal distances between two that are defined above.
-pub(super) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    for curved in ["LINE", "SYSTEM"] {
-        if let Some(value) = keyword.get(curved) {
-            let message = "*NGEN on curves is not supported";
-            return Err(Diagnostic::error(
-                Code::UnsupportedKeyword,
-                value.span,
-                message,
-                format!("{curved}={}", value.text()),
-            )
-            .help("list the nodes under *NODE, at their final positions"));
+/// How much of its largest coordinate two computations of one place may differ by.
+const SAME_PLACE: f64 = 1e-9;
+
+impl Deck<'_> {
+    /// Adds a node that is computed. One that is there already stays where it is, if that is the same place but for rounding.
+    ///
+    /// # Errors
+    /// It is there already, elsewhere.
+    pub(super) fn add_generated(&mut self, label: u64, coordinates: [f64; 3], span: Span) -> Result<()> {
+        match self.scene.nodes.entry(label.into()) {
+            Entry::Vacant(place) => drop(place.insert(Node { coordinates, span })),
+            Entry::Occupied(known) => {
+                let there = known.get().coordinates;
+                let size = there.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+                if (0..3).any(|k| (there[k] - coordinates[k]).abs() > SAME_PLACE * size) {
+                    let first = known.get().span;
+                    let message = format!("node {label} is defined already, at another place");
+                    let label = format!("first defined on line {}", first.line());
+                    return Err(Diagnostic::error(Code::DuplicateNode, span, message, label)
+                        .beside(first)
+                        .help("give one of the two another number"));
+                }
+            }
         }
+        Ok(())
     }
+}
+
+/// Nodes at equal distances between two that are defined above, on a straight line, a parabola or an arc.
+pub(super) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let set = keyword.name_of("NSET")?;
     while let Some(line) = deck.lexer.row()? {
         let span = line.span;
@@ -45,7 +63,6 @@ pub(super) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         let ends = [items.need("the first node")?, items.need("the last node")?];
         let [first, last] = [ends[0].label_number("the first node")?, ends[1].label_number("the last node")?];
         let step = items.maybe().map_or(Ok(1), |item| item.integer("the increment"))?;
-        items.end("the first node, the last node and the increment")?;
         let length = last.abs_diff(first);
         if step == 0 || length == 0 || length % step != 0 {
             let message = format!("no nodes lie between {first} and {last} in steps of {step}");
@@ -59,25 +76,17 @@ pub(super) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                     .help("define it under *NODE, above *NGEN")
             })
         };
-        let (from, to) = (place(first)?, place(last)?);
+        let ends = [place(first)?, place(last)?];
+        let curve = Curve::read((&deck.scene, deck.system), keyword, &mut items, ends, span)?;
+        items.end(
+            "the first node, the last node and the increment; on a curve also a further point, and a normal",
+        )?;
         let count = length / step;
         deck.count_generated(count, span)?;
         let number = |index: u64| if last > first { first + index * step } else { first - index * step };
         for index in 1..count {
-            let fraction = index as f64 / count as f64;
-            let coordinates = std::array::from_fn(|k| from[k] + fraction * (to[k] - from[k]));
-            match deck.scene.nodes.entry(number(index).into()) {
-                Entry::Vacant(place) => drop(place.insert(Node { coordinates, span })),
-                Entry::Occupied(first) if first.get().coordinates == coordinates => {}
-                Entry::Occupied(known) => {
-                    let (first, label) = (known.get().span, known.key());
-                    let message = format!("node {label} is defined already, at another place");
-                    let label = format!("first defined on line {}", first.line());
-                    return Err(Diagnostic::error(Code::DuplicateNode, span, message, label)
-                        .beside(first)
-                        .help("give one of the two another number"));
-                }
-            }
+            let place = curve.point(ends, index as f64 / count as f64);
+            deck.add_generated(number(index), place, span)?;
         }
         if let Some(name) = &set {
             let set = deck.node_sets.entry(name.value.clone()).or_insert_with(|| SetBuilder::new(name.span));
@@ -175,9 +184,9 @@ pub(super) fn elements(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 }
 
 /// The element `master` as element `label`, with node numbers that are larger by `by`.
-fn copy(deck: &mut Deck<'_>, master: u64, label: u64, by: u64, span: Span) -> Result<()> {
+pub(super) fn copy(deck: &mut Deck<'_>, master: u64, label: u64, by: u64, span: Span) -> Result<()> {
     let master = Label::from(master);
-    let shift = |node: Label| Label::of(node.instance(), node.number() + by);
+    let shift = |node: Label| Label::of(node.instance(), node.number().saturating_add(by));
     let scene = &mut deck.scene;
     if let Some(element) = scene.connectors.get(&master) {
         let (a, b) = (element.a.map(shift), element.b.map(shift));
@@ -189,6 +198,7 @@ fn copy(deck: &mut Deck<'_>, master: u64, label: u64, by: u64, span: Span) -> Re
         let copy = PointElement { node, second, span, ..*element };
         return add_point(scene, label, copy);
     }
+    deck.any_rotates |= !deck.other_rotations.is_empty();
     deck.other_elements.push(label);
     Ok(())
 }

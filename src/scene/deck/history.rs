@@ -1,8 +1,9 @@
 //! Steps and what happens in them: procedures, motions, loads, boundary conditions, output requests.
 
-use crate::deck::mesh::degree_of_freedom;
-use crate::deck::{Deck, misplaced};
-use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::choice::Choice;
+use crate::deck::mesh::{any_degree_of_freedom, is_mechanical};
+use crate::deck::{Deck, misplaced, unread};
+use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::lexer::{Item, Keyword, normal};
 use crate::model::{
     Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
@@ -138,9 +139,9 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             items.end("a node or node set and the name of a boundary condition")?;
             held.to_vec()
         } else {
-            let from = degree_of_freedom(&first)?;
+            let from = any_degree_of_freedom(&first)?;
             let last = items.maybe();
-            let to = last.map_or(Ok(from), |item| degree_of_freedom(&item))?;
+            let to = last.map_or(Ok(from), |item| any_degree_of_freedom(&item))?;
             if to < from {
                 let span = last.map_or(line.span, |item| item.span);
                 let message = format!("the last degree of freedom {to} is smaller than the first {from}");
@@ -155,7 +156,14 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                 }
             }
             items.end("a node or node set, the first and last degree of freedom and a magnitude")?;
-            (from..=to).filter(|dof| matches!(dof, 1..=6 | 10)).collect()
+            let held: Vec<u8> = (from..=to).filter(|dof| is_mechanical(*dof)).collect();
+            if held.is_empty() || !is_mechanical(to) {
+                deck.scene.skipped.count(format!("*BOUNDARY of degree of freedom {to}"), line.span.line());
+            }
+            if held.is_empty() {
+                continue;
+            }
+            held
         };
         let boundary = Boundary { target, degrees_of_freedom, magnitude, kind, applied: applied.clone() };
         match &mut deck.step {
@@ -172,9 +180,15 @@ pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
-        let degree_of_freedom = degree_of_freedom(&items.need("the degree of freedom")?)?;
+        let degree_of_freedom = any_degree_of_freedom(&items.need("the degree of freedom")?)?;
         let magnitude = items.need("the magnitude")?.number()?;
         items.end("a node or node set, a degree of freedom and a magnitude")?;
+        if !is_mechanical(degree_of_freedom) {
+            deck.scene
+                .skipped
+                .count(format!("*CLOAD of degree of freedom {degree_of_freedom}"), line.span.line());
+            continue;
+        }
         step_of(&mut deck.step, keyword)?.concentrated_loads.push(ConcentratedLoad {
             target,
             degree_of_freedom,
@@ -206,10 +220,28 @@ pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
     Ok(())
 }
 
+/// Why the values of an amplitude are not in the deck, if they are not: a subroutine or the solution gives them, or a file that is not there.
+fn not_in_deck(deck: &mut Deck<'_>, keyword: &Keyword) -> Option<String> {
+    if keyword.has("USER") {
+        return Some("USER".to_owned());
+    }
+    let definition = keyword.get("DEFINITION").map(|value| normal(value.text()));
+    let other =
+        definition.filter(|word| nearest(word, AmplitudeDefinition::SPELLINGS.iter().copied()).is_none());
+    if let Some(word) = other {
+        return Some(format!("DEFINITION={word}"));
+    }
+    let input = keyword.get("INPUT")?;
+    deck.lexer.include(input).err().map(|_| format!("INPUT={}", input.text()))
+}
+
 pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("NAME")?;
     if let Some(first) = deck.scene.amplitudes.get(&name.value) {
         return Err(keyword.duplicate(&name, first.span));
+    }
+    if let Some(why) = not_in_deck(deck, keyword) {
+        return unread::amplitude(deck, keyword, &why);
     }
     let definition = keyword.choice("DEFINITION")?.unwrap_or(AmplitudeDefinition::Tabular);
     let pairs = definition.has_pairs();

@@ -6,13 +6,10 @@ use crate::behavior::{
     Softening,
 };
 use crate::choice::Choice;
-use crate::deck::{Deck, assembly, behavior, connector, generate, history, mesh};
-use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::deck::{Deck, assembly, behavior, connector, copy, generate, history, mesh, unread};
+use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::lexer::Keyword;
-use crate::model::{
-    AmplitudeDefinition, AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation,
-    TransformKind,
-};
+use crate::model::{AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation, TransformKind};
 use std::collections::HashSet;
 
 /// Where a keyword may stand.
@@ -35,6 +32,19 @@ pub(super) enum Family {
     Plain,
     /// It belongs to `*CONNECTOR BEHAVIOR`.
     Suboption,
+}
+
+/// What becomes of a parameter that a keyword is not known to have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Strange {
+    /// It is an error: the keyword bears on connectors.
+    Refused,
+    /// It is skipped, for no connector depends on it.
+    Skipped,
+    /// It is skipped unless it looks misspelt.
+    Unlike,
+    /// The keyword is skipped with its lines, unless they name a node of a connector or constraint.
+    ByNodes,
 }
 
 /// What a parameter takes after its equals sign.
@@ -78,6 +88,8 @@ pub(super) struct Rule {
     pub(super) family: Family,
     /// None: every parameter is kept as it is.
     pub(super) parameters: Option<&'static [Parameter]>,
+    /// What becomes of a parameter that is not listed.
+    pub(super) strange: Strange,
     /// What its data lines are, for messages.
     pub(super) data: &'static str,
     pub(super) read: fn(&mut Deck<'_>, &Keyword) -> Result<()>,
@@ -103,7 +115,15 @@ const fn rule(
     data: &'static str,
     read: fn(&mut Deck<'_>, &Keyword) -> Result<()>,
 ) -> Rule {
-    Rule { name, stage, family: Family::Plain, parameters: Some(parameters), data, read }
+    Rule {
+        name,
+        stage,
+        family: Family::Plain,
+        parameters: Some(parameters),
+        strange: Strange::Refused,
+        data,
+        read,
+    }
 }
 
 const fn suboption(
@@ -112,7 +132,22 @@ const fn suboption(
     data: &'static str,
     read: fn(&mut Deck<'_>, &Keyword) -> Result<()>,
 ) -> Rule {
-    Rule { name, stage: Model, family: Family::Suboption, parameters: Some(parameters), data, read }
+    Rule {
+        name,
+        stage: Model,
+        family: Family::Suboption,
+        parameters: Some(parameters),
+        strange: Strange::Refused,
+        data,
+        read,
+    }
+}
+
+impl Rule {
+    /// The same, where parameters that are not listed are no error.
+    const fn with_strange(self, strange: Strange) -> Self {
+        Self { strange, ..self }
+    }
 }
 
 const fn output(name: &'static str) -> Rule {
@@ -121,6 +156,7 @@ const fn output(name: &'static str) -> Rule {
         stage: History,
         family: Family::Plain,
         parameters: None,
+        strange: Strange::Skipped,
         data: "it takes output identifiers",
         read: history::output,
     }
@@ -143,7 +179,8 @@ const MOTION_TYPE: Parameter = may("TYPE", One(MotionType::SPELLINGS));
 
 /// Every keyword that is understood.
 pub(super) static RULES: &[Rule] = &[
-    rule("HEADING", Model, &[pass("SPARSE", Flag)], "it takes lines of text", mesh::heading),
+    rule("HEADING", Model, &[pass("SPARSE", Flag)], "it takes lines of text", mesh::heading)
+        .with_strange(Strange::Skipped),
     rule(
         "NODE",
         Model,
@@ -181,7 +218,13 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "ELEMENT",
         Model,
-        &[need("TYPE", Text), may("ELSET", Name), may("INPUT", Text)],
+        &[
+            need("TYPE", Text),
+            may("ELSET", Name),
+            may("INPUT", Text),
+            pass("OFFSET", Count),
+            pass("SOLID ELEMENT NUMBERING", Text),
+        ],
         "each line is: element, node, node …",
         mesh::element,
     ),
@@ -189,7 +232,7 @@ pub(super) static RULES: &[Rule] = &[
         "NGEN",
         Model,
         &[may("NSET", Name), may("LINE", One(&["P", "C"])), may("SYSTEM", One(&["RC", "C", "S"]))],
-        "each line is: first node, last node, increment",
+        "each line is: first node, last node, increment; on a curve also a further node or point, and a normal",
         generate::nodes,
     ),
     rule(
@@ -199,6 +242,50 @@ pub(super) static RULES: &[Rule] = &[
         "each line is: element, number, node increment, element increment, and again for rows and layers",
         generate::elements,
     ),
+    rule(
+        "NFILL",
+        Model,
+        &[may("NSET", Name), may("BIAS", Number), may("TWO STEP", Flag), may("SINGULAR", Count)],
+        "each line is: first node set, last node set, number of intervals, increment",
+        copy::fill,
+    ),
+    rule(
+        "NCOPY",
+        Model,
+        &[
+            need("CHANGE NUMBER", Count),
+            need("OLD SET", Name),
+            may("NEW SET", Name),
+            may("MULTIPLE", Count),
+            may("SHIFT", Flag),
+            may("REFLECT", One(&["LINE", "MIRROR", "POINT"])),
+            may("POLE", Flag),
+        ],
+        "its lines give a shift and a rotation, or the points that define the reflection, or the pole",
+        copy::nodes,
+    ),
+    rule(
+        "ELCOPY",
+        Model,
+        &[
+            need("ELEMENT SHIFT", Count),
+            need("OLD SET", Name),
+            need("SHIFT NODES", Count),
+            may("NEW SET", Name),
+            pass("REFLECT", FlagOrText),
+        ],
+        "it takes no data lines",
+        copy::elements,
+    ),
+    rule("SYSTEM", Model, &[], "line 1 gives points a and b, line 2 point c", mesh::system),
+    rule(
+        "NMAP",
+        Model,
+        &[need("NSET", Name), may("TYPE", Text)],
+        "its lines give the mapping",
+        unread::mapping,
+    )
+    .with_strange(Strange::Skipped),
     rule("PART", Model, &[need("NAME", Name)], "it takes no data lines", assembly::part),
     rule("END PART", Model, &[], "it takes no data lines", assembly::end_part),
     rule("ASSEMBLY", Model, &[may("NAME", Name)], "it takes no data lines", assembly::assembly),
@@ -231,6 +318,7 @@ pub(super) static RULES: &[Rule] = &[
                 ]),
             ),
             may("DEFINITION", One(&["COORDINATES", "NODES", "OFFSET TO NODES"])),
+            pass("LOCAL DIRECTIONS", Count),
         ],
         "line 1 gives the points a, b, c; line 2: axis, additional rotation in degrees",
         mesh::orientation,
@@ -242,11 +330,23 @@ pub(super) static RULES: &[Rule] = &[
         "one line: Xa, Ya, Za, Xb, Yb, Zb",
         mesh::transform,
     ),
-    rule("MASS", Model, &[need("ELSET", Name)], "one line: the mass", mesh::mass),
+    rule(
+        "MASS",
+        Model,
+        &[
+            need("ELSET", Name),
+            may("TYPE", One(&["ISOTROPIC", "ANISOTROPIC"])),
+            pass("ALPHA", Number),
+            pass("COMPOSITE", Number),
+            pass("ORIENTATION", Name),
+        ],
+        "one line: the mass",
+        mesh::mass,
+    ),
     rule(
         "ROTARY INERTIA",
         Model,
-        &[need("ELSET", Name), may("ORIENTATION", Name)],
+        &[need("ELSET", Name), may("ORIENTATION", Name), pass("ALPHA", Number), pass("COMPOSITE", Number)],
         "one line: I11, I22, I33, I12, I13, I23",
         mesh::rotary_inertia,
     ),
@@ -259,6 +359,9 @@ pub(super) static RULES: &[Rule] = &[
             may("ORIENTATION", Name),
             may("COMPLEX STIFFNESS", Flag),
             DEPENDENCIES,
+            pass("EXTRAPOLATION", Text),
+            pass("REGULARIZE", ON_OFF),
+            pass("RTOL", Number),
         ],
         "line 1 gives the degrees of freedom, the next ones the stiffness",
         mesh::spring,
@@ -266,7 +369,15 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "DASHPOT",
         Model,
-        &[need("ELSET", Name), may("NONLINEAR", Flag), may("ORIENTATION", Name), DEPENDENCIES],
+        &[
+            need("ELSET", Name),
+            may("NONLINEAR", Flag),
+            may("ORIENTATION", Name),
+            DEPENDENCIES,
+            pass("EXTRAPOLATION", Text),
+            pass("REGULARIZE", ON_OFF),
+            pass("RTOL", Number),
+        ],
         "line 1 gives the degrees of freedom, the next ones the coefficient",
         mesh::dashpot,
     ),
@@ -482,17 +593,36 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "BOUNDARY",
         Both,
-        &[MOTION_TYPE, AMPLITUDE, OPERATION, LOAD_CASE, may("FIXED", Flag), may("USER", Flag)],
+        &[
+            MOTION_TYPE,
+            AMPLITUDE,
+            OPERATION,
+            LOAD_CASE,
+            may("FIXED", Flag),
+            may("USER", Flag),
+            pass("REAL", Flag),
+            pass("REGION TYPE", Text),
+        ],
         "each line is: node or node set, first, last degree of freedom, magnitude",
         history::boundary,
-    ),
+    )
+    .with_strange(Strange::ByNodes),
     rule(
         "CLOAD",
         History,
-        &[AMPLITUDE, OPERATION, LOAD_CASE, may("FOLLOWER", Flag), may("REAL", Flag), may("IMAGINARY", Flag)],
+        &[
+            AMPLITUDE,
+            OPERATION,
+            LOAD_CASE,
+            may("FOLLOWER", Flag),
+            may("REAL", Flag),
+            may("IMAGINARY", Flag),
+            pass("REGION TYPE", Text),
+        ],
         "each line is: node or node set, degree of freedom, magnitude",
         history::concentrated_load,
-    ),
+    )
+    .with_strange(Strange::ByNodes),
     rule(
         "DLOAD",
         History,
@@ -506,13 +636,15 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "each line is: element or element set, label, magnitude …",
         history::distributed_load,
-    ),
+    )
+    .with_strange(Strange::Skipped),
     rule(
         "AMPLITUDE",
-        Model,
+        Both,
         &[
             need("NAME", Name),
-            may("DEFINITION", One(AmplitudeDefinition::SPELLINGS)),
+            may("DEFINITION", Text),
+            may("INPUT", Text),
             may("TIME", One(AmplitudeTime::SPELLINGS)),
             may("VALUE", One(AmplitudeValue::SPELLINGS)),
             may("SMOOTH", Number),
@@ -521,7 +653,8 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "its lines are: time, value, time, value …",
         history::amplitude,
-    ),
+    )
+    .with_strange(Strange::Unlike),
     rule(
         "STEP",
         Stage::Step,
@@ -538,8 +671,10 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "it takes lines of text",
         history::step,
-    ),
-    rule("END STEP", Stage::Step, &[], "it takes no data lines", history::end_step),
+    )
+    .with_strange(Strange::Skipped),
+    rule("END STEP", Stage::Step, &[], "it takes no data lines", history::end_step)
+        .with_strange(Strange::Skipped),
     rule(
         "STATIC",
         History,
@@ -556,7 +691,8 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "one line: initial, total, minimum, maximum time",
         history::static_procedure,
-    ),
+    )
+    .with_strange(Strange::Skipped),
     rule(
         "DYNAMIC",
         History,
@@ -582,7 +718,8 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "one line: initial, total, minimum, maximum time",
         history::dynamic,
-    ),
+    )
+    .with_strange(Strange::Skipped),
     output("OUTPUT"),
     output("ELEMENT OUTPUT"),
     output("NODE OUTPUT"),
@@ -599,17 +736,24 @@ pub(super) fn find(name: &str) -> Option<&'static Rule> {
     RULES.iter().find(same)
 }
 
-/// Why a keyword may not be skipped, if it is one of those without which the model is another.
-pub(super) fn indispensable(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "NFILL" | "NCOPY" | "NMAP" | "IMPERFECTION" => "list the nodes under *NODE, at their final positions",
-        "SYSTEM" => "list the nodes under *NODE in global coordinates, without *SYSTEM",
-        "ELCOPY" => "list the elements under *ELEMENT",
-        "PARAMETER" => "replace the parameters by their values",
-        "IMPORT" | "IMPORT NODE SET" => "list the imported nodes and elements",
-        "MODEL CHANGE" => "remove or add the elements in the deck itself",
-        _ => return None,
-    })
+/// Whether each data line of a keyword stands for itself, so that reading goes on after a faulty one.
+pub(super) fn reads_by_line(name: &str) -> bool {
+    matches!(
+        name,
+        "NODE"
+            | "NGEN"
+            | "NFILL"
+            | "NSET"
+            | "ELSET"
+            | "ELEMENT"
+            | "ELGEN"
+            | "MPC"
+            | "CONNECTOR MOTION"
+            | "CONNECTOR LOAD"
+            | "BOUNDARY"
+            | "CLOAD"
+            | "DLOAD"
+    )
 }
 
 /// The keywords of output requests.
@@ -634,6 +778,11 @@ pub(super) fn is_of_level(name: &str) -> bool {
         "NODE"
             | "NSET"
             | "NGEN"
+            | "NFILL"
+            | "NCOPY"
+            | "NMAP"
+            | "SYSTEM"
+            | "ELCOPY"
             | "ELEMENT"
             | "ELSET"
             | "ELGEN"
@@ -731,48 +880,78 @@ impl Rule {
         passed.map(|parameter| parameter.name).filter(|name| keyword.has(name))
     }
 
-    /// Every parameter is known, given once, and has the kind of value that it takes; those needed are there.
-    pub(super) fn check_parameters(&self, keyword: &Keyword) -> Result<()> {
-        let name = &keyword.name;
+    /// Does INPUT name a file whose lines stand for data lines?
+    pub(super) fn takes_input(&self) -> bool {
+        self.name != "AMPLITUDE"
+            && self.parameters.is_some_and(|known| known.iter().any(|one| one.name == "INPUT"))
+    }
+
+    /// Gives parameters that are written by any unambiguous beginning their names. Every parameter must be given once and have the kind of
+    /// value that it takes; those needed must be there. Gives the names of those that are not known where that is no error.
+    pub(super) fn check_parameters(&self, keyword: &mut Keyword) -> Result<Vec<String>> {
+        let mut errors = Vec::new();
+        let mut strange = Vec::new();
         let mut seen = HashSet::new();
+        if let Some(known) = self.parameters {
+            let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
+            keyword.complete(&names);
+        }
+        let keyword = &*keyword;
+        let name = &keyword.name;
         for (index, given) in keyword.parameters.iter().enumerate() {
             if !seen.insert(given.name.as_str()) {
                 let message = format!("{} stands twice on one *{name}", given.name);
-                return Err(Diagnostic::error(
-                    Code::RepeatedParameter,
-                    given.span,
-                    message,
-                    "the second one",
-                )
-                .help("keep one of the two"));
+                errors.push(
+                    Diagnostic::error(Code::RepeatedParameter, given.span, message, "the second one")
+                        .help("keep one of the two"),
+                );
+                continue;
             }
             let Some(known) = self.parameters else { continue };
-            let Some(parameter) = known.iter().find(|parameter| parameter.name == given.name) else {
-                let remedy = suggest(&given.name, known.iter().map(|parameter| parameter.name), || {
-                    if known.is_empty() {
-                        return "this keyword takes no parameters; is a comma too many at the end of the line above?".to_owned();
-                    }
-                    let names: Vec<_> = known.iter().map(|parameter| parameter.name).collect();
-                    format!("*{name} takes {}", names.join(", "))
-                });
-                let message = format!("*{name} has no parameter {}", given.name);
-                return Err(Diagnostic::error(
-                    Code::UnknownParameter,
-                    given.span,
-                    message,
-                    "not a parameter",
-                )
-                .help(remedy));
-            };
-            parameter.check(keyword, index)?;
-        }
-        let needed = self.parameters.into_iter().flatten().filter(|parameter| parameter.needed);
-        for parameter in needed {
-            if !keyword.has(parameter.name) {
-                return Err(keyword.missing(parameter.name));
+            match known.iter().find(|parameter| parameter.name == given.name) {
+                Some(parameter) => errors.extend(parameter.check(keyword, index).err()),
+                None if self.lets_pass(&given.name) => strange.push(given.name.clone()),
+                None => errors.push(self.unknown(keyword, index)),
             }
         }
-        Ok(())
+        let needed = self.parameters.into_iter().flatten().filter(|parameter| parameter.needed);
+        // A name that is not known may be meant for the one that is missing.
+        let is_known = errors.iter().all(|error| error.code() != Code::UnknownParameter);
+        let missing = needed.filter(|parameter| !keyword.has(parameter.name) && is_known);
+        let missing: Vec<Diagnostic> = missing.map(|parameter| keyword.missing(parameter.name)).collect();
+        match Diagnostic::joined(errors.into_iter().chain(missing)) {
+            None => Ok(strange),
+            Some(error) => Err(error),
+        }
+    }
+
+    /// A parameter that is not known is no error where no connector depends on it, or where it looks like a word of its own.
+    fn lets_pass(&self, given: &str) -> bool {
+        match self.strange {
+            Strange::Refused => false,
+            Strange::Skipped => true,
+            Strange::Unlike | Strange::ByNodes => self.meant(given).is_none(),
+        }
+    }
+
+    /// The parameter that a name looks like.
+    pub(super) fn meant(&self, given: &str) -> Option<&'static str> {
+        nearest(given, self.parameters.into_iter().flatten().map(|parameter| parameter.name))
+    }
+
+    fn unknown(&self, keyword: &Keyword, index: usize) -> Diagnostic {
+        let (name, given) = (&keyword.name, &keyword.parameters[index]);
+        let known: Vec<&str> =
+            self.parameters.into_iter().flatten().map(|parameter| parameter.name).collect();
+        let remedy = suggest(&given.name, known.iter().copied(), || {
+            if known.is_empty() {
+                return "this keyword takes no parameters; is a comma too many at the end of the line above?"
+                    .to_owned();
+            }
+            format!("*{name} takes {}", known.join(", "))
+        });
+        let message = format!("*{name} has no parameter {}", given.name);
+        Diagnostic::error(Code::UnknownParameter, given.span, message, "not a parameter").help(remedy)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::model::{
     ConnectorElement, Dimension, Discrete, Mass, Node, PointElement, PointKind, RotaryInertia, Scene,
     Transform, TransformKind,
 };
-use crate::orientation::{Definition, Orientation, System, sin_cos_degrees};
+use crate::orientation::{Definition, GLOBAL, Orientation, System, Triad, minus, sin_cos_degrees};
 use crate::span::Span;
 use indexmap::map::Entry;
 
@@ -26,14 +26,9 @@ pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
 }
 
 pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    take_input(deck, keyword)?;
     let set = keyword.name_of("NSET")?;
     let system = keyword.word("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
-    if system == "S" {
-        let message = "spherical coordinates of nodes are not supported";
-        return Err(Diagnostic::error(Code::BadParameterValue, keyword.span, message, "SYSTEM=S")
-            .help("give the nodes in rectangular or cylindrical coordinates"));
-    }
+    let axes = deck.system;
     let mut members =
         set.map(|name| deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
     while let Some(line) = deck.lexer.row()? {
@@ -49,11 +44,12 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             }
         }
         items.end("a node number and three coordinates, and may go on with the normal at the node")?;
-        if system == "C" {
+        if system == "C" && axes.is_none() {
             deck.scene.written.add_cylindrical(label.into(), coordinates);
-            let [radius, angle, z] = coordinates;
-            let (sine, cosine) = sin_cos_degrees(angle);
-            coordinates = [radius * cosine, radius * sine, z];
+        }
+        coordinates = rectangular(system, coordinates);
+        if let Some(axes) = axes {
+            coordinates = axes.global(coordinates);
         }
         match deck.scene.nodes.entry(label.into()) {
             Entry::Vacant(place) => {
@@ -80,9 +76,73 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     Ok(())
 }
 
-/// The data lines of `INPUT=` are read as if they stood here.
-pub(super) fn take_input(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    keyword.get("INPUT").map_or(Ok(()), |value| deck.lexer.include(value))
+/// Rectangular coordinates of a point in the system R, C or S: x, y, z; r, θ, z; or r, θ, φ, with φ from the plane, in degrees.
+pub(super) fn rectangular(system: &str, [r, angle, rest]: [f64; 3]) -> [f64; 3] {
+    if !["C", "S"].contains(&system) {
+        return [r, angle, rest];
+    }
+    let (sine, cosine) = sin_cos_degrees(angle);
+    let (radius, height) = match system {
+        "C" => (r, rest),
+        _ => {
+            let (up, across) = sin_cos_degrees(rest);
+            (r * across, r * up)
+        }
+    };
+    [radius * cosine, radius * sine, height]
+}
+
+/// The axes that nodes are given in: an origin and three directions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Axes {
+    origin: [f64; 3],
+    directions: Triad,
+}
+
+impl Axes {
+    /// A point that is given in them.
+    pub(super) fn global(&self, x: [f64; 3]) -> [f64; 3] {
+        let Self { origin, directions: [e1, e2, e3] } = self;
+        std::array::from_fn(|k| origin[k] + (x[0] * e1[k] + x[1] * e2[k] + x[2] * e3[k]))
+    }
+}
+
+/// `*SYSTEM`: point a is the origin, b lies on the local X axis, c in the local XY plane. Without c the Z axis stays, and the X axis is
+/// projected onto the XY plane; without b the axes stay parallel; without all they are the global ones again.
+pub(super) fn system(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    deck.system = None;
+    let Some(line) = deck.lexer.row()? else { return Ok(()) };
+    let mut items = line.items();
+    let point = |items: &mut Items<'_>| -> Result<Option<[f64; 3]>> {
+        let numbers = [items.number()?, items.number()?, items.number()?];
+        Ok(numbers.iter().any(Option::is_some).then(|| numbers.map(|number| number.unwrap_or(0.0))))
+    };
+    let a = point(&mut items)?.unwrap_or_default();
+    let b = point(&mut items)?;
+    items.end("the coordinates of points a and b")?;
+    let c = match deck.lexer.row()? {
+        None => None,
+        Some(line) => {
+            let mut items = line.items();
+            let c = point(&mut items)?;
+            items.end("the coordinates of point c")?;
+            c
+        }
+    };
+    let Some(b) = b else {
+        deck.system = Some(Axes { origin: a, directions: GLOBAL });
+        return Ok(());
+    };
+    let x = minus(b, a);
+    let definition = match c {
+        Some(c) => Definition::Coordinates { a: b, b: c, c: a },
+        None => Definition::Coordinates { a: [x[0], x[1], 0.0], b: [-x[1], x[0], 0.0], c: [0.0; 3] },
+    };
+    let (system, axis, angle, span) = (System::Rectangular, 1, 0.0, keyword.span);
+    let axes = Orientation { system, definition, axis, angle, span };
+    let directions = axes.triad("of *SYSTEM", &deck.scene, [0.0; 3], &[])?;
+    deck.system = Some(Axes { origin: a, directions });
+    Ok(())
 }
 
 pub(super) fn node_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
@@ -202,7 +262,6 @@ fn element_type(keyword: &Keyword) -> Result<ElementType> {
 }
 
 pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    take_input(deck, keyword)?;
     let kind = element_type(keyword)?;
     if let ElementType::Other(name) = &kind
         && let Some(near) = nearest(name, PointKind::ALL.map(PointKind::name))
@@ -378,7 +437,7 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
         ("USER", System::User),
     ];
     let system = keyword.word("SYSTEM", &systems.map(|(name, _)| name))?;
-    let system =
+    let mut system =
         systems.into_iter().find(|(name, _)| Some(*name) == system).map_or(System::Rectangular, |(_, s)| s);
     let definition = keyword.word("DEFINITION", &["COORDINATES", "NODES", "OFFSET TO NODES"])?;
     let definition = if system == System::User {
@@ -394,7 +453,15 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
             )
             .help("give a line with Xa, Ya, Za, Xb, Yb, Zb"));
         };
-        points(&line, definition.unwrap_or("COORDINATES"))?
+        let definition = definition.unwrap_or("COORDINATES");
+        if definition == "COORDINATES" && line.items().maybe().is_some_and(|item| is_distribution(&item)) {
+            // Each element has directions of its own, which are not read: an error where a connector uses them.
+            system = System::User;
+            deck.scene.skipped.count("*ORIENTATION by a distribution".to_owned(), line.span.line());
+            Definition::None
+        } else {
+            points(&line, definition)?
+        }
     };
     let (mut axis, mut angle) = (1, 0.0);
     if let Some(line) = deck.lexer.row()? {
@@ -410,12 +477,20 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
         angle = items.number()?.unwrap_or(0.0);
         items.end("an axis (1, 2, 3) and an additional rotation in degrees")?;
     }
+    if keyword.has("LOCAL DIRECTIONS") {
+        deck.lexer.skip()?;
+    }
     let orientation = Orientation { system, definition, axis, angle, span: keyword.span };
     if let Some(first) = deck.scene.orientations.get(&name.value) {
         return Err(keyword.duplicate(&name, first.span));
     }
     deck.scene.orientations.insert(name.value, orientation);
     Ok(())
+}
+
+/// Does the first item of an orientation name a `*DISTRIBUTION`?
+fn is_distribution(item: &Item<'_>) -> bool {
+    item.text.starts_with(|letter: char| letter.is_alphabetic() || letter == '"' || letter == '_')
 }
 
 fn points(line: &Data<'_>, definition: &str) -> Result<Definition> {
@@ -474,6 +549,10 @@ pub(super) fn transform(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn mass(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let element_set = keyword.need_name("ELSET")?;
+    if keyword.word("TYPE", &["ISOTROPIC", "ANISOTROPIC"])? == Some("ANISOTROPIC") {
+        deck.scene.skipped.count("*MASS, TYPE=ANISOTROPIC".to_owned(), keyword.span.line());
+        return deck.lexer.skip().map(drop);
+    }
     let Some(record) = table::record(&mut deck.lexer, 1)? else {
         return Err(table::no_rows((&keyword.name, keyword.span), &["the mass"]));
     };
@@ -531,7 +610,14 @@ fn discrete(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Discrete> {
     let orientation = keyword.name_of("ORIENTATION")?;
     let (nonlinear, fields) = (keyword.has("NONLINEAR"), keyword.dependencies()?);
     let mut degrees_of_freedom = Vec::new();
-    if let Some(line) = deck.lexer.data()? {
+    // A spring along its line may begin with its coefficient, without the blank line of degrees of freedom.
+    let begins_with_number =
+        |line: &Data<'_>| line.items().maybe().is_some_and(|item| item.looks_numeric() && !item.is_integer());
+    let has_freedoms = deck.lexer.data()?.map(|line| !begins_with_number(&line));
+    if has_freedoms.is_some() {
+        deck.lexer.again();
+    }
+    if let Some(line) = if has_freedoms == Some(true) { deck.lexer.data()? } else { None } {
         let mut items = line.items();
         while degrees_of_freedom.len() < 2 {
             let Some(item) = items.maybe() else { break };
@@ -555,10 +641,28 @@ fn discrete(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Discrete> {
     Ok(Discrete { element_set, orientation, degrees_of_freedom, nonlinear, complex, rows })
 }
 
+/// Whether a degree of freedom is one of connectors: 1 to 6, or 10 for material flow.
+pub(super) fn is_mechanical(dof: u8) -> bool {
+    matches!(dof, 1..=6 | 10)
+}
+
+/// The largest degree of freedom there is: temperatures of shells count from 11.
+const LAST_FREEDOM: u8 = 30;
+
+/// Any degree of freedom: those of other physics too, warping (7), pressure (8), potential (9), temperature (11, in some programs 0).
+pub(super) fn any_degree_of_freedom(item: &Item<'_>) -> Result<u8> {
+    let number = item.integer("a degree of freedom")?;
+    u8::try_from(number).ok().filter(|dof| *dof <= LAST_FREEDOM).ok_or_else(|| {
+        let message = format!("there is no degree of freedom {number}");
+        Diagnostic::error(Code::BadDegreeOfFreedom, item.span, message, "too large")
+            .help("1 to 3 are translations, 4 to 6 rotations, 10 is material flow")
+    })
+}
+
 /// 1 to 6, or 10 for material flow.
 pub(super) fn degree_of_freedom(item: &Item<'_>) -> Result<u8> {
     let number = item.integer("a degree of freedom")?;
-    u8::try_from(number).ok().filter(|dof| matches!(dof, 1..=6 | 10)).ok_or_else(|| {
+    u8::try_from(number).ok().filter(|dof| is_mechanical(*dof)).ok_or_else(|| {
         let message = format!("there is no degree of freedom {number} here");
         Diagnostic::error(Code::BadDegreeOfFreedom, item.span, message, "must be 1 to 6, or 10")
             .help("1 to 3 are translations, 4 to 6 rotations, 10 is material flow")

@@ -6,6 +6,9 @@
 mod assembly;
 mod behavior;
 mod connector;
+mod copy;
+mod curve;
+mod errors;
 mod generate;
 mod history;
 mod keywords;
@@ -13,6 +16,7 @@ mod mesh;
 mod resolve;
 mod sets;
 mod table;
+mod unread;
 pub(crate) mod write;
 
 use crate::behavior::Behavior;
@@ -26,8 +30,9 @@ use crate::label::labelled::LabelSet;
 use crate::lexer::{Keyword, Lexer, Value, not_utf8};
 use crate::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use crate::span::{Span, Spanned};
+use errors::Errors;
 use indexmap::IndexMap;
-use keywords::{Family, Rule, Stage};
+use keywords::{Family, Rule, Stage, Strange};
 use sets::{OtherElements, SetBuilder};
 use std::io::BufRead;
 use std::path::Path;
@@ -39,7 +44,7 @@ impl Scene {
     /// it includes, each relative to the one that includes it.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let name = path.display().to_string();
@@ -62,7 +67,7 @@ impl Scene {
     /// Reads a deck from memory. `name` stands for the file in messages. It includes nothing.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         Self::parse_bytes(name, text.as_bytes())
     }
@@ -70,7 +75,7 @@ impl Scene {
     /// Like [`parse`](Self::parse), for bytes that need not be UTF-8 where they are skipped.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
     pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
         Self::parse_with(name, bytes, &NoFiles)
     }
@@ -88,7 +93,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
     pub fn parse_with(name: &str, bytes: &[u8], files: &dyn Files) -> Result<Self> {
         finish(read(name, Box::new(bytes), files), &Named { root: name, text: Some(bytes), files })
     }
@@ -106,10 +111,9 @@ pub(super) fn finish((result, names): Outcome, source: &Named<'_>) -> Result<Sce
             Ok(scene)
         }
         Err(error) => {
-            let mut errors = [error];
+            let (mut errors, unsaid) = error.apart();
             source.attach(&mut errors, &names);
-            let [error] = errors;
-            Err(error)
+            Err(Diagnostic::joined(errors).map(|first| first.with_unsaid(unsaid)).unwrap_or_else(lost))
         }
     }
 }
@@ -139,16 +143,30 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         mpcs: Vec::new(),
         assembly: assembly::Assembly::default(),
         generated: 0,
+        system: None,
+        unread: unread::Unread::default(),
+        within_joint: false,
         warnings: Vec::new(),
+        errors: Errors::default(),
         behavior_open: false,
         host: Host::None,
         step: None,
         stepped: false,
     };
-    let result = deck.read();
-    deck.scene.axisymmetric = deck.scene.skipped.element_types.keys().any(|name| name.contains("AX"));
-    deck.scene.skipped.comments = deck.lexer.comments;
-    (result.map(|()| Scene { warnings: deck.warnings, ..deck.scene }), deck.lexer.into_names())
+    if let Err(error) = deck.read() {
+        deck.errors.add(error);
+    }
+    if deck.errors.leaves_references() {
+        resolve::resolve(&mut deck);
+    }
+    let Deck { lexer, mut scene, warnings, errors, .. } = deck;
+    scene.axisymmetric = scene.skipped.element_types.keys().any(|name| name.contains("AX"));
+    scene.skipped.comments = lexer.comments;
+    // A keyword that looks misspelt may be the cause, or what a set lacks.
+    let causes = [Code::MisspeltKeyword, Code::UnknownNode, Code::UnknownElement];
+    let causes = warnings.iter().filter(|warning| causes.contains(&warning.code()));
+    let error = errors.into_first().map(|first| causes.cloned().fold(first, Diagnostic::and));
+    (error.map_or(Ok(Scene { warnings, ..scene }), Err), lexer.into_names())
 }
 
 /// What has been read so far.
@@ -168,7 +186,14 @@ struct Deck<'a> {
     assembly: assembly::Assembly,
     /// Nodes and elements that were generated.
     generated: u64,
+    /// The axes that nodes are given in, by `*SYSTEM`.
+    system: Option<mesh::Axes>,
+    /// What bears on a connector only if one uses it.
+    unread: unread::Unread,
+    /// `*SPRING` and `*DASHPOT` belong to the `*JOINT` above.
+    within_joint: bool,
     warnings: Vec<Diagnostic>,
+    errors: Errors,
     /// Connector suboptions belong to the last behaviour.
     behavior_open: bool,
     /// What a potential or another suboption of a suboption belongs to.
@@ -189,27 +214,52 @@ enum Host {
 }
 
 impl Deck<'_> {
+    /// Reads the lines. Errors after which it can go on are added.
+    ///
+    /// # Errors
+    /// One after which it cannot.
     fn read(&mut self) -> Result<()> {
         let mut empty = true;
-        while let Some(keyword) = self.lexer.keyword()? {
-            empty = false;
-            self.take(&keyword)?;
+        loop {
+            match self.lexer.keyword() {
+                Ok(None) => break,
+                Ok(Some(keyword)) => {
+                    empty = false;
+                    let name = keyword.name.clone();
+                    if let Err(error) = self.take(keyword) {
+                        self.fault(error, &name)?;
+                    }
+                }
+                Err(error) => {
+                    empty = false;
+                    self.fault(error, "")?;
+                }
+            }
         }
         if empty {
             return Err(Diagnostic::error(Code::MissingKeywords, Span::default(), "the deck is empty", "")
                 .help("a deck begins with a keyword such as *HEADING or *NODE"));
         }
         if let Some(step) = &self.step {
-            return Err(Diagnostic::error(
-                Code::UnfinishedStep,
-                step.span,
-                "a step does not end",
-                "begins here",
-            )
-            .help("close the step by *END STEP"));
+            self.errors.add(
+                Diagnostic::error(Code::UnfinishedStep, step.span, "a step does not end", "begins here")
+                    .help("close the step by *END STEP"),
+            );
         }
-        self.check_closed()?;
-        resolve::resolve(self)
+        self.check_closed()
+    }
+
+    /// Notes an error, and goes to the next keyword.
+    ///
+    /// # Errors
+    /// The same error, where nothing can be read after it.
+    fn fault(&mut self, error: Diagnostic, keyword: &str) -> Result<()> {
+        if errors::is_fatal(error.code()) {
+            return Err(error);
+        }
+        self.errors.add(error);
+        self.errors.spoil(keyword);
+        self.lexer.skip().map(drop)
     }
 
     fn warn(&mut self, diagnostic: Diagnostic) {
@@ -218,23 +268,37 @@ impl Deck<'_> {
         }
     }
 
-    fn take(&mut self, keyword: &Keyword) -> Result<()> {
-        let Some(rule) = keywords::find(&keyword.name).filter(|rule| !self.is_contact_friction(rule)) else {
-            return self.pass_over(keyword);
+    fn take(&mut self, mut keyword: Keyword) -> Result<()> {
+        let Some(rule) = keywords::find(&keyword.name).filter(|rule| !self.is_of_another(rule)) else {
+            self.within_joint &= ["SPRING", "DASHPOT"].contains(&keyword.name.as_str());
+            return self.pass_over(&keyword);
         };
+        self.within_joint = false;
         if rule.family != Family::Suboption {
             (self.behavior_open, self.host) = (false, Host::None);
         }
-        self.check_stage(rule, keyword)?;
-        rule.check_parameters(keyword)?;
+        self.check_stage(rule, &keyword)?;
+        let strange = rule.check_parameters(&mut keyword)?;
         if let Some(place) = keyword.not_utf8 {
             return Err(not_utf8(place));
         }
-        self.check_level(keyword, rule.name)?;
-        for parameter in rule.passed_over(keyword) {
+        self.check_level(&keyword, rule.name)?;
+        for parameter in rule.passed_over(&keyword).map(str::to_owned).chain(strange.iter().cloned()) {
             self.scene.skipped.count(format!("*{}, {parameter}", rule.name), keyword.span.line());
         }
-        (rule.read)(self, keyword)?;
+        for (given, near) in strange.iter().filter_map(|given| Some((given, rule.meant(given)?))) {
+            let message = format!("{given} of *{} is skipped", rule.name);
+            let label = "not a parameter that is read";
+            let warning = Diagnostic::warning(Code::MisspeltKeyword, keyword.span, message, label);
+            self.warn(warning.help(format!("did you mean {near}?")));
+        }
+        if let Some(parameter) = strange.first().filter(|_| rule.strange == Strange::ByNodes) {
+            return unread::lines_on_nodes(self, &keyword, parameter);
+        }
+        if let Some(input) = keyword.get("INPUT").filter(|_| rule.takes_input()) {
+            self.lexer.include(input)?;
+        }
+        self.read_lines(rule, &keyword)?;
         match self.lexer.row()? {
             None => Ok(()),
             Some(line) => {
@@ -245,9 +309,24 @@ impl Deck<'_> {
         }
     }
 
-    /// `*FRICTION` belongs to contact unless a connector behaviour is being read.
-    fn is_contact_friction(&self, rule: &Rule) -> bool {
-        rule.name == "FRICTION" && !self.behavior_open
+    /// Reads the data lines of a keyword. Where each stands for itself, it goes on after a faulty one.
+    fn read_lines(&mut self, rule: &Rule, keyword: &Keyword) -> Result<()> {
+        loop {
+            let before = self.lexer.place_of_line();
+            let Err(error) = (rule.read)(self, keyword) else { return Ok(()) };
+            let is_last = errors::is_fatal(error.code()) || self.lexer.place_of_line() == before;
+            if is_last || !keywords::reads_by_line(rule.name) {
+                return Err(error);
+            }
+            self.errors.add(error);
+            self.errors.spoil(rule.name);
+        }
+    }
+
+    /// `*FRICTION` belongs to contact unless a connector behaviour is being read; `*SPRING` and `*DASHPOT` may belong to `*JOINT`.
+    fn is_of_another(&self, rule: &Rule) -> bool {
+        let is_of_joint = self.within_joint && ["SPRING", "DASHPOT"].contains(&rule.name);
+        is_of_joint || (rule.name == "FRICTION" && !self.behavior_open)
     }
 
     fn check_stage(&self, rule: &Rule, keyword: &Keyword) -> Result<()> {
@@ -284,18 +363,9 @@ impl Deck<'_> {
         }
     }
 
-    /// Skips a keyword that is not understood, unless the model would be another without it.
+    /// Skips a keyword that is not understood.
     fn pass_over(&mut self, keyword: &Keyword) -> Result<()> {
-        if let Some(remedy) = keywords::indispensable(&keyword.name) {
-            let message = format!("*{} is not supported", keyword.name);
-            return Err(Diagnostic::error(
-                Code::UnsupportedKeyword,
-                keyword.span,
-                message,
-                "changes the model",
-            )
-            .help(remedy));
-        }
+        self.within_joint |= keyword.name == "JOINT";
         if let Some(near) = nearest(&keyword.name, keywords::RULES.iter().map(|rule| rule.name))
             .filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
         {
@@ -325,13 +395,27 @@ impl Deck<'_> {
         if let Some(name) = keywords::constraint(&keyword.name) {
             self.scene.skipped.constraints.push(SkippedConstraint { keyword: name, span: keyword.span });
         }
+        let read = match keyword.name.as_str() {
+            "PARAMETER" => return unread::parameter(self, keyword),
+            "MODEL CHANGE" => unread::model_change(self, keyword)?,
+            "IMPERFECTION" | "RESTART" | "IMPORT" => {
+                unread::elsewhere(self, keyword);
+                0
+            }
+            _ => 0,
+        };
+        let rest = self.lexer.skip()?;
+        self.count_skipped(keyword, read + rest);
+        Ok(())
+    }
+
+    fn count_skipped(&mut self, keyword: &Keyword, data_lines: u64) {
         let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
         if skipped.count == 0 {
             skipped.first_line = keyword.span.line();
         }
         skipped.count += 1;
-        skipped.data_lines += self.lexer.skip()?;
-        Ok(())
+        skipped.data_lines += data_lines;
     }
 
     /// The behaviour that is being read.
@@ -343,6 +427,11 @@ impl Deck<'_> {
     }
 }
 
+/// What cannot be: errors that were there are not any more.
+fn lost() -> Diagnostic {
+    Diagnostic::error(Code::Unreadable, Span::default(), "an error was lost", "")
+}
+
 fn misplaced(keyword: &Keyword, host: &str) -> Diagnostic {
     let message = format!("*{} does not follow {host}", keyword.name);
     Diagnostic::error(Code::MisplacedKeyword, keyword.span, message, format!("belongs to {host}"))
@@ -350,6 +439,19 @@ fn misplaced(keyword: &Keyword, host: &str) -> Diagnostic {
 }
 
 impl Keyword {
+    /// Gives every parameter that is written by a beginning of exactly one of `names` that name.
+    fn complete(&mut self, names: &[&str]) {
+        for given in &mut self.parameters {
+            let mut begun = names.iter().filter(|name| name.starts_with(given.name.as_str()));
+            if let (false, Some(name), None) =
+                (names.contains(&given.name.as_str()), begun.next(), begun.next())
+                && !given.name.is_empty()
+            {
+                (*name).clone_into(&mut given.name);
+            }
+        }
+    }
+
     /// The value of a parameter.
     fn get(&self, name: &str) -> Option<&Value> {
         self.parameters.iter().find(|parameter| parameter.name == name)?.value.as_ref()

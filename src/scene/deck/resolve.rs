@@ -3,26 +3,43 @@
 use crate::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::deck::Deck;
 use crate::deck::connector::RawMpc;
+use crate::deck::errors::Errors;
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
 use crate::deck::sets::{Kind, Known, Member, OtherElements, unknown_set};
+use crate::deck::unread;
 use crate::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
 use crate::label::Label;
 use crate::label::labelled::{Beside, LabelMap, LabelSet};
-use crate::model::{Discrete, Mpc, PointKind, Scene, Set, Target, TransformKind};
+use crate::model::{ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target};
 use crate::span::{Span, Spanned};
 use std::cell::OnceCell;
+use std::collections::HashSet;
 
-pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
-    elements(deck)?;
-    build_sets(deck)?;
-    sections(&mut deck.scene)?;
-    deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
-    properties(&deck.scene)?;
+/// Checks every reference. What is wrong is added to the errors of the deck.
+pub(super) fn resolve(deck: &mut Deck<'_>) {
+    let mut errors = std::mem::take(&mut deck.errors);
+    elements(deck, &mut errors);
+    let sets = build_sets(deck, &mut errors);
+    errors.value(sets);
+    sections(&mut deck.scene, &mut errors);
+    for (name, behavior) in &deck.scene.behaviors {
+        errors.value(check_behavior(name, behavior));
+    }
+    properties(&deck.scene, &mut errors);
     other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
-    deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
-    actuation(deck)
+    deck.scene.mpcs = mpcs(&deck.scene, &raw, &mut errors);
+    let bearing = unread::bearing(&deck.scene);
+    errors.value(transforms(&deck.scene, &bearing));
+    deck.errors = errors;
+    unread::judge(deck, &bearing);
+    if deck.unread.is_elsewhere && deck.scene.connectors.is_empty() && deck.scene.mpcs.is_empty() {
+        unread::drop_steps(deck);
+    }
+    let mut errors = std::mem::take(&mut deck.errors);
+    actuation(deck, &mut errors);
+    deck.errors = errors;
 }
 
 /// What to do about a node or element that is not there.
@@ -39,7 +56,7 @@ fn unknown(kind: Kind, label: Label, span: Span) -> Diagnostic {
     Diagnostic::error(kind.unknown(), span, message, "not defined").help(undefined(kind)())
 }
 
-fn elements(deck: &mut Deck<'_>) -> Result<()> {
+fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
     deck.other_elements.sort();
     let scene = &deck.scene;
     let connectors =
@@ -49,20 +66,21 @@ fn elements(deck: &mut Deck<'_>) -> Result<()> {
     let known = Beside::new(&scene.nodes);
     for (label, span, nodes) in connectors.chain(points) {
         if deck.other_elements.contains(label) {
-            return Err(duplicate_element(label, None, span));
+            errors.add(duplicate_element(label, None, span));
         }
         for node in nodes.into_iter().flatten() {
             if !known.contains(node) {
                 let message = format!("element {label} uses node {node}, which is not defined");
-                return Err(Diagnostic::error(Code::UnknownNode, span, message, format!("no node {node}"))
-                    .help(undefined(Kind::Node)()));
+                errors.add(
+                    Diagnostic::error(Code::UnknownNode, span, message, format!("no node {node}"))
+                        .help(undefined(Kind::Node)()),
+                );
             }
         }
     }
-    Ok(())
 }
 
-fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
+fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
     let scene = &deck.scene;
     let mut warnings = Vec::new();
     let nodes = Beside::new(&scene.nodes);
@@ -78,6 +96,7 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
         }
     };
     let mut warn = |warning| warnings.push(warning);
+    let (needed_nodes, needed_elements) = needed_sets(deck);
     let hint = undefined(Kind::Element);
     let elements = Known {
         member: &element,
@@ -85,9 +104,17 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
         labels: &|| scene.connectors.keys().chain(scene.point_elements.keys()).copied().collect(),
         sorted: OnceCell::new(),
         other: &deck.other_elements,
+        needed: &|name| needed_elements.contains(name),
     };
-    let element_sets =
-        sets::resolve(Kind::Element, &deck.element_sets, &elements, &|_, _| Ok(()), &hint, &mut warn)?;
+    let element_sets = sets::resolve(
+        Kind::Element,
+        &deck.element_sets,
+        &elements,
+        &|_, _| Ok(()),
+        &hint,
+        &mut warn,
+        errors,
+    )?;
     let nodes_of = |name: &Spanned<String>, set: &mut Set| {
         let Some(elements) = element_sets.get(&name.value) else {
             return Err(unknown_set(Kind::Element, name, element_sets.keys().map(String::as_str)));
@@ -107,11 +134,39 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
         labels: &|| scene.nodes.keys().copied().collect(),
         sorted: OnceCell::new(),
         other: &OtherElements::default(),
+        needed: &|name| needed_nodes.contains(name),
     };
-    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn)?;
+    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn, errors)?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
+}
+
+/// The node sets, and the element sets, of which what is evaluated takes the members.
+fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
+    fn set(target: &Spanned<Target>) -> Option<&str> {
+        match &target.value {
+            Target::Set(name) => Some(name),
+            Target::Label(_) => None,
+        }
+    }
+    let Scene { transforms, steps, connector_sections, masses, rotary_inertias, .. } = &deck.scene;
+    let nodes = deck.mpcs.iter().flat_map(|mpc| &mpc.items).filter_map(set);
+    let nodes = nodes.chain(transforms.iter().map(|transform| transform.node_set.value.as_str()));
+    let nodes = sets::closure(&deck.node_sets, nodes);
+    let motions = steps.iter().flat_map(|step| &step.connector_motions).chain(&deck.scene.connector_motions);
+    let loads = steps.iter().flat_map(|step| &step.connector_loads);
+    let elements = connector_sections.iter().map(|section| section.element_set.value.as_str());
+    let elements = elements.chain(masses.iter().map(|mass| mass.element_set.value.as_str()));
+    let elements = elements.chain(rotary_inertias.iter().map(|inertia| inertia.element_set.value.as_str()));
+    let discrete = deck.scene.springs.iter().chain(&deck.scene.dashpots);
+    let elements = elements.chain(discrete.map(|discrete| discrete.element_set.value.as_str()));
+    let elements = elements.chain(motions.filter_map(|motion| set(&motion.target)));
+    let elements = elements.chain(loads.filter_map(|load| set(&load.target)));
+    let of_nodes = nodes.iter().filter_map(|name| deck.node_sets.get(*name));
+    let elements = elements.chain(of_nodes.flat_map(|builder| builder.element_sets()));
+    let elements = sets::closure(&deck.element_sets, elements);
+    (nodes, elements)
 }
 
 fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
@@ -139,59 +194,66 @@ fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()
 }
 
 /// Names on connector sections, and one section for each connector.
-fn sections(scene: &mut Scene) -> Result<()> {
+fn sections(scene: &mut Scene, errors: &mut Errors) {
     for place in 0..scene.connector_sections.len() {
         let section = &scene.connector_sections[place];
-        check_name(
+        errors.value(check_name(
             section.behavior.as_ref(),
             &scene.behaviors,
             "connector behaviour",
             "CONNECTOR BEHAVIOR",
             Code::UnknownBehavior,
-        )?;
-        check_orientation(scene, section.orientation_a.as_ref())?;
-        check_orientation(scene, section.orientation_b.as_ref())?;
-        let set = element_set(scene, &section.element_set)?;
-        let span = section.element_set.span;
-        let name = section.element_set.value.clone();
-        if set.labels.is_empty() && set.unmodelled == 0 {
-            let message = format!("element set {name} is empty");
-            return Err(Diagnostic::error(Code::EmptySet, span, message, "has no elements")
-                .help("put connector elements into the set, or remove the section"));
+        ));
+        for orientation in [&section.orientation_a, &section.orientation_b] {
+            errors.value(check_orientation(scene, orientation.as_ref()));
         }
-        let other = set.labels.iter().find(|label| !scene.connectors.contains_key(*label));
-        if set.unmodelled > 0 || other.is_some() {
-            let which = other.map_or_else(|| "elements".to_owned(), |label| format!("element {label}"));
-            let message = format!("set {name} has {which} that cannot have a connector section");
-            return Err(Diagnostic::error(Code::WrongElementType, span, message, "not only connectors")
-                .help("give *CONNECTOR SECTION a set of CONN3D2 or CONN2D2 elements only"));
-        }
-        for label in set.labels.clone() {
+        let labels = errors.value(section_elements(scene, section)).unwrap_or_default();
+        for label in labels {
             let Some(connector) = scene.connectors.get_mut(&label) else { continue };
             if let Some(first) =
                 scene.connector_sections.get(connector.section).filter(|_| connector.section != place)
             {
+                let span = scene.connector_sections[place].element_set.span;
                 let message = format!("connector {label} has two sections");
                 let label = format!("the first one is on line {}", first.span.line());
-                return Err(Diagnostic::error(Code::TwoSections, span, message, label)
-                    .beside(first.span)
-                    .help("take the element out of one of the two sets"));
+                errors.add(
+                    Diagnostic::error(Code::TwoSections, span, message, label)
+                        .beside(first.span)
+                        .help("take the element out of one of the two sets"),
+                );
+                continue;
             }
             connector.section = place;
         }
     }
-    let bare = scene.connectors.iter().find(|(_, connector)| connector.section == usize::MAX);
-    if let Some((label, connector)) = bare {
-        let message = format!("connector {label} has no section");
-        return Err(Diagnostic::error(
-            Code::MissingSection,
-            connector.span,
-            message,
-            "no *CONNECTOR SECTION",
-        )
-        .help("put the element into a set and give that set a *CONNECTOR SECTION"));
+    for (label, connector) in &scene.connectors {
+        if connector.section == usize::MAX {
+            let message = format!("connector {label} has no section");
+            errors.add(
+                Diagnostic::error(Code::MissingSection, connector.span, message, "no *CONNECTOR SECTION")
+                    .help("put the element into a set and give that set a *CONNECTOR SECTION"),
+            );
+        }
     }
-    Ok(())
+}
+
+/// The elements of a connector section: connectors only.
+fn section_elements(scene: &Scene, section: &ConnectorSection) -> Result<Vec<Label>> {
+    let set = element_set(scene, &section.element_set)?;
+    let Spanned { value: name, span } = &section.element_set;
+    if set.labels.is_empty() && set.unmodelled == 0 {
+        let message = format!("element set {name} is empty");
+        return Err(Diagnostic::error(Code::EmptySet, *span, message, "has no elements")
+            .help("put connector elements into the set, or remove the section"));
+    }
+    let other = set.labels.iter().find(|label| !scene.connectors.contains_key(*label));
+    if set.unmodelled > 0 || other.is_some() {
+        let which = other.map_or_else(|| "elements".to_owned(), |label| format!("element {label}"));
+        let message = format!("set {name} has {which} that cannot have a connector section");
+        return Err(Diagnostic::error(Code::WrongElementType, *span, message, "not only connectors")
+            .help("give *CONNECTOR SECTION a set of CONN3D2 or CONN2D2 elements only"));
+    }
+    Ok(set.labels.clone())
 }
 
 fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
@@ -254,8 +316,8 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
     Ok(())
 }
 
-/// Masses, inertias, springs, dashpots and transforms.
-fn properties(scene: &Scene) -> Result<()> {
+/// Masses, inertias, springs and dashpots.
+fn properties(scene: &Scene, errors: &mut Errors) {
     let of_kind = |name: &Spanned<String>, keyword: &str, kinds: &[PointKind]| {
         let set = element_set(scene, name)?;
         let wrong = set.labels.iter().find(|label| {
@@ -273,11 +335,11 @@ fn properties(scene: &Scene) -> Result<()> {
         Ok(set)
     };
     for mass in &scene.masses {
-        of_kind(&mass.element_set, "MASS", &[PointKind::Mass])?;
+        errors.value(of_kind(&mass.element_set, "MASS", &[PointKind::Mass]));
     }
     for inertia in &scene.rotary_inertias {
-        of_kind(&inertia.element_set, "ROTARY INERTIA", &[PointKind::Rotaryi])?;
-        check_orientation(scene, inertia.orientation.as_ref())?;
+        errors.value(of_kind(&inertia.element_set, "ROTARY INERTIA", &[PointKind::Rotaryi]));
+        errors.value(check_orientation(scene, inertia.orientation.as_ref()));
     }
     let springs = [PointKind::Spring1, PointKind::Spring2, PointKind::Springa];
     let dashpots = [PointKind::Dashpot1, PointKind::Dashpot2, PointKind::Dashpota];
@@ -285,28 +347,30 @@ fn properties(scene: &Scene) -> Result<()> {
         [("SPRING", springs, &scene.springs), ("DASHPOT", dashpots, &scene.dashpots)]
     {
         for discrete in list {
-            let set = of_kind(&discrete.element_set, keyword, &kinds)?;
-            check_orientation(scene, discrete.orientation.as_ref())?;
+            errors.value(check_orientation(scene, discrete.orientation.as_ref()));
+            let Some(set) = errors.value(of_kind(&discrete.element_set, keyword, &kinds)) else { continue };
             let kinds = set
                 .labels
                 .iter()
                 .filter_map(|label| scene.point_elements.get(label))
                 .map(|element| element.kind);
-            check_degrees_of_freedom(discrete, keyword, kinds)?;
+            errors.value(check_degrees_of_freedom(discrete, keyword, kinds));
         }
     }
-    transforms(scene)
 }
 
-/// The axes of every node that has some, and no node with two.
-fn transforms(scene: &Scene) -> Result<()> {
+/// The axes of every node of a connector or constraint that has some, and no such node with two.
+fn transforms(scene: &Scene, bearing: &LabelSet) -> Result<()> {
     let mut known: LabelMap<usize> = LabelMap::default();
     for (index, transform) in scene.transforms.iter().enumerate() {
-        let set = complete_node_set(scene, &transform.node_set)?;
-        for label in &set.labels {
-            if let Some(node) =
-                scene.nodes.get(label).filter(|_| transform.kind != TransformKind::Rectangular)
-            {
+        // A set may lack nodes where there is no connector that could have one of them.
+        let set = if bearing.is_empty() {
+            node_set(scene, &transform.node_set)?
+        } else {
+            complete_node_set(scene, &transform.node_set)?
+        };
+        for label in set.labels.iter().filter(|label| bearing.contains(*label)) {
+            if let Some(node) = scene.nodes.get(label) {
                 transform.triad(scene, node.coordinates)?;
             }
             let Some(first) = known.insert(*label, index).and_then(|first| scene.transforms.get(first))
@@ -319,9 +383,6 @@ fn transforms(scene: &Scene) -> Result<()> {
             return Err(Diagnostic::error(Code::TwoTransforms, span, message, label)
                 .beside(first)
                 .help("take the node out of one of the two sets"));
-        }
-        if transform.kind == TransformKind::Rectangular {
-            transform.triad(scene, [0.0; 3])?;
         }
     }
     Ok(())
@@ -418,49 +479,55 @@ fn other_rotations(deck: &mut Deck<'_>) {
 }
 
 /// One constraint per line, or one per member where sets are given.
-fn mpcs(scene: &Scene, raw: &[RawMpc]) -> Result<Vec<Mpc>> {
+fn mpcs(scene: &Scene, raw: &[RawMpc], errors: &mut Errors) -> Vec<Mpc> {
     let mut mpcs = Vec::with_capacity(raw.len());
-    for RawMpc { kind, items, span } in raw {
-        let nodes = items.iter().map(|item| node_target(scene, item)).collect::<Result<Vec<_>>>()?;
-        let bad = |message: String, remedy: String| {
-            Err(Diagnostic::error(Code::BadConnectivity, *span, message, "this constraint").help(remedy))
-        };
-        if let Some(known) = kind.evaluated() {
-            let (name, needed) = (known.name(), known.entry().nodes.len());
-            if nodes.len() != needed {
-                return bad(
-                    format!("{name} takes {needed} nodes, not {}", nodes.len()),
-                    format!("write: {name}, and {needed} nodes, the dependent one first"),
-                );
-            }
-            let count = nodes.iter().map(Vec::len).max().unwrap_or(0);
-            if nodes.iter().any(|members| members.len() != count && members.len() != 1) || count == 0 {
-                let lengths: Vec<_> = nodes.iter().map(|members| members.len().to_string()).collect();
-                return bad(
-                    format!("the sets have {} nodes", lengths.join(", ")),
-                    "give sets of equal size, or single nodes".to_owned(),
-                );
-            }
-            for index in 0..count {
-                let at = |members: &Vec<Label>| members.get(index).or(members.first()).copied();
-                let chosen: Vec<Label> = nodes.iter().filter_map(at).collect();
-                if chosen.first().is_some_and(|dependent| chosen[1..].contains(dependent)) {
-                    return bad(
-                        format!("node {} is constrained to itself", chosen[0]),
-                        "the first node is the dependent one and may stand there only".to_owned(),
-                    );
-                }
-                mpcs.push(Mpc { kind: kind.clone(), nodes: chosen, span: *span });
-            }
-            continue;
-        }
-        mpcs.push(Mpc { kind: kind.clone(), nodes: nodes.into_iter().flatten().collect(), span: *span });
+    for raw in raw {
+        errors.value(constraints(scene, raw, &mut mpcs));
     }
-    Ok(mpcs)
+    mpcs
+}
+
+fn constraints(scene: &Scene, raw: &RawMpc, mpcs: &mut Vec<Mpc>) -> Result<()> {
+    let RawMpc { kind, items, span } = raw;
+    let nodes = items.iter().map(|item| node_target(scene, item)).collect::<Result<Vec<_>>>()?;
+    let bad = |message: String, remedy: String| {
+        Err(Diagnostic::error(Code::BadConnectivity, *span, message, "this constraint").help(remedy))
+    };
+    if let Some(known) = kind.evaluated() {
+        let (name, needed) = (known.name(), known.entry().nodes.len());
+        if nodes.len() != needed {
+            return bad(
+                format!("{name} takes {needed} nodes, not {}", nodes.len()),
+                format!("write: {name}, and {needed} nodes, the dependent one first"),
+            );
+        }
+        let count = nodes.iter().map(Vec::len).max().unwrap_or(0);
+        if nodes.iter().any(|members| members.len() != count && members.len() != 1) || count == 0 {
+            let lengths: Vec<_> = nodes.iter().map(|members| members.len().to_string()).collect();
+            return bad(
+                format!("the sets have {} nodes", lengths.join(", ")),
+                "give sets of equal size, or single nodes".to_owned(),
+            );
+        }
+        for index in 0..count {
+            let at = |members: &Vec<Label>| members.get(index).or(members.first()).copied();
+            let chosen: Vec<Label> = nodes.iter().filter_map(at).collect();
+            if chosen.first().is_some_and(|dependent| chosen[1..].contains(dependent)) {
+                return bad(
+                    format!("node {} is constrained to itself", chosen[0]),
+                    "the first node is the dependent one and may stand there only".to_owned(),
+                );
+            }
+            mpcs.push(Mpc { kind: kind.clone(), nodes: chosen, span: *span });
+        }
+        return Ok(());
+    }
+    mpcs.push(Mpc { kind: kind.clone(), nodes: nodes.into_iter().flatten().collect(), span: *span });
+    Ok(())
 }
 
 /// Boundary conditions, motions, loads and output requests.
-fn actuation(deck: &Deck<'_>) -> Result<()> {
+fn actuation(deck: &Deck<'_>, errors: &mut Errors) {
     let scene = &deck.scene;
     let amplitude = |name: &Option<Spanned<String>>| {
         check_name(name.as_ref(), &scene.amplitudes, "amplitude", "AMPLITUDE", Code::UnknownAmplitude)
@@ -488,44 +555,43 @@ fn actuation(deck: &Deck<'_>) -> Result<()> {
     let motions =
         scene.connector_motions.iter().chain(scene.steps.iter().flat_map(|step| &step.connector_motions));
     for motion in motions {
-        connectors(&motion.target)?;
-        amplitude(&motion.applied.amplitude)?;
+        errors.value(connectors(&motion.target));
+        errors.value(amplitude(&motion.applied.amplitude));
     }
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
     for boundary in boundaries {
-        known_node_target(scene, &boundary.target)?;
-        amplitude(&boundary.applied.amplitude)?;
+        errors.value(known_node_target(scene, &boundary.target));
+        errors.value(amplitude(&boundary.applied.amplitude));
     }
     for step in &scene.steps {
         for load in &step.connector_loads {
-            connectors(&load.target)?;
-            amplitude(&load.applied.amplitude)?;
+            errors.value(connectors(&load.target));
+            errors.value(amplitude(&load.applied.amplitude));
         }
         for load in &step.concentrated_loads {
-            known_node_target(scene, &load.target)?;
-            amplitude(&load.applied.amplitude)?;
+            errors.value(known_node_target(scene, &load.target));
+            errors.value(amplitude(&load.applied.amplitude));
         }
         for load in &step.distributed_loads {
-            amplitude(&load.applied.amplitude)?;
+            errors.value(amplitude(&load.applied.amplitude));
             match &load.target {
                 Some(Spanned { value: Target::Set(name), span }) => {
-                    element_set(scene, &Spanned::new(name.clone(), *span))?;
+                    errors.value(element_set(scene, &Spanned::new(name.clone(), *span)));
                 }
                 Some(Spanned { value: Target::Label(label), span }) => {
                     let known = scene.connectors.contains_key(label)
                         || scene.point_elements.contains_key(label)
                         || deck.other_elements.contains(*label);
                     if !known {
-                        return Err(unknown(Kind::Element, *label, *span));
+                        errors.add(unknown(Kind::Element, *label, *span));
                     }
                 }
                 None => {}
             }
         }
         for request in &step.outputs {
-            request.element_set.iter().try_for_each(|name| element_set(scene, name).map(drop))?;
-            request.node_set.iter().try_for_each(|name| node_set(scene, name).map(drop))?;
+            errors.value(request.element_set.iter().try_for_each(|name| element_set(scene, name).map(drop)));
+            errors.value(request.node_set.iter().try_for_each(|name| node_set(scene, name).map(drop)));
         }
     }
-    Ok(())
 }

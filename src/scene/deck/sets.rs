@@ -1,19 +1,104 @@
 //! Sets while they are read, and what they contain once everything is known.
 
-use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::deck::Deck;
+use crate::deck::errors::Errors;
+use crate::diagnostic::{Code, Diagnostic, Result, Severity, suggest_scoped};
 use crate::label::labelled::{LabelSet, LabelState};
 use crate::label::{Instance, Label};
 use crate::model::Set;
 use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
 
 /// The largest number of numbers that all sets of a deck may list, whether something has them or not.
 const MAX_LISTED: u64 = 200_000_000;
+
+impl Deck<'_> {
+    /// The nodes that a set has by now, of those defined here, in its order.
+    pub(super) fn nodes_now(&mut self, name: &Spanned<String>) -> Result<Vec<u64>> {
+        let nodes = &self.scene.nodes;
+        let is_there = |number: u64| nodes.contains_key(&Label::from(number));
+        let found = members_now(Kind::Node, &self.node_sets, name, &is_there)?;
+        self.count_generated(found.len() as u64, name.span)?;
+        Ok(found)
+    }
+
+    /// The elements that a set has by now, read or skipped, of those defined here.
+    pub(super) fn elements_now(&mut self, name: &Spanned<String>) -> Result<Vec<u64>> {
+        self.other_elements.sort();
+        let (scene, others) = (&self.scene, &self.other_elements);
+        let is_there = |number: u64| {
+            let label = Label::from(number);
+            scene.connectors.contains_key(&label)
+                || scene.point_elements.contains_key(&label)
+                || others.contains(label)
+        };
+        let found = members_now(Kind::Element, &self.element_sets, name, &is_there)?;
+        self.count_generated(found.len() as u64, name.span)?;
+        Ok(found)
+    }
+}
+
+/// What a set has by now. Sets within it count, each once.
+fn members_now(
+    kind: Kind,
+    builders: &IndexMap<String, SetBuilder>,
+    name: &Spanned<String>,
+    is_there: &dyn Fn(u64) -> bool,
+) -> Result<Vec<u64>> {
+    let Some((place, _, builder)) = builders.get_full(&name.value) else {
+        return Err(unknown_set(kind, name, builders.keys().map(String::as_str)));
+    };
+    let is_unsorted = builder.unsorted;
+    let (mut found, mut looked_at) = (Vec::new(), 0_u64);
+    let mut seen = HashSet::from([place]);
+    let mut open = vec![builder.entries.iter()];
+    while let Some(entries) = open.last_mut() {
+        match entries.next() {
+            None => drop(open.pop()),
+            Some(&Entry::Range { instance: None, first, last, step, .. }) => {
+                looked_at = looked_at.saturating_add((last - first) / step + 1);
+                if looked_at > MAX_LISTED {
+                    let message = format!("set {} lists more than {MAX_LISTED} numbers", name.value);
+                    return Err(Diagnostic::error(Code::GenerateRange, name.span, message, "too large")
+                        .help("give the set the numbers that exist"));
+                }
+                let numbers = (0..=(last - first) / step).map(|index| first + index * step);
+                found.extend(numbers.filter(|number| is_there(*number)));
+            }
+            Some(Entry::Range { .. }) => {}
+            Some(Entry::Set(inner)) => {
+                if let Some((_, _, inner)) =
+                    builders.get_full(&inner.value).filter(|(place, ..)| seen.insert(*place))
+                {
+                    open.push(inner.entries.iter());
+                }
+            }
+            Some(Entry::NodesOf(elements)) => {
+                let message = format!("set {} takes the nodes of element set {}", name.value, elements.value);
+                return Err(Diagnostic::error(
+                    Code::NodesOfSkipped,
+                    name.span,
+                    message,
+                    "needed here already",
+                )
+                .help("list its nodes under *NSET"));
+            }
+        }
+    }
+    if is_unsorted {
+        let mut seen = HashSet::with_capacity(found.len());
+        found.retain(|number| seen.insert(*number));
+    } else {
+        found.sort_unstable();
+        found.dedup();
+    }
+    Ok(found)
+}
 
 /// Nodes or elements?
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -124,6 +209,22 @@ impl SetBuilder {
 
     pub(super) fn push_set(&mut self, name: Spanned<String>) {
         self.entries.push(Entry::Set(name));
+    }
+
+    /// The sets of the same kind that it names.
+    pub(super) fn inner(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().filter_map(|entry| match entry {
+            Entry::Set(name) => Some(name.value.as_str()),
+            Entry::Range { .. } | Entry::NodesOf(_) => None,
+        })
+    }
+
+    /// The element sets whose nodes it takes.
+    pub(super) fn element_sets(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().filter_map(|entry| match entry {
+            Entry::NodesOf(name) => Some(name.value.as_str()),
+            Entry::Range { .. } | Entry::Set(_) => None,
+        })
     }
 
     pub(super) fn push_nodes_of(&mut self, name: Spanned<String>) {
@@ -238,6 +339,8 @@ pub(super) struct Known<'a> {
     pub(super) sorted: OnceCell<Vec<Label>>,
     /// What was skipped.
     pub(super) other: &'a OtherElements,
+    /// Whether a set of that name is evaluated: only then it may list nothing that is not there.
+    pub(super) needed: &'a dyn Fn(&str) -> bool,
 }
 
 impl Known<'_> {
@@ -268,10 +371,11 @@ pub(super) fn resolve(
     nodes_of: NodesOf<'_>,
     hint: &dyn Fn() -> String,
     warn: &mut dyn FnMut(Diagnostic),
+    errors: &mut Errors,
 ) -> Result<IndexMap<String, Set>> {
     let mut done: Vec<Option<Set>> = vec![None; builders.len()];
     let (mut total, mut listed) = (0, 0);
-    for place in order(kind, builders)? {
+    for place in order(kind, builders, errors) {
         let Some((name, builder)) = builders.get_index(place) else { continue };
         let mut set = Set { span: builder.span, ..Set::default() };
         for entry in &builder.entries {
@@ -285,7 +389,7 @@ pub(super) fn resolve(
                 }
                 Entry::NodesOf(elements) => {
                     let before = set.unmodelled;
-                    nodes_of(elements, &mut set)?;
+                    errors.value(nodes_of(elements, &mut set));
                     if set.unmodelled > before {
                         let count = set.unmodelled - before;
                         let message = format!(
@@ -305,7 +409,12 @@ pub(super) fn resolve(
                 }
                 &Entry::Range { instance, first, last, step, generated, span } => {
                     let range = (Label::of(instance, first), last, step, generated);
-                    listed += expand(kind, range, span, known, hint, &mut set, warn)?;
+                    match expand(kind, range, span, known, hint, &mut set, warn) {
+                        Ok(found) => listed += found,
+                        Err(error) if (known.needed)(name) => errors.add(error),
+                        // No connector and no constraint has to do with the set.
+                        Err(error) => warn(error.of_severity(Severity::Warning)),
+                    }
                     if listed > MAX_LISTED {
                         let message =
                             format!("the {} sets list more than {MAX_LISTED} numbers together", kind.name());
@@ -397,8 +506,23 @@ fn expand(
     Ok(looked_at)
 }
 
+/// The sets of some names, and all sets within them.
+pub(super) fn closure<'a>(
+    builders: &'a IndexMap<String, SetBuilder>,
+    names: impl Iterator<Item = &'a str>,
+) -> HashSet<&'a str> {
+    let mut found = HashSet::new();
+    let mut open: Vec<&str> = names.collect();
+    while let Some(name) = open.pop() {
+        if found.insert(name) {
+            open.extend(builders.get(name).into_iter().flat_map(SetBuilder::inner));
+        }
+    }
+    found
+}
+
 /// An order in which every set comes after those that it names.
-fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>) -> Result<Vec<usize>> {
+fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>, errors: &mut Errors) -> Vec<usize> {
     let mut order = Vec::with_capacity(builders.len());
     let mut mark = vec![Mark::New; builders.len()];
     for root in 0..builders.len() {
@@ -417,19 +541,17 @@ fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>) -> Result<Vec<usiz
             let mut next = None;
             for (at, name) in inner {
                 let Some(child) = builders.get_index_of(&name.value) else {
-                    return Err(unknown_set(kind, name, builders.keys().map(String::as_str)));
+                    errors.add(unknown_set(kind, name, builders.keys().map(String::as_str)));
+                    continue;
                 };
                 match mark[child] {
                     Mark::Done => {}
                     Mark::Open => {
                         let message = format!("{} set {} contains itself", kind.name(), name.value);
-                        return Err(Diagnostic::error(
-                            Code::SetCycle,
-                            name.span,
-                            message,
-                            "closes the circle",
-                        )
-                        .help("remove this name from the set"));
+                        errors.add(
+                            Diagnostic::error(Code::SetCycle, name.span, message, "closes the circle")
+                                .help("remove this name from the set"),
+                        );
                     }
                     Mark::New => {
                         next = Some((at, child));
@@ -446,7 +568,7 @@ fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>) -> Result<Vec<usiz
             }
         }
     }
-    Ok(order)
+    order
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

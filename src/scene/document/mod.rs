@@ -149,7 +149,8 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
         return Err(Diagnostic::error(Code::SceneUnknownSchema, schema.span, message, "not this one")
             .help(format!("write schema = \"{SCHEMA}\", or leave it out")));
     }
-    if document.nodes.0.is_empty() {
+    // What names the schema was written as a scene, and may be an empty one.
+    if document.nodes.0.is_empty() && document.schema.is_none() {
         return Err(Diagnostic::error(Code::SceneMissingField, tree.span, "the scene has no nodes", "here")
             .help("give nodes, such as nodes.1 = [0, 0, 0]"));
     }

@@ -92,7 +92,7 @@ const WORDS: &[(&str, &str)] = &[
 
 /// The same diagnostic, in words that fit a document.
 pub(super) fn of_document(diagnostic: Diagnostic) -> Diagnostic {
-    diagnostic.reworded(|text| {
+    diagnostic.reworded(&|text| {
         let mut text = text.to_owned();
         for (deck, document) in WORDS {
             if text.contains(deck) {

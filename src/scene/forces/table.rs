@@ -6,32 +6,50 @@ use crate::model::Scene;
 use crate::span::Span;
 use crate::states;
 use crate::states::{CsvRow, Source};
+use indexmap::IndexMap;
 use std::collections::HashSet;
 
-/// Hands on the forces of a table, state by state.
+/// What tells the rows of one state: its number, or else its time.
+type Key = (Option<u64>, Option<u64>);
+
+fn key(row: &CsvRow<'_>) -> Result<(Key, Option<u64>, Option<f64>)> {
+    let (state, time) = (row.integer("state")?, row.number("time")?);
+    Ok(((state, time.filter(|_| state.is_none()).map(f64::to_bits)), state, time))
+}
+
+/// Hands on the forces of a table, state by state. Where rows of one state are apart, as in a table by elements, it is read as a whole first.
 pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &mut Take<'_>) -> Result<()> {
-    let mut current: Option<Group> = None;
-    let mut stopped = false;
-    let mut seen: HashSet<(Option<u64>, Option<u64>)> = HashSet::new();
     let known = || KEYS.into_iter().chain(NAMES.iter().map(|(name, _)| *name));
     let find = |field: &str| known().find(|known| known.eq_ignore_ascii_case(field));
-    let read = states::csv_rows(source, &known().collect::<Vec<_>>(), find, "element", |row: &CsvRow<'_>| {
-        let (state, time) = (row.integer("state")?, row.number("time")?);
-        let is_same = current.as_ref().is_some_and(|last| last.state == state && last.time == time);
-        if !is_same {
-            let key = (state, time.filter(|_| state.is_none()).map(f64::to_bits));
-            if !seen.insert(key) {
-                let message = "rows of one state are apart, or have different times";
-                return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
-                    .help("put the rows of a state together, all with its number and time"));
-            }
-            let next = Group { state, time, forces: StateForces::default(), span: row.span() };
-            if let Some(whole) = current.replace(next)
-                && take(whole).is_break()
-            {
-                stopped = true;
-                return Err(Diagnostic::error(Code::StatesMalformed, Span::default(), "stopped", ""));
-            }
+    let columns = known().collect::<Vec<_>>();
+    let holds_all = !source.is_repeatable() || {
+        let (mut seen, mut last, mut is_apart) = (HashSet::new(), None, false);
+        states::csv_rows(source, &columns, find, "element", |row: &CsvRow<'_>| {
+            let (key, ..) = key(row)?;
+            is_apart |= last != Some(key) && !seen.insert(key);
+            last = Some(key);
+            Ok(())
+        })?;
+        is_apart
+    };
+    let mut held: IndexMap<Key, Group> = IndexMap::new();
+    let mut stopped = false;
+    let read = states::csv_rows(source, &columns, find, "element", |row: &CsvRow<'_>| {
+        let (key, state, time) = key(row)?;
+        if !holds_all
+            && !held.contains_key(&key)
+            && let Some((_, whole)) = held.pop()
+            && take(whole).is_break()
+        {
+            stopped = true;
+            return Err(Diagnostic::error(Code::StatesMalformed, Span::default(), "stopped", ""));
+        }
+        let new = || Group { state, time, forces: StateForces::default(), span: row.span() };
+        let group = held.entry(key).or_insert_with(new);
+        if group.time != time {
+            let message = "rows of one state have different times";
+            return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
+                .help("give all rows of a state the same time, or another state number"));
         }
         let Some(element) = row.field("element") else {
             return Err(Diagnostic::error(
@@ -42,25 +60,31 @@ pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &
             )
             .help("give the element number in the column `element`"));
         };
-        let Some(group) = &mut current else { return Ok(()) };
-        let owner = Owner::named(element, scene);
-        let owner = owner.and_then(|owner| group.forces.check(&owner).map(|()| owner));
-        let owner = owner.map_err(|fault| fault.at(row.place("element"), "this element"))?;
         let mut forces = ElementForces { sign, span: row.span(), ..ElementForces::default() };
+        let mut is_given = false;
         for (name, _) in &NAMES {
             if let Some(value) = row.number(name)? {
+                is_given = true;
                 forces.set(name, value).map_err(|fault| fault.at(row.place(name), "this column"))?;
             }
         }
-        group.forces.insert(owner, forces);
+        let owner = Owner::named(element, scene);
+        let owner = owner.and_then(|owner| group.forces.check(&owner).map(|()| owner));
+        let owner = owner.map_err(|fault| fault.at(row.place("element"), "this element"))?;
+        // A row of gaps gives nothing.
+        if is_given {
+            group.forces.insert(owner, forces);
+        }
         Ok(())
     });
     if stopped {
         return Ok(());
     }
     read?;
-    if let Some(last) = current {
-        _ = take(last);
+    for whole in held.into_values() {
+        if take(whole).is_break() {
+            break;
+        }
     }
     Ok(())
 }

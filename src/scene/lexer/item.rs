@@ -38,7 +38,7 @@ impl Places {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinePlaces<'a> {
     pub(super) span: Span,
-    items: &'a [Span],
+    pub(super) items: &'a [Span],
 }
 
 /// A data line, in the buffer of the lexer.
@@ -48,6 +48,8 @@ pub(crate) struct Data<'a> {
     pub(crate) span: Span,
     pub(super) start: u64,
     pub(super) places: Option<LinePlaces<'a>>,
+    /// The name of the assembly.
+    pub(super) assembly: Option<&'a str>,
 }
 
 /// An item of a data line, without the blanks around it.
@@ -57,6 +59,19 @@ pub(crate) struct Item<'a> {
     pub(crate) span: Span,
     /// The place is not that of the text.
     placed: bool,
+    /// The name of the assembly.
+    assembly: Option<&'a str>,
+}
+
+/// A name of an instance, set or node without that of the assembly: `ASSEMBLY.CRANK-1.PIN` is `CRANK-1.PIN`.
+fn without_assembly<'a>(text: &'a str, assembly: Option<&str>) -> &'a str {
+    let Some(name) = assembly else { return text };
+    let (bare, quote) = text.strip_prefix('"').map_or((text, 0), |bare| (bare, 1));
+    let rest = bare.split_at_checked(name.len()).filter(|(head, _)| head.eq_ignore_ascii_case(name));
+    match rest.and_then(|(_, rest)| rest.strip_prefix(if quote == 1 { "\"." } else { "." })) {
+        Some(rest) if !rest.is_empty() => rest,
+        _ => text,
+    }
 }
 
 impl<'a> Data<'a> {
@@ -80,7 +95,12 @@ impl<'a> Data<'a> {
             Some(places) => places.items.get(index).copied().unwrap_or(places.span),
             None => Span::new(self.span.file(), self.span.line(), self.start + start as u64, shown),
         };
-        Item { text, span, placed: self.places.is_some() }
+        Item {
+            text: without_assembly(text, self.assembly),
+            span,
+            placed: self.places.is_some(),
+            assembly: self.assembly,
+        }
     }
 
     pub(super) fn last_byte(&self) -> Span {
@@ -210,7 +230,7 @@ impl<'a> Item<'a> {
         } else {
             Span::new(self.span.file(), self.span.line(), self.span.start() + start as u64, shown)
         };
-        let value = Item { text, span, placed: self.placed };
+        let value = Item { text: without_assembly(text, self.assembly), span, ..*self };
         KeywordParameter { name: normal(&self.text[..equals]), span: self.span, value: Some(value.detach()) }
     }
 

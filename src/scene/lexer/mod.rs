@@ -4,15 +4,18 @@
 //! case; quoted names keep their case and their blanks.
 
 mod item;
+mod parameter;
 mod value;
 
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::include;
 use crate::include::{Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES};
 use crate::span::Span;
+use item::LinePlaces;
 use std::io::{BufRead, Read};
 
 pub(crate) use item::{Data, Item, Items, Places};
+pub(crate) use parameter::Parameters;
 pub(crate) use value::{NotANumber, Value, normal, parse_number};
 
 /// The longest line that is read, in bytes.
@@ -37,6 +40,12 @@ pub(crate) struct Lexer<'a> {
     /// Bytes that may still be included.
     budget: u64,
     places: Option<&'a Places>,
+    /// What `<name>` stands for.
+    pub(crate) parameters: Parameters,
+    /// The line is not as it was written: names were replaced in it.
+    replaced: bool,
+    /// The name of the assembly, which may stand before names of its instances and sets.
+    pub(crate) assembly: Option<String>,
     /// Comment lines so far.
     pub(crate) comments: u64,
 }
@@ -86,6 +95,9 @@ impl<'a> Lexer<'a> {
             start: 0,
             budget: MAX_INCLUDED_BYTES,
             places: None,
+            parameters: Parameters::default(),
+            replaced: false,
+            assembly: None,
             comments: 0,
         }
     }
@@ -98,6 +110,11 @@ impl<'a> Lexer<'a> {
     fn place(&self, start: u64, length: usize) -> Span {
         let place = self.places.and_then(|places| places.of_line(self.line));
         place.map_or_else(|| Span::new(self.file, self.line, start, length), |place| place.span)
+    }
+
+    /// The file and line that were read last.
+    pub(crate) fn place_of_line(&self) -> (u16, u32, bool) {
+        (self.file, self.line, self.pending)
     }
 
     /// The names of all files, by their numbers in spans.
@@ -146,7 +163,12 @@ impl<'a> Lexer<'a> {
                 return Ok(keyword.map(|keyword| Keyword { not_utf8, ..keyword }));
             }
             let comma = line.last_byte();
-            if !self.fill_line()? || self.at_keyword() {
+            let goes_on = self.fill_line()?;
+            if goes_on && self.at_number() {
+                // No parameter begins like that: the comma is one too many, and the line one of data.
+                return Ok(keyword.map(|keyword| Keyword { not_utf8, ..keyword }));
+            }
+            if !goes_on || self.at_keyword() {
                 return Err(Diagnostic::error(
                     Code::DanglingContinuation,
                     comma,
@@ -166,6 +188,11 @@ impl<'a> Lexer<'a> {
         let data = self.take()?;
         data.check_quotes()?;
         Ok(Some(data))
+    }
+
+    /// The data line that was read last is the next one again.
+    pub(crate) fn again(&mut self) {
+        self.pending = true;
     }
 
     /// The next data line that is not blank.
@@ -197,6 +224,11 @@ impl<'a> Lexer<'a> {
 
     fn at_keyword(&self) -> bool {
         self.buffer.trim_ascii_start().first() == Some(&b'*')
+    }
+
+    fn at_number(&self) -> bool {
+        let first = self.buffer.trim_ascii_start().first();
+        first.is_some_and(|byte| byte.is_ascii_digit() || b"+-.".contains(byte))
     }
 
     fn stray(&self) -> Diagnostic {
@@ -262,6 +294,7 @@ impl<'a> Lexer<'a> {
             }
             self.pending = !self.buffer.trim_ascii_start().starts_with(b"**");
             self.comments += u64::from(!self.pending);
+            self.replaced = self.pending && self.parameters.replace(&mut self.buffer);
         }
         Ok(true)
     }
@@ -277,7 +310,9 @@ impl<'a> Lexer<'a> {
         if let Some(place) = keyword.not_utf8 {
             return Err(not_utf8(place));
         }
-        let input = |parameter: &&KeywordParameter| parameter.name == "INPUT";
+        let input = |parameter: &&KeywordParameter| {
+            "INPUT".starts_with(parameter.name.as_str()) && !parameter.name.is_empty()
+        };
         if let Some(other) = keyword.parameters.iter().find(|parameter| !input(parameter)) {
             let (code, remedy) = if other.name == "PASSWORD" {
                 (Code::UnsupportedKeyword, "decrypt the file, and include it without PASSWORD")
@@ -347,8 +382,11 @@ impl<'a> Lexer<'a> {
         let bytes = self.buffer.trim_ascii_end();
         let places = self.places.and_then(|places| places.of_line(self.line));
         let span = self.place(self.start, bytes.len());
+        let places = if self.replaced { Some(LinePlaces { span, items: &[] }) } else { places };
         match std::str::from_utf8(bytes) {
-            Ok(text) => Ok(Data { text, span, start: self.start, places }),
+            Ok(text) => {
+                Ok(Data { text, span, start: self.start, places, assembly: self.assembly.as_deref() })
+            }
             Err(error) => {
                 let place = Span::new(self.file, self.line, self.start + error.valid_up_to() as u64, 1);
                 Err(not_utf8(place))

@@ -92,7 +92,9 @@ pub(super) fn number(text: &str, span: Span) -> Result<f64> {
         }
         NotANumber::Malformed => {
             let blank = text.contains(|letter: char| letter.is_ascii_whitespace());
-            let remedy = if blank {
+            let remedy = if text.starts_with('<') && text.ends_with('>') {
+                "define it by *PARAMETER from numbers, + - * / ** and parentheses, or write its value"
+            } else if blank {
                 "separate items by commas; a number has no blanks inside"
             } else {
                 "write numbers like 1, 1., .5, 1.E-3 or 1.D-3"

@@ -19,6 +19,14 @@ pub(crate) enum Source<'a> {
 }
 
 impl<'a> Source<'a> {
+    /// Whether it can be read more than once: not so a pipe.
+    pub(crate) fn is_repeatable(self) -> bool {
+        match self {
+            Self::Text(_) => true,
+            Self::File(path) => path.metadata().is_ok_and(|metadata| metadata.is_file()),
+        }
+    }
+
     /// The text from a byte on.
     pub(crate) fn reader(self, start: u64) -> io::Result<Box<dyn BufRead + 'a>> {
         match self {

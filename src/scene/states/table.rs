@@ -70,7 +70,7 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
     let freedom = NodeFreedom::of(scene);
     let mut current: Option<(u64, State)> = None;
     let mut stopped = false;
-    let find = |field: &str| COLUMNS.into_iter().find(|column| *column == field);
+    let find = |field: &str| COLUMNS.into_iter().find(|column| column.eq_ignore_ascii_case(field));
     let read = csv_rows(source, &COLUMNS, find, "node", |row| {
         let (number, time) = (row.integer("state")?.unwrap_or(0), row.number("time")?);
         let disorder = |message: String, remedy: &str| {

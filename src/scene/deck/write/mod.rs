@@ -51,6 +51,10 @@ pub(crate) fn deck(document: &Document) -> Result<Deck> {
     for step in &document.steps {
         deck.step(step)?;
     }
+    if deck.text.is_empty() {
+        deck.keyword("HEADING", Span::default());
+        deck.go();
+    }
     Ok(deck)
 }
 

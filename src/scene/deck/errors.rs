@@ -1,0 +1,134 @@
+//! All that is wrong with a deck. An error that follows from one told before is not told: what uses a node whose line is faulty, say.
+
+use crate::diagnostic::{Code, Diagnostic};
+use std::collections::HashSet;
+
+/// The errors so far, and what follows from them.
+#[derive(Debug, Default)]
+pub(super) struct Errors {
+    found: Option<Diagnostic>,
+    spoiled: HashSet<Code>,
+    /// So much is missing that no reference can be judged.
+    is_torn: bool,
+}
+
+impl Errors {
+    /// Adds an error, and those that it carries, unless they follow from others or were told.
+    pub(super) fn add(&mut self, error: Diagnostic) {
+        let (errors, unsaid) = error.apart();
+        for error in errors {
+            let is_told = |told: &Diagnostic| (told.code(), told.span()) == (error.code(), error.span());
+            let mut told = self.found.iter().flat_map(|first| std::iter::once(first).chain(first.further()));
+            if self.spoiled.contains(&error.code()) || told.any(is_told) {
+                continue;
+            }
+            self.spoiled.extend(implied(error.code()));
+            self.is_torn |= tears(error.code());
+            self.found = Diagnostic::joined(self.found.take().into_iter().chain([error]));
+        }
+        self.found = self.found.take().map(|first| first.with_unsaid(unsaid));
+    }
+
+    /// The value, or nothing where there is an error instead, which is added.
+    pub(super) fn value<T>(&mut self, result: Result<T, Diagnostic>) -> Option<T> {
+        result.map_err(|error| self.add(error)).ok()
+    }
+
+    /// What a keyword defines is not complete.
+    pub(super) fn spoil(&mut self, keyword: &str) {
+        self.spoiled.extend(defined(keyword));
+    }
+
+    /// Whether references can be judged.
+    pub(super) fn leaves_references(&self) -> bool {
+        !self.is_torn
+    }
+
+    pub(super) fn into_first(self) -> Option<Diagnostic> {
+        self.found
+    }
+}
+
+/// Reading cannot go on.
+pub(super) fn is_fatal(code: Code) -> bool {
+    matches!(code, Code::Unreadable | Code::LineTooLong | Code::IncludeLimit)
+}
+
+/// Whether lines of any kind are missing after such an error.
+fn tears(code: Code) -> bool {
+    is_fatal(code)
+        || matches!(
+            code,
+            Code::IncludeUnreadable
+                | Code::IncludeCycle
+                | Code::StrayData
+                | Code::EmptyKeyword
+                | Code::DanglingContinuation
+                | Code::UnfinishedBlock
+                | Code::UnknownPart
+                | Code::UnsupportedKeyword
+        )
+}
+
+/// The errors of which one is the cause.
+fn implied(code: Code) -> &'static [Code] {
+    use Code::*;
+    match code {
+        UnknownElement | UnknownElementSet | DuplicateElement => {
+            &[MissingSection, EmptySet, WrongElementType, NodesOfSkipped]
+        }
+        UnknownNode | UnknownNodeSet => &[EmptySet, BadConnectivity],
+        SetCycle => &[MissingSection, EmptySet, WrongElementType, BadConnectivity, UnknownNode],
+        WrongElementType | EmptySet => &[MissingSection],
+        // The data lines are those of another keyword, and the steps those that did not begin.
+        DanglingContinuation => {
+            &[MalformedInteger, MalformedNumber, MissingData, SurplusData, UnexpectedData]
+        }
+        HistoryOutsideStep => &[HistoryOutsideStep],
+        _ => &[],
+    }
+}
+
+/// The errors that show where what a keyword defines is not complete.
+fn defined(keyword: &str) -> &'static [Code] {
+    use Code::*;
+    match keyword {
+        "NODE" | "NGEN" | "NFILL" | "NCOPY" | "SYSTEM" => {
+            &[UnknownNode, UnknownNodeSet, EmptySet, BadConnectivity]
+        }
+        "NSET" => &[UnknownNodeSet, EmptySet, BadConnectivity],
+        "ELSET" => &[UnknownElementSet, MissingSection, EmptySet],
+        "ELGEN" | "ELCOPY" => {
+            &[UnknownElement, UnknownElementSet, MissingSection, EmptySet, WrongElementType, UnknownNode]
+        }
+        "ELEMENT" => &[UnknownElement, UnknownElementSet, MissingSection, EmptySet, WrongElementType],
+        "ORIENTATION" => &[UnknownOrientation],
+        "AMPLITUDE" => &[UnknownAmplitude],
+        "CONNECTOR SECTION" => &[MissingSection],
+        "STEP" | "END STEP" => {
+            &[HistoryOutsideStep, UnfinishedStep, TwoProcedures, ModelDataInStep, MisplacedKeyword]
+        }
+        "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => &[
+            MisplacedKeyword,
+            UnfinishedBlock,
+            MissingAssembly,
+            UnknownPart,
+            UnknownInstance,
+            UnknownNode,
+            UnknownNodeSet,
+            UnknownElement,
+            UnknownElementSet,
+            UnknownOrientation,
+            MissingSection,
+            EmptySet,
+            WrongElementType,
+            DuplicateNode,
+            DuplicateElement,
+        ],
+        "FRICTION" => &[MissingFriction],
+        name if name.starts_with("CONNECTOR ") && name != "CONNECTOR MOTION" && name != "CONNECTOR LOAD" => {
+            &[UnknownBehavior, UnknownDerivedComponent, MissingFriction, MisplacedKeyword, MissingParameter]
+        }
+        _ => &[],
+    }
+}

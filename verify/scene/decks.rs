@@ -1,0 +1,245 @@
+//! Every legitimate deck is read: what bears on no connector is skipped and counted, and what makes nodes makes them.
+
+use pintle_scene::{Code, ForceFile, ForceSign, Format, Label, Scene, State, StateFile};
+use std::collections::BTreeMap;
+
+/// A HINGE between nodes 1 and 2.
+const HINGE: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=OZ\n0., 0., 1., 1., 0., 0.\n\
+    *ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\nHINGE\nOZ,\n";
+
+fn read(text: &str) -> Scene {
+    Scene::parse("deck.inp", text).unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)))
+}
+
+/// Lines that a deck with a HINGE may have, and what is counted of them.
+#[test]
+fn what_bears_on_no_connector_is_skipped_and_counted() {
+    let solid =
+        "*NODE, NSET=FAR\n11, 5., 0., 0.\n12, 6., 0., 0.\n*ELEMENT, TYPE=T3D2, ELSET=BARS\n1, 11, 12\n";
+    let cases = [
+        ("*BOUNDARY\nFAR, 11, 11, 20.\n1, 8\n", "*BOUNDARY of degree of freedom"),
+        ("*STEP\n*CLOAD\n1, 9, 2.\n11, 11, 1.\n*END STEP\n", "*CLOAD of degree of freedom"),
+        ("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nFAR, 20.\n", "INITIAL CONDITIONS"),
+        ("*ORIENTATION, NAME=D\nField\n3, 0.\n", "*ORIENTATION by a distribution"),
+        ("*STEP, NLGEO, UNSYM=YES, FLAVOUR=SWEET\n*END STEP\n", "*STEP, FLAVOUR"),
+        ("*STEP\n*STATIC, SOLVER=PARDISO\n*BOUNDARY, AMP=A\n1, 1\n*END STEP\n*AMP", ""),
+        (
+            "*AMPLITUDE, NAME=A, INPUT=not there\n*STEP\n*DLOAD, AMP=A\nBARS, P1, 1.\n*END STEP\n",
+            "*DLOAD with an amplitude",
+        ),
+        (
+            "*AMPLITUDE, NAME=A, USER\n*STEP\n*BOUNDARY, AMPLITUDE=A\nFAR, 1\n*END STEP\n",
+            "*BOUNDARY with an amplitude",
+        ),
+        ("*STEP\n*BOUNDARY, SUBMODEL, STEP=1\nFAR, 1, 3\n*END STEP\n", "*BOUNDARY, SUBMODEL"),
+        ("*STEP\n*BOUNDARY, MASS FLOW\n11, 1, 1, 2.\n*END STEP\n", "*BOUNDARY, MASS FLOW"),
+        ("*STEP\n*CLOAD, SECTOR=3\n11, 1, 2.\n*END STEP\n", "*CLOAD, SECTOR"),
+        ("*STEP\n*DLOAD, SECTOR=3\nBARS, P1, 2.\n*END STEP\n", "*DLOAD, SECTOR"),
+        ("*JOINT, ELSET=BARS\nOZ,\n*SPRING\n1, 1\n2.\n*DASHPOT\n1, 1\n2.\n*SPRING\n2, 2\n3.\n", "JOINT"),
+        ("*STEP\n*MODEL CHANGE, REMOVE\nBARS,\n*END STEP\n", "MODEL CHANGE"),
+        ("*MPC\nBARREL, 11, 12\n", ""),
+        ("*RESTART, WRITE, FREQUENCY=3\n", "RESTART"),
+        ("*NMAP, NSET=FAR, TYPE=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n", "NMAP"),
+        ("*PARAMETER\nfar = 3\nname = 'text'\n", "PARAMETER"),
+        ("*TRANSFORM, NSET=FAR, TYPE=C\n5., 0., 0., 5., 0., 1.\n", ""),
+        ("*ORIENTATION, NAME=UNUSED\n1., 0., 0., 2., 0., 0.\n", ""),
+        ("*BOUNDARY,\n11, 1, 3\n", ""),
+        ("*NSET, NSET=GHOST\n77\n", ""),
+        ("*ELEMENT, TYPE=SPRINGA, ELSET=S\n21, 11, 12\n*SPRING, ELSET=S\n100.\n", ""),
+    ];
+    let mut counted = 0;
+    for (lines, what) in cases {
+        // The first lines before the model, which may use their names.
+        let lines = lines
+            .strip_suffix("*AMP")
+            .map_or(lines.to_owned(), |lines| format!("*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n{lines}"));
+        let scene = read(&format!("{HINGE}{solid}{lines}"));
+        let skipped = scene.skipped.parameters.keys().chain(scene.skipped.keywords.keys());
+        assert!(what.is_empty() || skipped.clone().any(|name| name.contains(what)), "{lines}: {skipped:?}");
+        assert!(scene.orientation_errors().is_empty() && scene.connectors.len() == 1, "{lines}");
+        counted += 1;
+    }
+    assert_eq!(counted, 23);
+}
+
+/// What acts on a node of a connector is an error, or read.
+#[test]
+fn what_bears_on_a_connector_is_not_skipped() {
+    let cases = [
+        "*NSET, NSET=N\n2\n*BOUNDARY, MASS FLOW\nN, 1\n",
+        "*STEP\n*BOUNDARY, SUBMODEL\n2, 1\n*END STEP\n",
+        "*AMPLITUDE, NAME=A, USER\n*STEP\n*CLOAD, AMPLITUDE=A\n1, 1, 2.\n*END STEP\n",
+        "*STEP\n*BOUNDARY, AMPLITDE=A\n2, 1\n*END STEP\n",
+        "*NSET, NSET=N\n1\n*NMAP, NSET=N\n",
+    ];
+    for lines in cases {
+        let error = Scene::parse("deck.inp", &format!("{HINGE}{lines}")).expect_err(lines);
+        let codes = [Code::UnsupportedKeyword, Code::UnknownAmplitude, Code::UnknownParameter];
+        assert!(codes.contains(&error.code()), "{lines}: {error}");
+    }
+    let scene = read(&format!("{HINGE}*BOUNDARY\n1, 4, 11\n"));
+    assert_eq!(scene.boundaries[0].degrees_of_freedom, [4, 5, 6, 10]);
+}
+
+fn places(text: &str, expected: &[(u64, [f64; 3])]) {
+    let scene = read(text);
+    for (label, place) in expected {
+        let found = scene.nodes.get(&Label::from(*label)).map(|node| node.coordinates);
+        let found = found.unwrap_or_else(|| panic!("{text}: no node {label}"));
+        let near = (0..3).all(|k| (found[k] - place[k]).abs() < 1e-14 * (1.0 + place[k].abs()));
+        assert!(near, "{text}: node {label} is at {found:?}, not {place:?}");
+    }
+}
+
+/// Positions worked out by hand from the rules of the manual.
+#[test]
+fn nodes_are_generated_where_the_manual_says() {
+    let (half, root) = (0.5_f64.sqrt(), 2.0_f64.sqrt());
+    let ends = "*NODE\n1, 1., 0., 0.\n5, 0., 1., 0.\n9, -1., 0., 0.\n20, 0., 0., 0.\n";
+    places(&format!("{ends}*NGEN, LINE=C\n1, 5, 2, 20\n"), &[(3, [half, half, 0.0])]);
+    places(&format!("{ends}*NGEN, LINE=C\n1, 5, 2, , 0., 0., 0.\n"), &[(3, [half, half, 0.0])]);
+    let other_way = format!("{ends}*NGEN, LINE=C\n1, 9, 4, 20, , , , 0., 0., -1.\n");
+    assert!(Scene::parse("deck.inp", &other_way).is_err(), "node 5 lies on the other half");
+    places(
+        &format!("{ends}*NGEN, LINE=C\n1, 9, 2, 20, , , , 0., 0., 1.\n"),
+        &[(3, [half, half, 0.0]), (7, [-half, half, 0.0])],
+    );
+    places(
+        "*NODE\n1, 1., 0., 0.\n3, 0., 2., 4.\n*NGEN, LINE=C\n1, 3, 1, , 0., 0., 0., 0., 0., 1.\n",
+        &[(2, [1.5 * half, 1.5 * half, 2.0])],
+    );
+    places(
+        "*NODE\n1, 0., 0., 0.\n5, 4., 0., 0.\n*NGEN, LINE=P\n1, 5, 1, , 2., 1., 0.\n",
+        &[(2, [1.0, 0.75, 0.0]), (3, [2.0, 1.0, 0.0]), (4, [3.0, 0.75, 0.0])],
+    );
+    places(
+        "*NODE\n1, 2., 0., 0.\n5, 0., 2., 0.\n*NGEN, LINE=P, SYSTEM=C\n1, 5, 2, , 2., 45., 0.\n",
+        &[(3, [root, root, 0.0])],
+    );
+    let bounds =
+        "*NODE, NSET=A\n1, 0., 0., 0.\n2, 0., 1., 0.\n*NODE, NSET=B\n101, 7., 0., 0.\n102, 7., 8., 0.\n";
+    places(&format!("{bounds}*NFILL\nA, B, 4, 25\n"), &[(26, [1.75, 0.0, 0.0]), (77, [5.25, 6.25, 0.0])]);
+    places(
+        &format!("{bounds}*NFILL, BIAS=0.5, NSET=ALL\nA, B, 3, 10\n"),
+        &[(11, [1.0, 0.0, 0.0]), (21, [3.0, 0.0, 0.0])],
+    );
+    let copied = |how: &str| format!("{bounds}*NCOPY, CHANGE NUMBER=1000, OLD SET=B, {how}");
+    places(&copied("SHIFT\n1., 2., 3.\n"), &[(1101, [8.0, 2.0, 3.0]), (1102, [8.0, 10.0, 3.0])]);
+    places(
+        &copied("SHIFT, MULTIPLE=2\n, ,\n0., 0., 0., 0., 0., 1., 90.\n"),
+        &[(1102, [-8.0, 7.0, 0.0]), (2102, [-7.0, -8.0, 0.0])],
+    );
+    places(&copied("REFLECT=LINE\n0., 0., 0., 1., 0., 0.\n"), &[(1102, [7.0, -8.0, 0.0])]);
+    places(&copied("REFLECT=MIRROR\n1., 0., 0., 1., 1., 0.\n1., 0., 1.\n"), &[(1102, [-5.0, 8.0, 0.0])]);
+    places(&copied("REFLECT=POINT\n1., 1., 1.\n"), &[(1102, [-5.0, -6.0, 2.0])]);
+    places(&copied("POLE\n2,\n"), &[(1102, [14.0, 15.0, 0.0])]);
+    places(
+        "*SYSTEM\n1., 2., 3.\n*NODE\n1, 1., 0., 0.\n*SYSTEM\n*NODE\n2, 1., 0., 0.\n",
+        &[(1, [2.0, 2.0, 3.0]), (2, [1.0, 0.0, 0.0])],
+    );
+    places("*SYSTEM\n1., 0., 0., 1., 1., 5.\n*NODE\n1, 2., 3., 4.\n", &[(1, [-2.0, 2.0, 4.0])]);
+    places(
+        "*SYSTEM\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n*NODE, SYSTEM=C\n1, 2., 90., 1.\n",
+        &[(1, [2.0, 1.0, 0.0])],
+    );
+    places("*NODE, SYSTEM=S\n1, 2., 90., 30.\n", &[(1, [0.0, 3.0_f64.sqrt(), 1.0])]);
+    places("*PARAMETER\na = 2\nb = a*1.5 + 1\n*NODE\n<a>, <b>, 0., <a>\n", &[(2, [4.0, 0.0, 2.0])]);
+}
+
+#[test]
+fn elements_are_copied_with_their_nodes() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n11, 0., 1., 0.\n12, 1., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n\
+        *ELEMENT, TYPE=T3D2, ELSET=E\n7, 1, 2\n*ELCOPY, ELEMENT SHIFT=100, OLD SET=E, SHIFT NODES=10, NEW SET=F\n\
+        *ELSET, ELSET=PINS\n101, 201\n*CONNECTOR SECTION, ELSET=PINS\nBEAM\n";
+    let scene = read(deck);
+    let copy = &scene.connectors[&Label::from(201)];
+    assert_eq!((copy.a, copy.b), (Some(Label::from(11)), Some(Label::from(12))));
+    assert_eq!((scene.element_sets["F"].labels.len(), scene.element_sets["F"].unmodelled), (1, 1));
+}
+
+#[test]
+fn parameters_may_be_shortened_to_any_unambiguous_beginning() {
+    let deck = format!(
+        "{HINGE}*NSET, NSET=ALL, GEN\n1, 2\n*AMPLITUDE, NAME=A, DEF=TABULAR, TI=TOTAL TIME\n0., 0., 1., 1.\n\
+        *STEP, NLGEO, INC=7\n*CONNECTOR MOTION, AMP=A\nE, 4, 1.\n*END STEP\n"
+    );
+    let scene = read(&deck);
+    assert_eq!(scene.node_sets["ALL"].labels.len(), 2);
+    assert_eq!((scene.steps[0].nlgeom, scene.steps[0].increments), (Some(true), Some(7)));
+    assert_eq!(scene.steps[0].connector_motions[0].applied.amplitude.as_ref().unwrap().value, "A");
+    // EXTRAPOLATION, but REGULARIZE and RTOL begin alike.
+    let ambiguous = format!("{HINGE}*CONNECTOR BEHAVIOR, NAME=B, R=ON\n");
+    assert_eq!(Scene::parse("deck.inp", &ambiguous).unwrap_err().code(), Code::UnknownParameter);
+}
+
+#[test]
+fn names_may_be_qualified_by_the_assembly() {
+    let deck = "*PART, NAME=Link\n*NODE, NSET=Ends\n1, 0., 0., 0.\n2, 1., 0., 0.\n*END PART\n*ASSEMBLY, NAME=Whole\n\
+        *INSTANCE, NAME=Link-1, PART=Link\n*END INSTANCE\n*INSTANCE, NAME=Link-2, PART=Link\n1., 0., 0.\n*END INSTANCE\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=Pin\n1, Whole.Link-1.2, Link-2.1\n*CONNECTOR SECTION, ELSET=Pin\nBEAM\n*END ASSEMBLY\n\
+        *NSET, NSET=Outside, INSTANCE=Whole.Link-1\n1, 2\n*NSET, NSET=Both\nWHOLE.LINK-1.ENDS, Outside\n\
+        *BOUNDARY\nWHOLE.LINK-1.1, 1\nwhole.link-2.Ends, 1\n";
+    let scene = read(deck);
+    assert_eq!(scene.connectors[&Label::from(1)].a.unwrap().to_string(), "LINK-1.2");
+    assert_eq!((scene.node_sets["BOTH"].labels.len(), scene.boundaries.len()), (2, 2));
+}
+
+#[test]
+fn a_deck_that_goes_on_from_another_says_so() {
+    let scene =
+        read("*HEADING\n*RESTART, READ, STEP=1\n*STEP\n*BOUNDARY\nLEFT, 1, 3\n*CLOAD\n7, 1, 2.\n*END STEP\n");
+    let codes: Vec<Code> = scene.warnings.iter().map(pintle_scene::Diagnostic::code).collect();
+    assert_eq!(codes, [Code::NotFollowed]);
+    assert_eq!(scene.skipped.parameters["what acts on the model of another deck"].count, 2);
+    let scene = read(&format!("{HINGE}*STEP\n*MODEL CHANGE, REMOVE\nE\n*END STEP\n"));
+    assert!(scene.warnings[0].message().contains("removes connector 101"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn a_deck_without_nodes_converts_to_files_that_read_back() {
+    for text in ["*HEADING\n", "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n", "*STEP\n*END STEP\n"] {
+        let scene = read(text);
+        for format in [Format::Deck, Format::Toml, Format::Json] {
+            let written = scene.write(format).unwrap().text;
+            let back = match format {
+                Format::Deck => Scene::parse("deck.inp", &written),
+                Format::Toml => Scene::parse_toml("deck.toml", &written),
+                Format::Json => Scene::parse_json("deck.json", &written),
+            };
+            let back = back.unwrap_or_else(|error| {
+                panic!("{text} as {format:?}:\n{written}\n{}", error.render(100, false))
+            });
+            assert_eq!((back.nodes.len(), back.steps.len()), (0, scene.steps.len()), "{text} as {format:?}");
+        }
+    }
+}
+
+#[test]
+fn columns_are_in_any_case_and_forces_in_any_order_with_gaps() {
+    let scene = read(&HINGE.replace("101, 1, 2", "101, 1, 2\n102, 2, 1"));
+    let upper = StateFile::parse_csv("s.csv", "STATE,Time,NODE,U1,uR3\n0,0,2,0.5,0.25\n", &scene).unwrap();
+    let lower = StateFile::parse_csv("s.csv", "state,time,node,u1,ur3\n0,0,2,0.5,0.25\n", &scene).unwrap();
+    assert_eq!(upper.states, lower.states);
+    let head = "State,Element,F1,f2,F3,m1,M2,m3\n";
+    let rows = |rows: &[(u64, u64, &str)]| {
+        let lines = rows.iter().map(|(state, element, f1)| match *f1 {
+            "" => format!("{state},{element},,,,,,\n"),
+            f1 => format!("{state},{element},{f1},0,0,0,0,0\n"),
+        });
+        let text = head.to_owned() + &lines.collect::<String>();
+        let mut states = vec![State::default(), State::default(), State::default()];
+        let file = ForceFile::parse_csv("f.csv", &text, &scene, ForceSign::Internal);
+        file.unwrap_or_else(|error| panic!("{text}\n{}", error.render(100, false)))
+            .attach(&mut states, 0)
+            .unwrap();
+        let of = |state: &State| -> BTreeMap<String, Option<f64>> {
+            state.forces.iter().map(|(label, forces)| (label.to_string(), forces.total[0])).collect()
+        };
+        states.iter().map(of).collect::<Vec<_>>()
+    };
+    let by_state = rows(&[(0, 101, "1"), (0, 102, "2"), (2, 101, "3"), (2, 102, "4")]);
+    let by_element =
+        rows(&[(2, 101, "3"), (0, 101, "1"), (1, 101, ""), (0, 102, "2"), (1, 102, ""), (2, 102, "4")]);
+    assert_eq!(by_state, by_element);
+    assert_eq!(by_state.iter().map(BTreeMap::len).collect::<Vec<_>>(), [2, 0, 2]);
+}

@@ -1,0 +1,148 @@
+//! One run tells all that is wrong with a file, each once; and shows no more of a line than fits.
+
+use assert_cmd::Command;
+use pintle_model::evaluate::Model;
+use pintle_scene::{Code, Diagnostic, MAX_ERRORS, Scene};
+use std::fs;
+use std::path::Path;
+
+const DECK: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 1., x, 0.
+3, 2., 0., y
+*NSET, NSET=N, GENRATE
+1, 3
+*ELEMENT, TYPE=CONN3D2, ELSET=E
+101, 1, 2
+102, 2, 3
+*ORIENTATION, NAME=OZ, SYSTEM=ROUND
+0., 0., 1., 1., 0., 0.
+*CONNECTOR SECTION, ELSET=E, BEHAVIOR=C
+HINGE
+OZ,
+*CONNECTOR BEHAVIOR, NAME=B
+*CONNECTOR STOP, COMPONENT=7
+1., 2.
+*STEP
+*CONNECTOR MOTION
+E, 9, 1.
+E, 8, 1.
+*STATIC, DIRECT
+-1.
+*END STEP
+";
+
+fn codes(error: &Diagnostic) -> Vec<(Code, Option<u32>)> {
+    std::iter::once(error).chain(error.further()).map(|one| (one.code(), one.line())).collect()
+}
+
+#[test]
+fn all_errors_come_in_one_run_and_none_that_follows_from_another() {
+    let error = Scene::parse("deck.inp", DECK).unwrap_err();
+    let expected = [
+        (Code::MalformedNumber, 3),
+        (Code::MalformedNumber, 4),
+        (Code::UnknownParameter, 5),
+        (Code::BadParameterValue, 10),
+        (Code::BadComponent, 16),
+        (Code::BadComponent, 20),
+        (Code::BadComponent, 21),
+        (Code::NumberOutOfRange, 23),
+    ];
+    let expected: Vec<_> = expected.iter().map(|(code, line)| (*code, Some(*line))).collect();
+    assert_eq!((codes(&error), error.unsaid()), (expected, 0));
+    let references = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENRATE\n", "GENERATE\n");
+    let references = references.replace("SYSTEM=ROUND", "SYSTEM=R").replace("COMPONENT=7", "COMPONENT=4");
+    let references = references.replace("E, 9", "F, 4").replace("E, 8", "103, 5").replace("-1.", "1.");
+    let references = references.replace("102, 2, 3", "102, 2, 4");
+    let error = Scene::parse("deck.inp", &references).unwrap_err();
+    let found: Vec<Code> = codes(&error).into_iter().map(|(code, _)| code).collect();
+    assert_eq!(
+        found,
+        [Code::UnknownNode, Code::UnknownBehavior, Code::UnknownElementSet, Code::UnknownElement]
+    );
+}
+
+#[test]
+fn errors_beyond_the_limit_are_counted() {
+    let lines: String = (1..=50).map(|node| format!("{node}, x, 0., 0.\n")).collect();
+    let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}")).unwrap_err();
+    assert_eq!((error.further().len() + 1, error.unsaid()), (MAX_ERRORS, 50 - MAX_ERRORS));
+}
+
+#[test]
+fn commands_show_every_error_once() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("errors-of-a-file");
+    fs::create_dir_all(&folder).unwrap();
+    let deck = folder.join("faulty.inp");
+    fs::write(&deck, DECK).unwrap();
+    let rules = folder.join("rules.inp");
+    let sound = DECK.replace(", x,", ", 0.,").replace(", y", ", 0.").replace("GENRATE\n", "GENERATE\n");
+    let sound = sound.replace("SYSTEM=ROUND", "SYSTEM=R").replace("COMPONENT=7", "COMPONENT=2");
+    let sound =
+        sound.replace("E, 9", "E, 1").replace("E, 8", "E, 2").replace("-1.", "1.").replace("=C\n", "=B\n");
+    fs::write(&rules, sound).unwrap();
+    for (file, errors) in [(&deck, 8), (&rules, 3)] {
+        for command in [vec!["eval"], vec!["audit", "--model-only"], vec!["convert", "--to", "json"]] {
+            if file == &rules && command[0] == "convert" {
+                continue;
+            }
+            let mut run = Command::new(env!("CARGO_BIN_EXE_pintle"));
+            run.env("NO_COLOR", "1").args(&command).arg(file);
+            let output = run.output().unwrap();
+            let shown = String::from_utf8(output.stderr).unwrap();
+            let count = shown.lines().filter(|line| line.trim_start().starts_with('×')).count();
+            assert_eq!((output.status.code(), count), (Some(6), errors), "{command:?}:\n{shown}");
+        }
+    }
+}
+
+/// A mark beyond column 65,535, a line of five million bytes, and brackets without end: no panic and no flood.
+#[test]
+fn excerpts_are_windows_around_the_place() {
+    let nodes: Vec<String> = (1..=5000).map(|node| format!("\"{node}\": [0, 0, {node}.5]")).collect();
+    let json = format!("{{\"nodes\": {{{}}}, \"conectors\": {{}}}}", nodes.join(", "));
+    assert!(json.len() > 100_000);
+    let error = Scene::parse_json("scene.json", &json).unwrap_err();
+    let shown = error.render(200, false);
+    assert!(shown.contains("conectors") && shown.contains('…') && shown.len() < 3000, "{shown}");
+    let column = json.find("\"conectors\"").unwrap();
+    assert!(
+        shown.contains(&format!("scene.json:1:{}", column + 1))
+            || shown.contains(&format!("scene.json:1:{}", column + 2)),
+        "{shown}"
+    );
+    let line = format!("*NODE\n1, 0., 0., 0.\n2, {}x\n", "é".repeat(2_500_000));
+    let brackets = "[".repeat(200_000);
+    let unknown = format!("*NODE, {}=3\n", "ü".repeat(20_000));
+    for (name, text) in [
+        ("deck.inp", line.as_str()),
+        ("deck.inp", &unknown),
+        ("scene.json", &brackets),
+        ("scene.toml", &brackets),
+    ] {
+        let error = match name {
+            "deck.inp" => Scene::parse(name, text),
+            "scene.json" => Scene::parse_json(name, text),
+            _ => Scene::parse_toml(name, text),
+        };
+        let error = error.unwrap_err();
+        for width in [40, 110] {
+            let shown = error.render(width, false);
+            assert!(shown.len() < 6000, "{name}: {} bytes", shown.len());
+        }
+    }
+}
+
+#[test]
+fn two_types_without_a_comma_are_told_to_have_one() {
+    for written in ["Join Revolute", "JOIN+REVOLUTE", "slot-align"] {
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n1, 1, 2\n*CONNECTOR SECTION, ELSET=E\n{written}\n"
+        );
+        let error = Model::compile(&Scene::parse("deck.inp", &deck).unwrap()).unwrap_err();
+        let types = written.to_uppercase().replace([' ', '+', '-'], ", ");
+        assert!(error.remedy().contains(&format!("write {types}: a comma")), "{written}: {}", error.remedy());
+    }
+}
