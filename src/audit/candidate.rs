@@ -207,6 +207,7 @@ impl<'a> Candidate<'a> {
             settings: self.settings.clone(),
             constant: crate::C,
             subjects: vec![subject],
+            sampled: Vec::new(),
             atlas: Vec::new(),
             models: self.lacks(coverage).into_iter().collect(),
         }

@@ -98,7 +98,7 @@ pub(super) fn spread_of(count: usize, wanted: usize, number: usize) -> BTreeSet<
 }
 
 /// The n-th (from 1) of the places that halve 0 … `last` again and again: 1/2, 1/4, 3/4, 1/8 … of it, van der Corput's sequence.
-fn halved(n: usize, last: usize) -> usize {
+pub(super) fn halved(n: usize, last: usize) -> usize {
     let reversed = n.reverse_bits() as u128;
     let place = (reversed * (last as u128)) >> usize::BITS;
     usize::try_from(place).unwrap_or(last)

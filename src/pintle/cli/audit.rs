@@ -1,12 +1,13 @@
 //! `pintle audit`.
 
+use super::budget::{Bar, seconds};
 use super::eval::{Source, complain, read, show_diagnostic, source};
 use super::{ConditionOptions, Failure, Sign, page, page_width};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use pintle_audit::model::{Level, Levels, audit_model};
 use pintle_audit::{
-    Found, Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes, drawn_coverage,
+    Budget, Found, Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes,
+    drawn_coverage,
 };
 use pintle_kinematics::catalog::TABLE;
 use pintle_kinematics::connector::Request;
@@ -148,6 +149,10 @@ pub(crate) struct Audit {
     /// States per connector of a scene that gives none, drawn about its initial state
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().drawn_states)]
     drawn_states: usize,
+    /// How long the audit may take, as 60s, 5m or 2h: judges an even sample of connectors and states, and says what share
+    /// [default: all, or of a large scene a sample that does not depend on the machine]
+    #[arg(long, value_name = "TIME", value_parser = seconds, requires = "scene")]
+    budget: Option<f64>,
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
@@ -240,29 +245,30 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         .zip(&plans)
         .map(|(Loaded { name, model, states, .. }, plan)| Target { name, model, plan, states })
         .collect();
-    let states: usize = targets.iter().map(|target| target.states.len().max(1)).sum();
-    let types = if is_catalogue { TABLE.len() } else { 0 };
-    let bar = ProgressBar::new((states + types) as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
-        bar.set_style(style);
-    }
-    let progress = |name: &str| {
-        bar.inc(1);
-        bar.set_message(name.to_string());
+    let bar = Bar::new();
+    let of_model = |loaded: &Loaded| {
+        bar.say(&format!("looking at the model of {}", loaded.name));
+        audit_model(&loaded.scene, &loaded.states, &levels)
     };
-    let of_catalogue = is_catalogue.then(|| audit_catalogue(&settings, &progress));
-    let of_scenes = audit_scenes(&settings, if arguments.model_only { &[] } else { &targets }, &progress);
-    bar.finish_and_clear();
+    let models = loaded.iter().map(of_model).collect();
+    let of_catalogue = is_catalogue.then(|| {
+        bar.expect(TABLE.len());
+        audit_catalogue(&settings, &|name| bar.advance(1, name))
+    });
+    let of_scenes =
+        audit_scenes(&settings, if arguments.model_only { &[] } else { &targets }, &|at| bar.hear(at));
+    bar.finish();
     let mut report = match of_catalogue {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
-    let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
-    report.models = loaded.iter().map(of_model).collect();
+    report.models = models;
     if !arguments.model_only {
         let of_sound = report.models.iter_mut().zip(&loaded).filter(|(_, loaded)| !loaded.is_refused);
         for ((found, _), target) in of_sound.zip(&targets).filter(|(_, target)| target.states.is_empty()) {
-            (found.coverage, found.drawn) = (drawn_coverage(&settings, target), true);
+            let share = report.sampled.iter().find(|share| share.scene == target.name);
+            let judged = share.map_or(target.plan.connectors.as_slice(), |share| &share.judged);
+            (found.coverage, found.drawn) = (drawn_coverage(&settings, target, judged), true);
         }
     }
     if let Some(folder) = &arguments.counter_examples {
@@ -386,6 +392,7 @@ fn settings(arguments: &Audit) -> Settings {
     if !arguments.oracles.is_empty() {
         settings.oracles = arguments.oracles.iter().copied().collect();
     }
+    settings.budget = arguments.budget.map(Budget::from_now);
     settings
 }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod audit;
 pub(crate) mod bench;
+mod budget;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;

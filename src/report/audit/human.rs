@@ -1,8 +1,8 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
 use crate::audit::summary::{
-    AuditOutcome, LEGEND, SubjectRow, detectable, headline, outcome, self_test as tested, sides, symbols,
-    telling, undecided,
+    AuditOutcome, LEGEND, SubjectRow, detectable, headline, outcome, samples, self_test as tested, sides,
+    symbols, telling, undecided,
 };
 use crate::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
 use pintle_audit::oracles::certificate::Certificate;
@@ -42,6 +42,11 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
     let names: Vec<&str> = settings.oracles.iter().map(|oracle| oracle.name()).collect();
     for line in wrap(&format!("oracles: {}", names.join(", ")), width.saturating_sub(2)) {
         writeln!(out, "  {line}")?;
+    }
+    for text in samples(report) {
+        for line in wrap(&text, width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(CARE, line))?;
+        }
     }
     writeln!(out)?;
     subjects(out, report)?;

@@ -1,8 +1,8 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
 use crate::audit::summary::{
-    AuditOutcome, LEGEND, SubjectRow, detectable, headline, left_out, outcome, self_test, sides, symbols,
-    telling, undecided,
+    AuditOutcome, LEGEND, SubjectRow, detectable, headline, left_out, outcome, samples, self_test, sides,
+    symbols, telling, undecided,
 };
 use pintle_audit::model::{Finding, ModelReport};
 use pintle_audit::{Check, Report, Subject};
@@ -138,6 +138,7 @@ fn items(report: &Report) -> (Vec<String>, Vec<String>) {
             approach.told()
         ));
     }
+    mild.extend(samples(report).map(|text| format!("- {}", escaped(&text))));
     for (text, names) in left_out(report) {
         let names: Vec<String> = names.into_iter().map(escaped).collect();
         mild.push(format!("- **{}**: {text}", names.join(", ")));

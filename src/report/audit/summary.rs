@@ -1,6 +1,6 @@
 //! What every form of the report says of a subject, counted once.
 
-use pintle_audit::{Against, Cause, Check, Fared, Quantity, Report, Subject, Verdict};
+use pintle_audit::{Against, Cause, Check, Fared, Quantity, Report, Share, Subject, Verdict};
 use pintle_scene::grammar::count;
 use std::collections::BTreeMap;
 
@@ -229,6 +229,10 @@ pub(super) fn outcome(report: &Report) -> AuditOutcome {
 /// The outcome in a few words.
 pub(super) fn headline(report: &Report) -> String {
     let mut words = vec![of_numbers(report)];
+    words.extend(report.sampled.iter().map(|share| {
+        let Share { scene, states, of_states, .. } = share;
+        format!("{} of {scene} judged ({states} of {of_states} connector states)", percent(share.part()))
+    }));
     let open: Vec<String> = [(report.undecided_subjects(), "subject"), (report.undecided_models(), "model")]
         .into_iter()
         .filter(|(n, _)| *n > 0)
@@ -250,6 +254,26 @@ pub(super) fn headline(report: &Report) -> String {
         words.push(count(report.warnings(), "warning"));
     }
     words.join("; ")
+}
+
+/// A part in percent, with two digits; less than all is never said to be all.
+fn percent(part: f64) -> String {
+    let percent = 100.0 * part;
+    let digits = if percent < 1.0 { 2 } else { usize::from(percent < 10.0) };
+    let shown = format!("{percent:.digits$}");
+    if part < 1.0 && shown == "100" { "over 99 %".to_string() } else { format!("{shown} %") }
+}
+
+/// Of scenes of which only a sample was judged: what was, a sentence each.
+pub(super) fn samples(report: &Report) -> impl Iterator<Item = String> {
+    report.sampled.iter().map(|share| {
+        let Share { scene, connectors, of_connectors, states, of_states, .. } = share;
+        format!(
+            "only a sample of {scene} was judged: {connectors} of {of_connectors} connectors and MPCs, {states} of {of_states} connector \
+             states ({}); nothing is said of the others, and --budget 2h judges more",
+            percent(share.part())
+        )
+    })
 }
 
 /// The outcome of the comparisons.
@@ -275,6 +299,7 @@ fn of_numbers(report: &Report) -> String {
     match words.is_empty() {
         false => words.join("; "),
         true if report.subjects.is_empty() => "models alone: no number audited".into(),
+        true if !report.sampled.is_empty() => "no mismatch in the sample".into(),
         true => "no mismatch".into(),
     }
 }
