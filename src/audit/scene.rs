@@ -46,7 +46,7 @@ pub struct Target<'a> {
 const AT_ONCE: usize = 256;
 
 /// The share of all scenes that is judged where no budget is given, in units of [`Chosen::cost`]: a minute or so.
-const UNITS: u64 = 100_000;
+const UNITS: u64 = 60_000;
 
 /// What costs more than that (units) is tried first, to say how long it will take.
 const TRIED: u64 = 4_000;

@@ -2,7 +2,7 @@
 
 use super::budget::{Bar, seconds};
 use super::eval::{Source, complain, read, show_diagnostic, source};
-use super::{ConditionOptions, Failure, Sign, page, page_width};
+use super::{ConditionOptions, Failure, Files, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use pintle_audit::model::{Level, Levels, audit_model};
 use pintle_audit::{
@@ -15,7 +15,7 @@ use pintle_model::evaluate::{Model, Plan, Selection};
 use pintle_report::audit as report;
 use pintle_scene::{Diagnostic, ForceFile, GALLERY, Scene, Severity, State};
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -207,7 +207,10 @@ fn oracle(name: &str) -> Result<Oracle, String> {
 }
 
 /// Audits and writes the report.
-pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
+    files.check(&arguments.html)?;
+    files.check_folder(arguments.plots.as_deref(), "svg")?;
+    files.check_folder(arguments.counter_examples.as_deref(), "json")?;
     if arguments.at.is_some() && arguments.scenes.len() != 1 {
         return Err(Failure::Usage("--at gives the states of one scene: name one".into()));
     }
@@ -272,7 +275,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         }
     }
     if let Some(folder) = &arguments.counter_examples {
-        save(folder, &mut report)?;
+        save(folder, &mut report, files)?;
     }
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
@@ -280,7 +283,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
             loaded.iter().map(|Loaded { name, scene, model, .. }| report::Audited { name, scene, model });
         let scenes = scenes.collect();
         let supplement = page::supplement(&report, is_catalogue, &targets, scenes, arguments.model_only);
-        page::write(arguments, &report, &supplement)?;
+        page::write(arguments, &report, &supplement, files)?;
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;
@@ -397,15 +400,12 @@ fn settings(arguments: &Audit) -> Settings {
 }
 
 /// Writes the counter-examples of a report, shrunk to the simplest values that still fail.
-fn save(folder: &Path, report: &mut Report) -> Result<(), Failure> {
-    let cannot = |error: &dyn std::fmt::Display| {
-        Failure::Input(format!("cannot write counter-examples to {}: {error}", folder.display()))
-    };
-    fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
+fn save(folder: &Path, report: &mut Report, files: Files) -> Result<(), Failure> {
+    files.folder(folder)?;
     for Found { at, name, example } in report.counter_examples() {
-        let text = serde_json::to_string_pretty(&example).map_err(|error| cannot(&error))?;
+        let text = serde_json::to_string_pretty(&example).map_err(io::Error::from)?;
         let file = folder.join(name);
-        fs::write(&file, text + "\n").map_err(|error| cannot(&error))?;
+        files.text(&file, text + "\n")?;
         if let Some(check) = report.check_mut(at) {
             check.counter_example = Some(file.display().to_string());
         }

@@ -1,7 +1,7 @@
 //! `pintle eval`.
 
 use super::history::{Assigned, Forces, Given, History, Survey};
-use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
+use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{
@@ -76,7 +76,8 @@ struct Care {
 }
 
 /// Evaluates scenes and writes the results.
-pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Eval, files: Files) -> Result<(), Failure> {
+    files.check(arguments.save_branches.iter().chain(&arguments.jacobian))?;
     let sources = sources(arguments)?;
     let runs = sources
         .iter()
@@ -88,7 +89,7 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
         let width = page_width(&io::stdout());
         let style =
             report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
-        walk(arguments, &runs, &request, &mut report::human::Human::new(&mut out, style))
+        walk((arguments, files), &runs, &request, &mut report::human::Human::new(&mut out, style))
     } else {
         let mut out = BufWriter::new(io::stdout().lock());
         match arguments.format {
@@ -97,12 +98,12 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
                 let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
                 let order = request.order.max(u8::from(has_slopes));
                 let mut format = report::csv::Csv::new(&mut out, outputs, order);
-                walk(arguments, &runs, &request, &mut format)?;
+                walk((arguments, files), &runs, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
             }
             EvalFormat::Json | EvalFormat::Human => {
-                walk(arguments, &runs, &request, &mut report::json::Json::new(&mut out))
+                walk((arguments, files), &runs, &request, &mut report::json::Json::new(&mut out))
             }
         }
     }
@@ -303,7 +304,12 @@ fn assign(
 }
 
 /// Walks through the states of every scene, writing as it goes.
-fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Format) -> Result<(), Failure> {
+fn walk(
+    (arguments, files): (&Eval, Files),
+    runs: &[Run],
+    request: &Request,
+    format: &mut dyn Format,
+) -> Result<(), Failure> {
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
         names => Selection::Named(names.to_vec()),
@@ -364,7 +370,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
                 if is_shown(&index) {
                     if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
                         let told =
-                            save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                            save_jacobian((file, files), (scene, model, plan), sequence.clone(), (index, state))?;
                         // Whatever else needs care is told by the evaluation.
                         for (title, flag) in &told {
                             if matches!(flag, Flag::NotFinite { .. }) {
@@ -411,7 +417,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
         })?;
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {
-            save(file, &scene.name, &sequence.branches())?;
+            save((file, files), &scene.name, &sequence.branches())?;
         }
     }
     progress.clear();
@@ -458,7 +464,7 @@ struct BranchFile<B> {
     branches: B,
 }
 
-fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
+fn save((path, files): (&Path, Files), scene: &str, branches: &Branches) -> Result<(), Failure> {
     let file = BranchFile {
         schema: BRANCHES.to_string(),
         version: pintle::VERSION.to_string(),
@@ -466,13 +472,12 @@ fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
         branches,
     };
     let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
-    fs::write(path, text + "\n")
-        .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+    files.text(path, text + "\n")
 }
 
 /// Writes the constraint Jacobian at a state, which `sequence` has before it, and gives what of it needs care.
 fn save_jacobian(
-    path: &Path,
+    (path, files): (&Path, Files),
     (scene, model, plan): (&Scene, &Model, &Plan),
     mut sequence: Sequence<'_>,
     (number, state): (u64, &State),
@@ -482,10 +487,7 @@ fn save_jacobian(
     let assembled = sequence.assemble(state, &jacobian, &mut values);
     let care = assembled.map_err(|error| Failure::Usage(error.to_string()))?;
     let of = format!("{} at state {number}", scene.name);
-    let written = File::create(path).and_then(|file| {
-        report::matrix_market::write(&mut BufWriter::new(file), &of, model, &jacobian, &values)
-    });
-    written.map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+    files.write(path, |out| report::matrix_market::write(out, &of, model, &jacobian, &values))?;
     Ok(care)
 }
 
