@@ -499,9 +499,17 @@ impl Subject {
         }
     }
 
+    /// Whether the declaration is open for nothing but a part of the manual's page that could not be read: that is a note on the
+    /// manual, and no verdict.
+    pub fn is_page_unread(&self) -> bool {
+        let unread = self.certificate.as_ref().is_some_and(|certificate| certificate.unread.is_some());
+        unread && self.declaration == Verdict::Undecided
+    }
+
     /// The severest of the three claims.
     pub fn verdict(&self) -> Verdict {
-        self.derivative.max(self.formula).max(self.declaration)
+        let declaration = if self.is_page_unread() { Verdict::Pass } else { self.declaration };
+        self.derivative.max(self.formula).max(declaration)
     }
 }
 

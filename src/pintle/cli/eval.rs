@@ -9,8 +9,9 @@ use pintle_model::evaluate::{
 };
 use pintle_report as report;
 use pintle_report::{Block, BlockKind, Format, Subject};
+use pintle_scene::grammar::{agree, shape};
 use pintle_scene::{
-    Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
+    Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
 };
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -153,6 +154,9 @@ fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
         }
     };
     let survey = history.survey(&scene)?;
+    let file =
+        arguments.states.as_ref().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
+    survey.vanishing.warning().into_iter().for_each(|warning| show_diagnostic(&warning.in_file(&file)));
     Ok(Run { scene, history, survey, forces, model })
 }
 
@@ -189,15 +193,24 @@ impl Source<'_> {
         model: &mut Model,
         taken: impl Fn(&Diagnostic) -> Option<Severity>,
     ) {
-        for warning in &scene.warnings {
-            if let Some(severity) = taken(warning) {
-                show_diagnostic(&warning.clone().of_severity(severity));
+        let of_scene = scene.warnings.iter().map(|warning| (warning.clone(), false));
+        let of_model = std::mem::take(&mut model.warnings).into_iter().map(|warning| (warning, true));
+        // What is said of many things in the same words is shown once.
+        let mut told: Vec<(Code, String, usize)> = Vec::new();
+        for (warning, is_of_model) in of_scene.chain(of_model) {
+            let Some(severity) = taken(&warning) else { continue };
+            let shape = shape(warning.message());
+            match told.iter_mut().find(|(code, known, _)| (*code, &*known) == (warning.code(), &shape)) {
+                Some((.., more)) => *more += 1,
+                None => {
+                    told.push((warning.code(), shape, 0));
+                    let warning = if is_of_model { self.quoted(warning) } else { warning };
+                    show_diagnostic(&warning.of_severity(severity));
+                }
             }
         }
-        for warning in std::mem::take(&mut model.warnings) {
-            if let Some(severity) = taken(&warning) {
-                show_diagnostic(&self.quoted(warning).of_severity(severity));
-            }
+        for (code, _, more) in told.into_iter().filter(|(.., more)| *more > 0) {
+            complain("note", &format!("{code} {more} more {}", agree(more, ["time", "times"])));
         }
     }
 }
@@ -369,8 +382,12 @@ fn walk(
                 done += 1;
                 if is_shown(&index) {
                     if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
-                        let told =
-                            save_jacobian((file, files), (scene, model, plan), sequence.clone(), (index, state))?;
+                        let told = save_jacobian(
+                            (file, files),
+                            (scene, model, plan),
+                            sequence.clone(),
+                            (index, state),
+                        )?;
                         // Whatever else needs care is told by the evaluation.
                         for (title, flag) in &told {
                             if matches!(flag, Flag::NotFinite { .. }) {

@@ -126,7 +126,10 @@ mod tests {
         assert!(Files::new(false).check_folder(Some(&folder), "txt").is_err());
         assert!(Files::new(false).check_folder(Some(&folder), "svg").is_ok());
         if cfg!(target_os = "linux") {
-            assert!(matches!(Files::new(false).text(Path::new("/dev/full"), "x"), Err(Failure::Unwritten(_))));
+            assert!(matches!(
+                Files::new(false).text(Path::new("/dev/full"), "x"),
+                Err(Failure::Unwritten(_))
+            ));
             Files::new(false).text(Path::new("/dev/null"), "x").unwrap();
         }
         fs::remove_dir_all(&folder).unwrap();
