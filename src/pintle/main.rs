@@ -14,8 +14,8 @@ const INTERNAL_ERROR: u8 = 70;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     panic::set_hook(Box::new(|defect| {
-        cli::eval::complain("internal error", &format!("{defect}"));
-        cli::eval::complain(
+        cli::tell::complain("internal error", &format!("{defect}"));
+        cli::tell::complain(
             "note",
             "this is a defect of pintle; please report it with the command and its input",
         );
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
         Ok(Ok(Err(failure))) => failure.report(),
         Ok(Err(_)) => ExitCode::from(INTERNAL_ERROR),
         Err(error) => {
-            cli::eval::complain("error", &format!("no thread could be started: {error}"));
+            cli::tell::complain("error", &format!("no thread could be started: {error}"));
             ExitCode::from(INTERNAL_ERROR)
         }
     }

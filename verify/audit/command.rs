@@ -34,10 +34,12 @@ fn exit_codes_are_those_of_the_manual() {
     pintle(&["audit", "--oracles", "oracle-of-delphi"]).assert().code(2);
     pintle(&["audit", "gallery:no_such_scene"]).assert().code(2);
     pintle(&["audit", "--at", "states.csv"]).assert().code(2);
-    // 3: undecided, where that is asked to be an error. A HINGE's declaration could not be read in full.
-    let hinge = ["audit", "gallery:hinge_pendulum", "--wide-states", "1", "--connector", "101"];
-    pintle(&hinge).assert().code(0);
-    pintle(&[&hinge[..], &["--strict"]].concat()).assert().code(3);
+    // A HINGE's page could not be read in full: a note on the manual, which is no fault of the scene.
+    let hinge = ["audit", "gallery:hinge_pendulum", "--wide-states", "1", "--connector", "101", "--strict"];
+    let page = stdout(&pintle(&hinge).assert().code(0));
+    assert!(page.contains("page unread") && page.contains("a note on the manual"), "{page}");
+    assert!(page.trim_end().ends_with("no mismatch"), "{page}");
+    // 3: undecided, where that is asked to be an error.
     // An oracle that shares the mechanism or the elementary functions is no witness.
     for oracle in ["nodal-dual", "nested-dual", "differences", "wide-dual"] {
         let found = pintle(&brief(&["--oracles", oracle, "--strict"])).assert().code(3);

@@ -19,8 +19,24 @@ pub(crate) fn pintle(arguments: &[&str]) -> Command {
         command.env_remove(name);
     }
     command.args(arguments);
+    // What an earlier run of the tests has left is written over.
+    if arguments.iter().any(|word| WRITES.contains(word)) {
+        command.arg("--force");
+    }
     command
 }
+
+/// Options that write files.
+const WRITES: [&str; 8] = [
+    "-o",
+    "--html",
+    "--plots",
+    "--folder",
+    "--jacobian",
+    "--save-branches",
+    "--save-states",
+    "--counter-examples",
+];
 
 pub(crate) fn stdout(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stdout.clone()).unwrap()

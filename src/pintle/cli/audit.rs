@@ -1,7 +1,8 @@
 //! `pintle audit`.
 
 use super::budget::{Bar, seconds};
-use super::eval::{Source, complain, read, show_diagnostic, source};
+use super::eval::{Source, read, source};
+use super::tell::{complain, show_diagnostic};
 use super::{ConditionOptions, Failure, Files, Sign, page, page_width};
 use clap::{Args, ValueEnum};
 use pintle_audit::model::{Level, Levels, audit_model};
@@ -33,6 +34,11 @@ point, kink, singular point, undecided (no independent oracle), unstable
 formula, wrong, invalid. docs/explanation/audit.md says how it judges, and what
 it does not: forces under given motion, stops, locks and failure among them.
 
+A large scene is judged by an even sample of its connectors and states, with one
+connector of every type and behaviour, and the report says what share that is.
+--budget 60s judges as large a share as fits into that time, or all: the models
+come first. How long it takes is said before it begins.
+
 Of each scene the model is looked at besides: rules, orientations, singular
 points along the states, stops, frictions, duplicates; mobility, redundant
 constraints and free motions of the whole assembly; which region of
@@ -49,6 +55,7 @@ Examples:
   pintle audit model.inp --deny warnings --allow assembly::redundant
   pintle audit model.inp --model-only
   pintle audit model.inp --at run.csv --counter-examples found
+  pintle audit large.inp --at run.csv --budget 10m
   pintle audit model.inp --html audit.html --plots figures
   pintle audit --states 10000 --format junit";
 

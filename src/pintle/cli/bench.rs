@@ -123,7 +123,7 @@ pub(crate) fn run(arguments: &Bench, files: Files) -> Result<(), Failure> {
     }
     write(arguments.format, &found)?;
     arguments.plots.as_ref().map_or(Ok(()), |folder| draw(folder, &found, files))?;
-    found.wrong.iter().for_each(|wrong| crate::cli::eval::complain("error", &wrong.to_string()));
+    found.wrong.iter().for_each(|wrong| crate::cli::tell::complain("error", &wrong.to_string()));
     if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) }
 }
 

@@ -1,6 +1,7 @@
 //! `pintle convert` and `pintle schema`.
 
-use super::eval::{self, complain};
+use super::eval;
+use super::tell::{complain, show_diagnostic};
 use super::{Convert, Described, Failure, Files, SceneFormat};
 use pintle_scene::{Format, Scene, StateFile};
 use std::io::{self, BufWriter, Write};
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
         scene.states = StateFile::read(file, &scene)?.states;
     }
     for warning in &scene.warnings {
-        eval::show_diagnostic(warning);
+        show_diagnostic(warning);
     }
     // A deck has no states: what goes to a file of its own is not lost.
     let is_apart = format == Format::Deck && arguments.save_states.is_some();

@@ -1,6 +1,7 @@
 //! `pintle eval`.
 
 use super::history::{Assigned, Forces, Given, History, Survey};
+use super::tell::{complain, show_diagnostic};
 use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
 use pintle_model::behavior::state::Velocities;
@@ -553,16 +554,4 @@ impl Progress {
             _ = write!(io::stderr(), "\r\x1b[K");
         }
     }
-}
-
-/// Shows a diagnostic on stderr with its source line.
-pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
-    let text = diagnostic.render(page_width(&io::stderr()), true);
-    _ = writeln!(anstream::stderr(), "{}", text.trim_end());
-}
-
-/// A line on stderr.
-pub(crate) fn complain(kind: &str, text: &str) {
-    let style = anstyle::Style::new().bold();
-    _ = writeln!(anstream::stderr(), "{style}{kind}:{style:#} {text}");
 }

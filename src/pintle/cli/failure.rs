@@ -59,8 +59,8 @@ impl Failure {
             return ExitCode::SUCCESS;
         }
         match self {
-            Self::Scene(diagnostic) => crate::cli::eval::show_diagnostic(diagnostic),
-            other => crate::cli::eval::complain("error", &other.to_string()),
+            Self::Scene(diagnostic) => crate::cli::tell::show_diagnostic(diagnostic),
+            other => crate::cli::tell::complain("error", &other.to_string()),
         }
         ExitCode::from(match self {
             Self::Lost(_) => 1,

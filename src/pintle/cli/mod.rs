@@ -13,6 +13,7 @@ mod page;
 pub(crate) mod replay;
 mod save;
 mod show;
+pub(crate) mod tell;
 
 pub(crate) use failure::Failure;
 pub(crate) use save::Files;
