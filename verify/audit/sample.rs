@@ -35,7 +35,7 @@ fn row(name: &str, kind: &str, count: usize, states: usize) -> [String; 2] {
 /// A budget judges a share, and no form of the report presents it as the whole; `--strict` does not pass it.
 #[test]
 fn a_share_is_never_the_whole() {
-    let [deck, states] = row("share", "BUSHING", 400, 3);
+    let [deck, states] = row("share", "ROTATION", 400, 3);
     let run = |more: &[&str]| {
         let words = [&["audit", &deck, "--at", &states, "--budget", "1s"], more].concat();
         let assert = pintle(&words).assert();
@@ -86,25 +86,25 @@ fn a_share_is_never_the_whole() {
 /// under `-v`.
 #[test]
 fn what_is_said_of_many_is_said_once() {
-    let [deck, states] = row("many", "HINGE", 60, 2);
+    let [deck, states] = row("many", "ROTATION", 60, 2);
     let words = ["audit", &deck, "--at", &states, "--wide-states", "1", "--plant", "wrong-entry", "--format"];
     let run = |more: &[&str]| stdout(&pintle(&[&words[..], more].concat()).assert().code(1));
     let page = run(&["human"]);
-    assert!(page.contains("HINGE 1, HINGE 2, HINGE 3 and 57 more of"), "{page}");
+    assert!(page.contains("ROTATION 1, ROTATION 2, ROTATION 3 and 57 more of"), "{page}");
     assert!(page.matches("must be").count() <= 4, "{page}");
     assert!(page.contains("told by ") && page.contains(" too"), "{page}");
     assert_eq!(page.matches("note[model::orientation-default]").count(), 1, "{page}");
     assert!(page.contains("and 59 more of this code: element 2, element 3, element 4, …"), "{page}");
-    assert!(page.contains("HINGE × 60"), "{page}");
+    assert!(page.contains("ROTATION × 60"), "{page}");
     let whole = run(&["human", "-v"]);
     assert_eq!(whole.matches("note[model::orientation-default]").count(), 60);
-    assert!(whole.matches("must be").count() >= 60 && whole.contains("HINGE 37"));
+    assert!(whole.matches("must be").count() >= 60 && whole.contains("ROTATION 37"));
     let document: Value = serde_json::from_str(&run(&["json"])).unwrap();
     let findings = document["models"][0]["findings"].as_array().unwrap();
     let notes = findings.iter().filter(|finding| finding["code"] == "model::orientation-default");
     assert_eq!((notes.count(), document["mismatches"].as_u64()), (60, Some(60)));
     let page = run(&["html"]);
-    assert!(page.contains("HINGE 1, HINGE 2, HINGE 3 and 57 more of"));
+    assert!(page.contains("ROTATION 1, ROTATION 2, ROTATION 3 and 57 more of"));
     assert!(page.matches("class=\"problem\"").count() <= 4, "{}", page.matches("class=\"problem\"").count());
 }
 
@@ -129,7 +129,7 @@ fn what_is_not_read_is_not_asked_to_be_held() {
     let deck = |more: &str| {
         format!(
             "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n{more}\
-             *CONNECTOR SECTION, ELSET=E\nJOIN\n*BOUNDARY\n1, 1, 6\n"
+             *CONNECTOR SECTION, ELSET=E\nAXIAL\n*BOUNDARY\n1, 1, 3\n"
         )
     };
     let page = |name: &str, more: &str| {
