@@ -1,5 +1,6 @@
 //! The page: what stands in which section.
 
+use crate::audit::groups::named;
 use crate::audit::html::cards::{
     APPROACH, ApproachCard, ApproachCurve, Card, StepCard, approach_card, approaches, cards, confirmed,
     omitted, step_cards, strip,
@@ -20,6 +21,7 @@ use pintle_audit::oracles::oracle::Shares;
 use pintle_audit::{Report, Subject, Verdict};
 use pintle_bench::Environment;
 use pintle_scene::Severity;
+use std::collections::BTreeMap;
 use std::io;
 
 /// A verdict's class and words.
@@ -235,12 +237,13 @@ fn verdict_row(subject: &Subject) -> VerdictRow {
     }
 }
 
+/// Declarations that nobody confirms in full, and why: a line for each reason.
 fn undecided(report: &Report) -> Vec<String> {
-    let open = report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided);
-    let line = |subject: &Subject| format!("{}: {}", full_name(subject), unconfirmed(subject));
-    let mut lines: Vec<String> = open.map(line).collect();
-    lines.dedup();
-    lines
+    let mut reasons: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
+        reasons.entry(unconfirmed(subject)).or_default().push(full_name(subject));
+    }
+    reasons.into_iter().map(|(why, names)| format!("{}: {why}", named(&names))).collect()
 }
 
 fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static str, String)> {
