@@ -201,7 +201,7 @@ impl Source<'_> {
         for (warning, is_of_model) in of_scene.chain(of_model) {
             let Some(severity) = taken(&warning) else { continue };
             let shape = shape(warning.message());
-            match told.iter_mut().find(|(code, known, _)| (*code, &*known) == (warning.code(), &shape)) {
+            match told.iter_mut().find(|(code, known, _)| *code == warning.code() && *known == shape) {
                 Some((.., more)) => *more += 1,
                 None => {
                     told.push((warning.code(), shape, 0));
