@@ -27,7 +27,7 @@
 
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::case::{Case, moved};
-use crate::engine::{checks_of, spread};
+use crate::engine::checks_of;
 use crate::judge::components::{Surroundings, judge};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
@@ -40,6 +40,7 @@ use crate::oracles::truth::Truth;
 use crate::sampling::about_initial;
 use crate::sampling::coverage::{Coverage, Lack};
 use crate::settings::Settings;
+use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
 use pintle_kinematics::connector::{Components, Connector, Definition, NodalRow, State};
 use pintle_kinematics::draw::Draw;
@@ -251,6 +252,7 @@ impl<'a> Candidate<'a> {
             settings: self.settings.clone(),
             constant: crate::C,
             subjects: vec![subject],
+            sampled: Vec::new(),
             atlas: Vec::new(),
             models: self.lacks(coverage).into_iter().collect(),
         })

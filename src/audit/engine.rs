@@ -24,6 +24,7 @@ use crate::oracles::sums::{hyper_dual, taylor};
 use crate::oracles::truth::Truth;
 use crate::sampling::{random_case, regions_drawn};
 use crate::settings::Settings;
+use crate::share::spread;
 use crate::singular::atlas;
 use crate::singular::atlas::Approach;
 use crate::singular::standing::cases_on;
@@ -71,37 +72,6 @@ pub fn audit_cases(
         })
         .collect();
     Report::new(settings, subjects, Vec::new())
-}
-
-/// `wanted` places among `count`: the first, the last, and others evenly between them; of one alone the last, for at the first nothing
-/// has moved yet.
-pub(super) fn spread(count: usize, wanted: usize) -> BTreeSet<usize> {
-    spread_of(count, wanted, 0)
-}
-
-/// The same for one of many that share a history, by its number: where each has one place only, together they cover the history.
-/// The first of them takes the last place, the second the first, others halve the gaps.
-pub(super) fn spread_of(count: usize, wanted: usize, number: usize) -> BTreeSet<usize> {
-    let Some(last) = count.checked_sub(1) else { return BTreeSet::new() };
-    match wanted.min(count) {
-        0 => BTreeSet::new(),
-        1 => {
-            let place = match number {
-                0 => last,
-                1 => 0,
-                _ => halved(number - 1, last),
-            };
-            BTreeSet::from([place])
-        }
-        wanted => (0..wanted).map(|i| i * last / (wanted - 1)).collect(),
-    }
-}
-
-/// The n-th (from 1) of the places that halve 0 … `last` again and again: 1/2, 1/4, 3/4, 1/8 … of it, van der Corput's sequence.
-fn halved(n: usize, last: usize) -> usize {
-    let reversed = n.reverse_bits() as u128;
-    let place = (reversed * (last as u128)) >> usize::BITS;
-    usize::try_from(place).unwrap_or(last)
 }
 
 /// Which states of a type are judged on 237 bits, besides the `standing` ones, which always are. First come the regular states, the
@@ -399,8 +369,7 @@ fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
 
 #[cfg(test)]
 mod tests {
-    use super::{spread, spread_of, wide_states};
-    use std::collections::BTreeSet;
+    use super::wide_states;
 
     #[test]
     fn as_many_states_are_wide_as_are_asked_for() {
@@ -421,28 +390,5 @@ mod tests {
         // None of those near singular sets is where another one stands.
         assert!(wide_states((18, 42), (1000, 200, 20), 30).range(1000..).all(|i| i % 2 == 1));
         assert_eq!(wide_states((18, 42), (42, 0, 0), 1000).len(), 42);
-    }
-
-    #[test]
-    fn wide_states_are_spread_over_the_history() {
-        assert_eq!(spread(11, 3), BTreeSet::from([0, 5, 10]));
-        assert_eq!(spread(10, 4), BTreeSet::from([0, 3, 6, 9]));
-        assert_eq!(spread(2, 30), BTreeSet::from([0, 1]));
-        assert_eq!(spread(9, 1), BTreeSet::from([8]));
-        assert_eq!(spread(1, 1), BTreeSet::from([0]));
-        assert_eq!((spread(0, 3), spread(7, 0)), (BTreeSet::new(), BTreeSet::new()));
-        // Every count is met, with both ends.
-        for count in 2..40 {
-            for wanted in 2..=count {
-                let found = spread(count, wanted);
-                assert_eq!(found.len(), wanted, "{count} {wanted}");
-                assert!(found.contains(&0) && found.contains(&(count - 1)));
-            }
-        }
-        // One place each: the last, the first, and what halves the gaps.
-        let places: Vec<usize> = (0..6).filter_map(|n| spread_of(1000, 1, n).into_iter().next()).collect();
-        assert_eq!(places, [999, 0, 499, 249, 749, 124]);
-        let all: BTreeSet<usize> = (0..4000).flat_map(|n| spread_of(1000, 1, n)).collect();
-        assert_eq!(all.len(), 1000);
     }
 }

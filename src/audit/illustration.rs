@@ -68,7 +68,9 @@ pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Ve
         .filter(|subject| subject.derivative.headline() == Verdict::Pass)
         .map(|subject| subject.name.as_str())
         .collect();
-    let mut connectors = target.plan.connectors.clone();
+    // Of a sample nothing is shown that was not judged.
+    let share = report.sampled.iter().find(|share| share.scene == target.name);
+    let mut connectors = share.map_or(&target.plan.connectors, |share| &share.judged).clone();
     let title = |at: &usize| target.model.connectors.get(*at).map(ConnectorElement::title);
     connectors.sort_by_cached_key(|at| title(at).is_none_or(|title| passed.contains(title.as_str())));
     connectors.truncate(most);

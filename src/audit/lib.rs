@@ -29,6 +29,7 @@ pub mod replay;
 pub mod sampling;
 mod scene;
 pub mod settings;
+mod share;
 pub mod singular;
 
 pub use candidate::{Candidate, Given, Question};
@@ -52,7 +53,8 @@ pub use replay::again::Found;
 pub use replay::counterexample::{About, CounterExample};
 pub use replay::handover::ExportError;
 pub use sampling::coverage::{Coverage, Exercise, Sample};
-pub use scene::{Target, audit_scenes, drawn_coverage};
-pub use settings::{Planted, Settings};
+pub use scene::{Progress, Target, audit_scenes, drawn_coverage};
+pub use settings::{Budget, Planted, Settings};
+pub use share::Share;
 pub use singular::atlas::Approach;
 pub use singular::sides::Sides;

@@ -5,14 +5,15 @@ use crate::case::failing::MpcCase;
 use crate::case::failing::SlopesCase;
 use crate::case::quantity::Quantity;
 use crate::case::{Case, Step};
-use crate::engine::{SOMETIMES, audit_case, checks_of, laws_of_type, spread_of};
+use crate::engine::{SOMETIMES, audit_case, checks_of, laws_of_type};
 use crate::friction::{Slipping, audit_slipping, drawn, restored, slipping};
 use crate::judge::outcome::{Check, Expected, Report, Subject};
 use crate::judge::verdict::Verdict;
 use crate::oracles::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
 use crate::sampling::about_initial;
 use crate::sampling::coverage::{Coverage, Sample};
-use crate::settings::Settings;
+use crate::settings::{Budget, Settings};
+use crate::share::{Chosen, Share};
 use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::scalar::elementary::norm;
@@ -26,6 +27,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::convert::Infallible;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A scene to be audited.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +43,34 @@ pub struct Target<'a> {
 }
 
 /// How many connectors are judged at a time: so many cases are held at once.
-const AT_ONCE: usize = 2048;
+const AT_ONCE: usize = 256;
+
+/// The share of all scenes that is judged where no budget is given, in units of [`Chosen::cost`]: a minute or so.
+const UNITS: u64 = 60_000;
+
+/// What costs more than that (units) is tried first, to say how long it will take.
+const TRIED: u64 = 4_000;
+
+/// What is tried (units).
+const TRIAL: u64 = 300;
+
+/// A budget is spent in so many parts, each an even sample by itself: one that ends early leaves one.
+const PARTS: usize = 4;
+
+/// The part of a budget that is planned: trials are short, and other programs run.
+const PLANNED: f64 = 0.8;
+
+/// How far the numbers of scenes are judged.
+#[derive(Clone, Copy, Debug)]
+pub enum Progress<'a> {
+    /// So much of a scene is about to be judged; how long that will take (s), where it was tried.
+    Begins(&'a Share, Option<f64>),
+    /// So many more connector states were judged.
+    Judged(usize),
+}
+
+/// Who is told of it.
+type Listener<'a> = dyn Fn(Progress<'_>) + Sync + 'a;
 
 /// What is gathered of one connector or constraint.
 #[derive(Default)]
@@ -64,67 +93,235 @@ struct Piece {
     work: Work,
 }
 
-/// Audits every connector and constraint of scenes at their states. `progress` is told of each finished state.
-pub fn audit_scenes(settings: &Settings, targets: &[Target<'_>], progress: &(dyn Fn(&str) + Sync)) -> Report {
-    let subjects = targets.iter().flat_map(|target| audit_scene(settings, target, progress)).collect();
-    Report::new(settings, subjects, Vec::new())
+/// Audits connectors and constraints of scenes at their states: all of them, or where they are many an even sample, of which
+/// [`Report::sampled`] says the share.
+pub fn audit_scenes(settings: &Settings, targets: &[Target<'_>], progress: &Listener<'_>) -> Report {
+    let mut report = Report::new(settings, Vec::new(), Vec::new());
+    for (at, target) in targets.iter().enumerate() {
+        let (subjects, share) = audit_scene(settings, target, targets.len() - at, progress);
+        report.subjects.extend(subjects);
+        report.sampled.extend((!share.is_whole()).then_some(share));
+    }
+    report
 }
 
-fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str) + Sync)) -> Vec<Subject> {
-    let Target { model, plan, states, .. } = *target;
-    let count = plan.connectors.len() + plan.mpcs.len();
-    let mut gathered: Vec<Gathered> = Vec::new();
-    gathered.resize_with(count, Gathered::default);
-    let share = settings.wide_states_of_a_scene / count.max(1);
-    let wide_states = settings.wide_states.min(share.max(1));
-    let mut waiting = Vec::new();
-    if states.is_empty() {
-        draw_states(settings, target, wide_states, &mut gathered);
-        progress(target.name);
+/// What was chosen of a scene, and its share where all of that is judged.
+fn choose(settings: &Settings, target: &Target<'_>, units: u64) -> (Chosen, Share) {
+    let Target { model, plan, states, name } = *target;
+    let chosen = Chosen::new(settings, (model, plan), states.len(), units);
+    // Constraints of a scene without states are judged at their initial one.
+    let of = |plan: &Plan, states: usize| {
+        let of_mpcs = if target.states.is_empty() { 1 } else { states };
+        (plan.connectors.len() * states + plan.mpcs.len() * of_mpcs) as u64
+    };
+    let share = Share {
+        scene: name.to_string(),
+        connectors: chosen.count() as u64,
+        of_connectors: (plan.connectors.len() + plan.mpcs.len()) as u64,
+        states: of(&chosen.plan, chosen.states),
+        of_states: of(plan, chosen.of_states),
+        judged: chosen.plan.connectors.clone(),
+    };
+    (chosen, share)
+}
+
+/// Audits one of so many scenes that are left.
+fn audit_scene(
+    settings: &Settings,
+    target: &Target<'_>,
+    left: usize,
+    progress: &Listener<'_>,
+) -> (Vec<Subject>, Share) {
+    let (mut chosen, mut share) = choose(settings, target, UNITS);
+    let end = settings.budget.map(|budget| Budget::from_now(budget.left() / left.max(1) as f64));
+    let mut seconds = None;
+    if end.is_some() || chosen.cost() > TRIED {
+        let (trial, _) = choose(settings, target, TRIAL);
+        let begin = Instant::now();
+        Run::new(settings, target, &trial, &|_| {}).judge((0, 1), None);
+        let each = begin.elapsed().as_secs_f64() / trial.cost().max(1) as f64;
+        if let Some(end) = end {
+            // A cast from a float takes the nearest number that there is.
+            (chosen, share) = choose(settings, target, (PLANNED * end.left() / each) as u64);
+        }
+        seconds = Some(each * chosen.cost() as f64);
     }
-    // Walking needs every planned thing in the order of the plan.
-    let follows = Plan { request: followed(target), ..plan.clone() };
-    let mut walk = walk(model, &follows);
-    walk.set_conditions(settings.conditions.clone());
-    let is_wide = |place: usize, index: usize| spread_of(states.len(), wide_states, place).contains(&index);
-    // What the frictions of each connector remember.
-    let mut left: Vec<History> = vec![History::default(); plan.connectors.len()];
-    for (index, state) in states.iter().enumerate() {
-        let mut place = 0;
-        let number = state.number.unwrap_or(index as u64);
-        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
-            let work = match placed {
-                Item::Connector(placed) => {
-                    let behavior = Arc::clone(&model.connectors[placed.index].behavior);
-                    let case = case(model, placed, number);
-                    let slides = placed.behavior.as_ref().filter(|_| behavior.behavior.slips_at_all());
-                    let now = slides.map(|outcome| outcome.history.clone()).unwrap_or_default();
-                    let before = left.get_mut(place).map(|left| std::mem::replace(left, now));
-                    let left_and_given = (before.unwrap_or_default(), &settings.conditions);
-                    let slips = slipping(placed, &behavior, &case, left_and_given);
-                    let slips = slips.or_else(|| drawn(&case, &behavior, &model.schedule, (settings, index)));
-                    Work::Connector(Box::new(case), behavior, slips.map(Box::new))
-                }
-                Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, placed, number))),
-            };
-            waiting.push(Piece { place, index, is_wide: is_wide(place, index), work });
-            place += 1;
-            if waiting.len() >= AT_ONCE {
-                judge(settings, std::mem::take(&mut waiting), &mut gathered);
-            }
-            Ok(())
-        });
-        progress(target.name);
-    }
-    judge(settings, waiting, &mut gathered);
-    if follows.request.outputs().any(|output| output == Output::CSF) {
-        for (place, check) in restored(target, &follows, settings) {
-            if let Some(one) = gathered.get_mut(place) {
-                checks_of(&mut one.checks, vec![check]);
+    progress(Progress::Begins(&share, seconds));
+    let mut run = Run::new(settings, target, &chosen, progress);
+    match end {
+        None => run.judge((0, 1), None),
+        Some(end) => {
+            let ends_early = (0..PARTS).any(|part| {
+                run.judge((part, PARTS), Some(end));
+                end.left() == 0.0
+            });
+            if ends_early {
+                run.keep_judged(&mut share);
             }
         }
     }
-    subjects(target, gathered)
+    (run.subjects(), share)
+}
+
+/// The judging of what was chosen of a scene.
+struct Run<'a> {
+    settings: &'a Settings,
+    target: Target<'a>,
+    chosen: Chosen,
+    progress: &'a Listener<'a>,
+    gathered: Vec<Gathered>,
+}
+
+/// The budget is spent.
+struct Spent;
+
+impl<'a> Run<'a> {
+    fn new(settings: &'a Settings, target: &Target<'a>, chosen: &Chosen, progress: &'a Listener<'a>) -> Self {
+        let mut gathered = Vec::new();
+        gathered.resize_with(chosen.count(), Gathered::default);
+        Self { settings, target: *target, chosen: chosen.clone(), progress, gathered }
+    }
+
+    /// Judges one of so many parts of the sample, until the budget is spent.
+    fn judge(&mut self, part: (usize, usize), end: Option<Budget>) {
+        // What is left when the budget is spent is left out.
+        _ = if self.target.states.is_empty() { self.drawn(part, end) } else { self.given(part, end) };
+    }
+
+    /// Judges what waits, if that is enough, or the last.
+    fn judge_waiting(
+        &mut self,
+        waiting: &mut Vec<Piece>,
+        end: Option<Budget>,
+        is_last: bool,
+    ) -> Result<(), Spent> {
+        if waiting.len() < AT_ONCE && !is_last {
+            return Ok(());
+        }
+        let count = waiting.len();
+        judge(self.settings, std::mem::take(waiting), &mut self.gathered);
+        (self.progress)(Progress::Judged(count));
+        if end.is_some_and(|end| end.left() == 0.0) { Err(Spent) } else { Ok(()) }
+    }
+
+    /// The rank of a state among those that are judged of the connector or constraint at that place, where it is in the part.
+    fn rank(&self, place: usize, index: usize, (part, parts): (usize, usize)) -> Option<usize> {
+        self.chosen.rank(place, index).filter(|rank| (place + rank) % parts == part)
+    }
+
+    /// The states of the scene, in order.
+    fn given(&mut self, part: (usize, usize), end: Option<Budget>) -> Result<(), Spent> {
+        let (settings, Target { model, states, .. }) = (self.settings, self.target);
+        // Walking needs every planned thing in the order of the plan.
+        let follows = self.followed();
+        let mut walk = walk(model, &follows);
+        walk.set_conditions(settings.conditions.clone());
+        // What the frictions of each connector remember.
+        let mut left: Vec<History> = vec![History::default(); follows.connectors.len()];
+        let mut waiting = Vec::new();
+        for (index, state) in states.iter().enumerate() {
+            let mut place = 0;
+            let number = state.number.unwrap_or(index as u64);
+            walk.visit(state, |placed| {
+                let rank = self.rank(place, index, part);
+                let work = match placed {
+                    Item::Connector(placed) => {
+                        let behavior = &model.connectors[placed.index].behavior;
+                        let slides = placed.behavior.as_ref().filter(|_| behavior.behavior.slips_at_all());
+                        let now = slides.map(|outcome| outcome.history.clone()).unwrap_or_default();
+                        let before = left.get_mut(place).map(|left| std::mem::replace(left, now));
+                        rank.map(|rank| {
+                            let case = case(model, placed, number);
+                            let left_and_given = (before.unwrap_or_default(), &settings.conditions);
+                            let slips = slipping(placed, behavior, &case, left_and_given);
+                            let slips =
+                                slips.or_else(|| drawn(&case, behavior, &model.schedule, (settings, rank)));
+                            Work::Connector(Box::new(case), Arc::clone(behavior), slips.map(Box::new))
+                        })
+                    }
+                    Item::Mpc(placed) => rank.map(|_| Work::Mpc(Box::new(mpc_case(model, placed, number)))),
+                };
+                if let (Some(index), Some(work)) = (rank, work) {
+                    waiting.push(Piece { place, index, is_wide: self.chosen.is_wide(place, index), work });
+                }
+                place += 1;
+                self.judge_waiting(&mut waiting, end, false)
+            })?;
+        }
+        self.judge_waiting(&mut waiting, end, true)
+    }
+
+    /// States about the initial one, where a scene gives none: connectors at drawn ones, constraints at the initial one.
+    fn drawn(&mut self, part: (usize, usize), end: Option<Budget>) -> Result<(), Spent> {
+        let (settings, Target { model, .. }) = (self.settings, self.target);
+        let plan = self.chosen.plan.clone();
+        let mut waiting = Vec::new();
+        for (place, at) in plan.connectors.iter().enumerate() {
+            let Some(element) = model.connectors.get(*at) else { continue };
+            for (index, case) in drawn_cases(settings, &self.target, element) {
+                let (Some(rank), Some(case)) = (self.rank(place, index, part), case) else { continue };
+                let is_wide = self.chosen.is_wide(place, rank);
+                let behavior = Arc::clone(&element.behavior);
+                let slips = drawn(&case, &behavior, &model.schedule, (settings, rank));
+                let work = Work::Connector(Box::new(case), behavior, slips.map(Box::new));
+                waiting.push(Piece { place, index: rank, is_wide, work });
+            }
+            self.judge_waiting(&mut waiting, end, false)?;
+        }
+        let alone = Plan { connectors: Vec::new(), request: Request::nothing(0), ..plan.clone() };
+        let mut walk = Sequence::new(model, &alone);
+        let mut place = plan.connectors.len();
+        walk.visit(&State::default(), |placed| {
+            if let (Item::Mpc(placed), true) = (placed, place % part.1 == part.0) {
+                let work = Work::Mpc(Box::new(mpc_case(model, placed, 0)));
+                waiting.push(Piece { place, index: 0, is_wide: true, work });
+            }
+            place += 1;
+            self.judge_waiting(&mut waiting, end, false)
+        })?;
+        self.judge_waiting(&mut waiting, end, true)
+    }
+
+    /// The plan, with what is asked of a walk: nothing, and where there is friction its forces and slopes, so that its history is
+    /// followed.
+    fn followed(&self) -> Plan {
+        let slides = |at: &usize| {
+            let element = self.target.model.connectors.get(*at);
+            element.is_some_and(|element| element.behavior.behavior.slips_at_all())
+        };
+        let request = if self.chosen.plan.connectors.iter().any(slides) {
+            Request::new(&[Output::CSF, Output::TANGENT], [true; 6], 0)
+        } else {
+            Request::nothing(0)
+        };
+        Plan { request, ..self.chosen.plan.clone() }
+    }
+
+    /// Keeps what was judged before the budget was spent.
+    fn keep_judged(&mut self, share: &mut Share) {
+        let is_judged: Vec<bool> = self.gathered.iter().map(|one| one.cases > 0).collect();
+        self.gathered.retain(|one| one.cases > 0);
+        let Plan { connectors, mpcs, .. } = &mut self.chosen.plan;
+        let mut is_judged = is_judged.into_iter();
+        connectors.retain(|_| is_judged.next().unwrap_or(false));
+        mpcs.retain(|_| is_judged.next().unwrap_or(false));
+        share.connectors = self.gathered.len() as u64;
+        share.states = self.gathered.iter().map(|one| one.cases).sum();
+        share.judged.clone_from(&self.chosen.plan.connectors);
+    }
+
+    fn subjects(mut self) -> Vec<Subject> {
+        let follows = self.followed();
+        let target = Target { plan: &self.chosen.plan, ..self.target };
+        if follows.request.outputs().any(|output| output == Output::CSF) {
+            for (place, check) in restored(&target, &follows, self.settings) {
+                if let Some(one) = self.gathered.get_mut(place) {
+                    checks_of(&mut one.checks, vec![check]);
+                }
+            }
+        }
+        subjects(&target, self.gathered)
+    }
 }
 
 /// Audits pieces in parallel and gathers them in their order.
@@ -173,9 +370,10 @@ fn drawn_cases<'a>(
     })
 }
 
-/// Which region of configuration space the states exercise at which [`audit_scenes`] judges the connectors of a scene that gives none.
+/// Which region of configuration space the states exercise at which [`audit_scenes`] judges connectors, by their indices in the model, of a
+/// scene that gives none.
 #[must_use]
-pub fn drawn_coverage(settings: &Settings, target: &Target<'_>) -> Coverage {
+pub fn drawn_coverage(settings: &Settings, target: &Target<'_>, connectors: &[usize]) -> Coverage {
     let samples = |at: &usize| -> Vec<Sample> {
         let Some(element) = target.model.connectors.get(*at) else { return Vec::new() };
         let definition = element.definition();
@@ -185,58 +383,10 @@ pub fn drawn_coverage(settings: &Settings, target: &Target<'_>) -> Coverage {
         };
         drawn_cases(settings, target, element).filter_map(|(_, case)| sample(case?)).collect()
     };
-    let samples: Vec<Vec<Sample>> = target.plan.connectors.par_iter().map(samples).collect();
+    let samples: Vec<Vec<Sample>> = connectors.par_iter().map(samples).collect();
     let mut coverage = Coverage::default();
     samples.iter().flatten().for_each(|sample| coverage.take(sample));
     coverage
-}
-
-/// States about the initial one, where a scene gives none: connectors at drawn ones, constraints at the initial one.
-fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gathered: &mut [Gathered]) {
-    let Target { model, plan, .. } = *target;
-    let mut pieces = Vec::new();
-    for (place, at) in plan.connectors.iter().enumerate() {
-        let Some(element) = model.connectors.get(*at) else { continue };
-        let wide = spread_of(settings.drawn_states, wide_states, place);
-        for (index, case) in drawn_cases(settings, target, element) {
-            let is_wide = wide.contains(&index);
-            let work = case.map(|case| {
-                let behavior = Arc::clone(&element.behavior);
-                let slips = drawn(&case, &behavior, &model.schedule, (settings, index));
-                Work::Connector(Box::new(case), behavior, slips.map(Box::new))
-            });
-            pieces.extend(work.map(|work| Piece { place, index, is_wide, work }));
-        }
-        if pieces.len() >= AT_ONCE {
-            judge(settings, std::mem::take(&mut pieces), gathered);
-        }
-    }
-    let alone = Plan { connectors: Vec::new(), request: Request::nothing(0), ..plan.clone() };
-    let mut walk = Sequence::new(model, &alone);
-    let mut place = plan.connectors.len();
-    let Ok(()) = walk.visit(&State::default(), |placed| -> Result<(), Infallible> {
-        if let Item::Mpc(placed) = placed {
-            let work = Work::Mpc(Box::new(mpc_case(model, placed, 0)));
-            pieces.push(Piece { place, index: 0, is_wide: true, work });
-            place += 1;
-            if pieces.len() >= AT_ONCE {
-                judge(settings, std::mem::take(&mut pieces), gathered);
-            }
-        }
-        Ok(())
-    });
-    judge(settings, pieces, gathered);
-}
-
-/// What is asked of a walk: nothing, and where there is friction its forces and slopes, so that its history is followed.
-fn followed(target: &Target<'_>) -> Request {
-    let slides = |at: &usize| {
-        target.model.connectors.get(*at).is_some_and(|element| element.behavior.behavior.slips_at_all())
-    };
-    if !target.plan.connectors.iter().any(slides) {
-        return Request::nothing(0);
-    }
-    Request::new(&[Output::CSF, Output::TANGENT], [true; 6], 0)
 }
 
 /// s: the larger of the present and the initial length; that of the model where the nodes coincide.

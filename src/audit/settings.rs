@@ -4,6 +4,7 @@ use crate::oracles::oracle::Oracle;
 use pintle_model::behavior::Conditions;
 use serde::Serialize;
 use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
 
 /// What an audit is to do.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -18,6 +19,9 @@ pub struct Settings {
     pub wide_states_of_a_scene: usize,
     /// States drawn about the initial one of a connector whose scene gives no states.
     pub drawn_states: usize,
+    /// The time that the numbers of scenes may take; without it, the share of a scene that is judged does not depend on the machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<Budget>,
     /// The oracles asked.
     pub oracles: BTreeSet<Oracle>,
     /// What the random states are drawn from.
@@ -33,6 +37,28 @@ pub struct Settings {
     pub planted: Option<Planted>,
 }
 
+/// A time that runs.
+#[derive(Clone, Copy, Debug, Serialize, schemars::JsonSchema)]
+pub struct Budget {
+    /// How much there was (s).
+    pub seconds: f64,
+    #[serde(skip)]
+    end: Option<Instant>,
+}
+
+impl Budget {
+    /// So much time (s) from now on; what is beyond all clocks never ends.
+    pub fn from_now(seconds: f64) -> Self {
+        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| Instant::now().checked_add(time));
+        Self { seconds, end }
+    }
+
+    /// What is left of it (s).
+    pub fn left(&self) -> f64 {
+        self.end.map_or(f64::INFINITY, |end| end.saturating_duration_since(Instant::now()).as_secs_f64())
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -41,6 +67,7 @@ impl Default for Settings {
             wide_states: 30,
             wide_states_of_a_scene: 3000,
             drawn_states: 20,
+            budget: None,
             oracles: Oracle::ALL.into(),
             seed: "pintle".into(),
             conditions: Conditions::default(),

@@ -1,10 +1,14 @@
-//! `pintle explain WORD`: what a word of a report means. The page of words is the one list.
+//! `pintle explain WORD`: what a word of a report, an output, a flag or a key of JSON means. The reference pages are the one list.
 
 use crate::layout::{self, BOLD, styled};
 use std::io::{self, Write};
 
-/// The page: tables whose first column is the word, or words, and whose second is the meaning.
-const PAGE: &str = include_str!("../../docs/reference/verdicts.md");
+/// The pages: tables whose first column is the word, or words, and whose second is the meaning, or what a field holds.
+const PAGES: [&str; 3] = [
+    include_str!("../../docs/reference/verdicts.md"),
+    include_str!("../../docs/reference/outputs.md"),
+    include_str!("../../docs/reference/json.md"),
+];
 
 /// A word and what it means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -15,17 +19,17 @@ pub struct Meaning {
     pub meaning: &'static str,
 }
 
-/// Every word of the page that has a meaning, in its order.
+/// Every word of the pages that has a meaning, in their order.
 pub fn meanings() -> impl Iterator<Item = Meaning> {
     let mut has_meanings = false;
-    PAGE.lines().filter_map(move |line| {
+    PAGES.iter().flat_map(|page| page.lines()).filter_map(move |line| {
         let Some(cells) = line.strip_prefix('|') else {
             has_meanings = false;
             return None;
         };
         let mut cells = cells.split('|').map(str::trim);
         let (word, meaning) = (cells.next()?, cells.next()?);
-        if meaning == "meaning" {
+        if meaning == "meaning" || meaning == "holds" {
             has_meanings = true;
             return None;
         }
@@ -37,7 +41,11 @@ pub fn meanings() -> impl Iterator<Item = Meaning> {
 pub fn of(word: &str) -> Vec<Meaning> {
     let asked = word.to_lowercase();
     let lists = |row: &Meaning, is_it: &dyn Fn(&str) -> bool| {
-        row.word.split(", ").any(|one| is_it(&one.replace('`', "").to_lowercase()))
+        row.word.split(", ").any(|one| {
+            // A path of JSON is known by its last key.
+            let plain = one.replace(['`', '…'], "").replace("[]", "").to_lowercase();
+            is_it(&plain) || plain.rsplit_once('.').is_some_and(|(_, last)| is_it(last))
+        })
     };
     let exact: Vec<Meaning> = meanings().filter(|row| lists(row, &|one| one == asked)).collect();
     if !exact.is_empty() || asked.chars().count() < 3 {
@@ -72,6 +80,30 @@ pub fn json(out: &mut dyn Write, found: &[Meaning]) -> io::Result<()> {
 mod tests {
     use super::{meanings, of};
     use pintle_audit::Verdict;
+    use std::collections::BTreeSet;
+
+    /// Every key of the schema of an audit has a meaning.
+    #[test]
+    fn every_key_and_flag_is_explained() {
+        let mut keys = BTreeSet::new();
+        properties(&crate::audit::schema(), &mut keys);
+        let asked = keys.len();
+        let lacking: Vec<&String> = keys.iter().filter(|key| of(key).is_empty()).collect();
+        assert!(lacking.is_empty() && asked > 90, "{asked}: {lacking:?}");
+    }
+
+    /// The names of properties of a schema.
+    fn properties(schema: &serde_json::Value, keys: &mut BTreeSet<String>) {
+        if let Some(found) = schema.get("properties").and_then(|found| found.as_object()) {
+            keys.extend(found.keys().cloned());
+        }
+        let below: Vec<&serde_json::Value> = match schema {
+            serde_json::Value::Object(all) => all.values().collect(),
+            serde_json::Value::Array(all) => all.iter().collect(),
+            _ => Vec::new(),
+        };
+        below.into_iter().for_each(|schema| properties(schema, keys));
+    }
 
     /// Each verdict that a report prints, and the other words of which readers asked.
     #[test]

@@ -78,6 +78,7 @@ codes! {
 
     UnsupportedKeyword = "deck::unsupported-keyword": "A keyword or parameter that acts on nodes of connectors or constraints, or changes the deck itself, and is not understood; skipping it would give another model.";
     NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
+    ItemsAfterCoordinates = "deck::items-after-coordinates": "A line of *NODE goes on after the third coordinate, and what follows is no normal: of numbers with decimal commas the digits become further items. A warning.";
     MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
     ModelDataInStep = "deck::model-data-in-step": "A keyword that defines the model stands after the first *STEP.";
@@ -235,6 +236,9 @@ codes! {
     ModelOrientationDefault = "model::orientation-default": "A connector whose type measures along directions of its nodes is given none: those of a are the global ones, those of b are those of a. A note.";
     ModelOrientationNotOrthogonal = "model::orientation-not-orthogonal": "The two directions by which an orientation is given are not at right angles. The first is kept, the plane of both is kept, and the second is turned within it. A note where they are far from right angles, for any point of the plane may be given; a warning where they are within 10 degrees of them, which looks like an error.";
     ModelOrientationIllConditioned = "model::orientation-ill-conditioned": "The points of an orientation lie so close together, or so nearly in a line, that the rounding of their coordinates turns the directions by more than 1e-8 rad. A warning.";
+    ModelNegativeStiffness = "model::negative-stiffness": "A stiffness or damping coefficient is negative: the force pushes away from where it is zero, or feeds energy in. Where that is meant, allow the code. A warning.";
+    ModelDegrees = "model::degrees": "An angle is a round number of degrees, such as 90. or 360.: angles of motions, stops, locks, boundary conditions and states are in radians. Of states nothing else is said until they are in radians. A warning.";
+    ModelNodeVanishes = "model::node-vanishes": "A state leaves out a node that the state before moved: it is taken for at rest in its initial place, and jumps there. A warning.";
     ModelMisalignedAxes = "model::misaligned-axes": "The directions of a and b differ initially, and the connection type holds rotations between them: the angles are frozen at what they are initially. A warning.";
     ModelNearlyCoincident = "model::nearly-coincident-nodes": "A length or direction is needed, and the nodes are so close to each other that its direction has lost half of its digits. A warning.";
     ModelSingular = "model::singular": "A state lies on a singular set of a component: derivatives, and at a true singularity the value, do not exist. A warning.";

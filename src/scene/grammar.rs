@@ -1,4 +1,4 @@
-//! Numbers and nouns in sentences.
+//! Numbers and nouns in sentences, and numbers for reading.
 
 use std::fmt::Display;
 
@@ -64,9 +64,69 @@ pub fn ranges(noun: &str, numbers: &[u64]) -> String {
     format!("{noun}{plural} {}{more}", words.join(", "))
 }
 
+/// A number with up to `digits` significant digits, plain between 1e-4 and 10^digits, else with an exponent.
+///
+/// Zero is `0`; what is not zero never is: 1e-17 stays visible.
+pub fn number(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let rounded = rounded(value, digits.max(1));
+    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    let power: i32 = exponent.parse().unwrap_or(0);
+    let is_plain = power >= -4 && i32::try_from(digits).is_ok_and(|digits| power < digits.max(1));
+    if is_plain { plain(mantissa, power) } else { format!("{}e{exponent}", trimmed(mantissa)) }
+}
+
+/// The digits up to which the shortest decimal that reads back to a double, filled up with zeros, is the double rounded.
+const DECIMAL_DIGITS: usize = f64::DIGITS as usize;
+
+/// `value` with up to `digits` significant digits, as mantissa and exponent. The shortest decimal is found faster than a
+/// number of digits, most of all where that would be zeros.
+fn rounded(value: f64, digits: usize) -> String {
+    if value.is_normal() && digits <= DECIMAL_DIGITS {
+        let shortest = format!("{value:e}");
+        let given = shortest.bytes().take_while(|&byte| byte != b'e').filter(u8::is_ascii_digit).count();
+        if given <= digits {
+            return shortest;
+        }
+    }
+    format!("{value:.*e}", digits - 1)
+}
+
+/// The decimal of a mantissa and a power of ten, without an exponent.
+fn plain(mantissa: &str, power: i32) -> String {
+    let (sign, mantissa) = mantissa.strip_prefix('-').map_or(("", mantissa), |rest| ("-", rest));
+    let mut digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+    let Ok(whole) = usize::try_from(power + 1) else {
+        let zeros = power.unsigned_abs() as usize - 1;
+        return format!("{sign}0.{}{}", "0".repeat(zeros), digits.trim_end_matches('0'));
+    };
+    while digits.len() < whole {
+        digits.push('0');
+    }
+    let (whole, fraction) = digits.split_at(whole);
+    let whole = if whole.is_empty() { "0" } else { whole };
+    trimmed(&format!("{sign}{whole}.{fraction}")).to_string()
+}
+
+/// A decimal without zeros at its end.
+pub fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+/// A text with every word in which there is a digit left open: texts of one shape say the same of different things.
+pub fn shape(text: &str) -> String {
+    let open = |word: &str| word.contains(|c: char| c.is_ascii_digit());
+    text.split_whitespace().map(|word| if open(word) { "#" } else { word }).collect::<Vec<_>>().join(" ")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{agree, count, ranges, with_article};
+    use super::{agree, count, number, ranges, shape, with_article};
 
     #[test]
     fn numbers_that_follow_each_other_are_ranges() {
@@ -74,6 +134,18 @@ mod tests {
         assert_eq!(ranges("state", &[0, 1, 2, 3, 5, 7, 8]), "states 0 to 3, 5, 7, 8");
         let odd: Vec<u64> = (0..12).map(|k| 2 * k + 1).collect();
         assert_eq!(ranges("state", &odd), "states 1, 3, 5, 7, 9, 11, 13, 15 and 4 more");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let shown = [0.8, -1.0, 0.0, 1e-9, 123_456.0, 1.5e7, -0.791_412_3].map(|x| number(x, 4));
+        assert_eq!(shown, ["0.8", "-1", "0", "1e-9", "1.235e5", "1.5e7", "-0.7914"]);
+    }
+
+    #[test]
+    fn shapes_leave_names_open() {
+        assert_eq!(shape("element 7: u1 is 0.5 off"), shape("element 9: ur3 is -2e-3 off"));
+        assert_ne!(shape("element 7: u1 is 0.5 off"), shape("element 7: u1 is 0.5 rad off"));
     }
 
     #[test]

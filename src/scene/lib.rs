@@ -97,5 +97,5 @@ pub use model::{
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
-pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile, StateMark, StateStream};
+pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile, StateMark, StateStream, Vanishing};
 pub use written::{Placement, WrittenNode};

@@ -9,6 +9,7 @@ pub(crate) mod friction; // whether friction of scenes is audited, along its his
 pub(crate) mod jax; // JAX as an oracle of the audit
 pub(crate) mod laws; // whether the laws are asked of every connector, and speak
 pub(crate) mod model; // whether findings are told of the right thing, and as bad as they are taken to be
+pub(crate) mod sample; // whether large scenes are judged by an even share, which the report says
 pub(crate) mod structured; // states as models have them: one axis turns, shafts are aligned, forces are exactly zero
 pub(crate) mod units; // whether units and axes change a verdict
 pub(crate) mod verdict; // verdicts that differ by little: nearly right formulas, singular sets
@@ -97,7 +98,7 @@ fn scenes_pass() {
         .zip(&plans)
         .map(|((name, model, states), plan)| Target { name, model, plan, states })
         .collect();
-    let report = audit_scenes(&brief(), &targets, &silent);
+    let report = audit_scenes(&brief(), &targets, &|_| {});
     let mut text = Vec::new();
     pintle_report::audit::human(&mut text, &report, 120, false).unwrap();
     let text = String::from_utf8(text).unwrap();
@@ -568,7 +569,7 @@ fn formulas_of_behaviour_need_certificates() {
         let model = Model::compile(&scene).unwrap();
         let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
         let target = Target { name: "friction", model: &model, plan: &plan, states: &[] };
-        let report = audit_scenes(&brief(), &[target], &silent);
+        let report = audit_scenes(&brief(), &[target], &|_| {});
         assert_eq!((report.mismatches(), report.survivors()), (0, 0));
         // What is undecided is no pass.
         let passes = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| report.assert_ok())).is_ok();
@@ -727,7 +728,7 @@ fn behaviour_of_a_scene_is_judged() {
     let model = Model::compile(&scene).unwrap();
     let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
     let target = Target { name: "spring", model: &model, plan: &plan, states: &[] };
-    let report = audit_scenes(&brief(), &[target], &silent);
+    let report = audit_scenes(&brief(), &[target], &|_| {});
     report.assert_ok();
     let checks = &report.subjects[0].checks;
     let check = checks.iter().find(|check| check.quantity == Some(Quantity::BehaviorTangent)).unwrap();

@@ -460,7 +460,7 @@ fn what_cannot_be_measured_is_said() {
     let occupied = file("bench-file", "");
     refused(
         &["bench", "SLIDE-PLANE", "--rounds", "1", "--states", "1", "--plots", &occupied],
-        6,
-        "cannot write figures",
+        7,
+        "cannot write",
     );
 }

@@ -1,17 +1,12 @@
 //! `pintle convert` and `pintle schema`: what is written is evaluated to the same numbers, and what is lost is said.
 
-use assert_cmd::Command;
 use pintle_scene::GALLERY;
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
 
 fn pintle(arguments: &[&str]) -> std::process::Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
-    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RUST_BACKTRACE"] {
-        command.env_remove(name);
-    }
-    command.args(arguments).output().unwrap()
+    crate::commands::cli::pintle(arguments).output().unwrap()
 }
 
 fn run(arguments: &[&str]) -> String {
@@ -155,7 +150,7 @@ fn usage() {
     assert_eq!(pintle(&["convert", "no/such.toml", "--to", "inp"]).status.code(), Some(6));
     assert_eq!(
         pintle(&["convert", "gallery:seat_belt", "-o", "/no/such/directory/a.toml"]).status.code(),
-        Some(6)
+        Some(7)
     );
 }
 

@@ -518,8 +518,8 @@ fn bad_input_is_named() {
         (&["export", "HINGE"], 2, "--as"),
         (
             &["export", "HINGE", "--as", "c", "-o", "no/such/folder/hinge.c"],
-            6,
-            "no/such/folder/hinge.c cannot be written",
+            7,
+            "cannot write no/such/folder/hinge.c",
         ),
         (&["explain", "MPC", "--format", "latex"], 2, "only connection types have formulas in LaTeX"),
         (

@@ -661,7 +661,7 @@ fn the_command_line_exports() {
     let (code, _, said) = replay("inp", &[]);
     assert!(code == Some(2) && said.contains("-o FILE.inp"), "{said}");
     let (code, _, said) = replay("rust", &["-o", "no/such/folder/test.rs"]);
-    assert!(code == Some(6) && said.contains("no/such/folder/test.rs cannot be written"), "{said}");
+    assert!(code == Some(7) && said.contains("cannot write no/such/folder/test.rs"), "{said}");
     let (code, _, said) = replay("fortran", &[]);
     assert!(code == Some(2) && said.contains("possible values"), "{said}");
 }

@@ -5,6 +5,7 @@ mod check; // somebody's routine in a process
 pub(crate) mod cli; // the command line
 pub(crate) mod convert; // scenes in other forms
 pub(crate) mod export; // exported programs, compiled and run
+pub(crate) mod files; // whether files are whole, and none is overwritten
 pub(crate) mod handover; // counter-examples in other forms, each one run
 pub(crate) mod pages; // whether the pages show what their commands print
 pub(crate) mod reports; // whether reports of an audit show what was found

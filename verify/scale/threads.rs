@@ -39,7 +39,7 @@ fn written(arguments: &[&str], threads: Option<u16>, name: &str) -> [Vec<u8>; 4]
     let count = threads.map(|count| count.to_string());
     let [jacobian, branches] = ["mtx", "branches"].map(|ending| file(&format!("{name}.{ending}"), ""));
     let mut command = pintle(arguments);
-    command.args(["--jacobian", &jacobian, "--save-branches", &branches]);
+    command.args(["--jacobian", &jacobian, "--save-branches", &branches, "--force"]);
     if let Some(count) = &count {
         command.args(["--threads", count]);
     }

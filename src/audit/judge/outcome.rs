@@ -13,6 +13,7 @@ use crate::mutants::diagnosis::{Diagnosis, Symptoms, diagnose};
 use crate::oracles::certificate::Certificate;
 use crate::oracles::oracle::{Answer, Oracle};
 use crate::settings::Settings;
+use crate::share::Share;
 use crate::singular::atlas::Approach;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::Connector;
@@ -498,9 +499,17 @@ impl Subject {
         }
     }
 
+    /// Whether the declaration is open for nothing but a part of the manual's page that could not be read: that is a note on the
+    /// manual, and no verdict.
+    pub fn is_page_unread(&self) -> bool {
+        let unread = self.certificate.as_ref().is_some_and(|certificate| certificate.unread.is_some());
+        unread && self.declaration == Verdict::Undecided
+    }
+
     /// The severest of the three claims.
     pub fn verdict(&self) -> Verdict {
-        self.derivative.max(self.formula).max(self.declaration)
+        let declaration = if self.is_page_unread() { Verdict::Pass } else { self.declaration };
+        self.derivative.max(self.formula).max(declaration)
     }
 }
 
@@ -515,6 +524,9 @@ pub struct Report {
     pub constant: f64,
     /// What was audited.
     pub subjects: Vec<Subject>,
+    /// Of scenes of which only a sample was judged: how large a share it is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sampled: Vec<Share>,
     /// Singular points.
     pub atlas: Vec<Approach>,
     /// What is found in the models of scenes.
@@ -536,6 +548,7 @@ impl Report {
             settings: settings.clone(),
             constant: C,
             subjects,
+            sampled: Vec::new(),
             atlas,
             models: Vec::new(),
         }
@@ -545,6 +558,7 @@ impl Report {
     #[must_use]
     pub fn joined(mut self, other: Self) -> Self {
         self.subjects.extend(other.subjects);
+        self.sampled.extend(other.sampled);
         self.atlas.extend(other.atlas);
         self.models.extend(other.models);
         self
@@ -605,9 +619,9 @@ impl Report {
         self.subjects.iter().filter(|subject| subject.checks.iter().any(is_unjudged)).count()
     }
 
-    /// Whether something is undecided, not exercised or judged by nobody: what fails where the audit is strict.
+    /// Whether something is undecided, not exercised, judged by nobody or beyond a sample: what fails where the audit is strict.
     pub fn is_open(&self) -> bool {
-        self.undecided() + self.not_exercised() + self.unjudged() > 0
+        self.undecided() + self.not_exercised() + self.unjudged() + self.sampled.len() > 0
     }
 
     /// Subjects with numbers of which no state tells whether a mistake would have been noticed.

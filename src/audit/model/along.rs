@@ -11,7 +11,8 @@ use pintle_kinematics::connector::{Flag, Mask, Output, Request, Turned};
 use pintle_kinematics::measure::{Margin, Measure, Unit};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_model::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
-use pintle_scene::{Code, Label, Scene, Severity, Span, State};
+use pintle_scene::grammar::number as short;
+use pintle_scene::{Code, ConnectorMotion, Label, Scene, Severity, Span, State, Target};
 use serde::Serialize;
 use std::convert::Infallible;
 
@@ -165,7 +166,7 @@ impl Walk<'_> {
             }
             found.push(Found {
                 code: Code::ModelNearSingular,
-                what: format!("{} is {distance:.3e}{} from {} ({})", COMPONENT[k], unit(set.unit), set.at, class(set.class)),
+                what: format!("{} is {distance}{} from {} ({})", COMPONENT[k], unit(set.unit), set.at, class(set.class), distance = short(distance, 4)),
                 reason: format!("distance: {}", set.distance),
                 remedy: "keep clear of it, or choose a type that is regular there (`pintle explain` names the singular points)",
                 components: vec![COMPONENT[k].to_string()],
@@ -187,7 +188,17 @@ impl Walk<'_> {
             let size = if of_length { length } else { 1.0 };
             // What is no finite number is told above.
             if residual.is_finite() && residual.abs() > VIOLATED * size {
-                found.push(violated(COMPONENT[k], residual, of_length));
+                let is_driven = element.behavior.drives.motions[k].is_some();
+                let held = match () {
+                    () if is_driven => DRIVEN,
+                    () if element.connector.is_constrained(k) => CONSTRAINED,
+                    () => LIMITED,
+                };
+                let found = violated((COMPONENT[k], held), residual, of_length);
+                let motion = is_driven.then(|| self.motion(element.label, k)).flatten();
+                let place = motion.unwrap_or(given.span);
+                let title = format!("element {}", element.label);
+                self.add((given.section, element.label, place), title, found);
             }
         }
         for found in found {
@@ -217,7 +228,7 @@ impl Walk<'_> {
             if !residual.is_finite() {
                 found.extend(flagged(&Flag::NotFinite { component, quantity: "the residual" }, false));
             } else if residual.abs() > VIOLATED * size {
-                found.push(violated(component, residual, of_length));
+                found.push(violated((component, CONSTRAINED), residual, of_length));
             }
         }
         for found in found {
@@ -257,6 +268,23 @@ impl Walk<'_> {
             (Some(new), Some(old)) => new.abs() > old.abs(),
             _ => false,
         });
+    }
+
+    /// Where a motion that drives a component (0-based) was read: the first that does.
+    fn motion(&self, element: Label, k: usize) -> Option<Span> {
+        let steps = self.scene.steps.iter().flat_map(|step| &step.connector_motions);
+        let mut all = self.scene.connector_motions.iter().chain(steps);
+        let names = |motion: &&ConnectorMotion| {
+            usize::from(motion.component) == k + 1
+                && match &motion.target.value {
+                    Target::Label(label) => *label == element,
+                    Target::Set(name) => {
+                        let set = self.scene.element_sets.get(name.as_str());
+                        set.is_some_and(|set| set.labels.contains(&element))
+                    }
+                }
+        };
+        all.find(names).map(|motion| motion.target.span)
     }
 
     /// Whether an orientation stands in for the line of the nodes where they coincide.
@@ -300,7 +328,7 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
         },
         Flag::IllConditioned { component: name, at, class: of, distance } => Found {
             code: if is_length { Code::ModelNearlyCoincident } else { Code::ModelIllConditioned },
-            what: format!("{name} is {distance:.3e} from {at} ({})", class(*of)),
+            what: format!("{name} is {distance} from {at} ({})", class(*of), distance = short(*distance, 4)),
             reason: "the relative error of derivatives grows like the rounding unit over the distance".into(),
             remedy: "move the nodes apart or together, or choose a type that is regular there",
             components,
@@ -334,7 +362,10 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
         },
         Flag::PathDependent { component: name, difference } => Found {
             code: Code::ModelPathDependent,
-            what: format!("{name} depends on the path by {difference:.1e} rad since the state before"),
+            what: format!(
+                "{name} depends on the path by {difference} rad since the state before",
+                difference = short(*difference, 2)
+            ),
             reason: "a one-form is accumulated along the path, which the two states do not tell".into(),
             remedy: "give more states",
             components,
@@ -353,11 +384,16 @@ fn flagged(flag: &Flag, is_length: bool) -> Option<Found> {
     Some(found)
 }
 
-fn violated(component: &str, residual: f64, of_length: bool) -> Found {
+/// What holds a component.
+const CONSTRAINED: &str = "is constrained";
+const DRIVEN: &str = "is driven by a connector motion";
+const LIMITED: &str = "is held by a lock or stop";
+
+fn violated((component, held): (&str, &str), residual: f64, of_length: bool) -> Found {
     let unit = if of_length { "" } else { " rad" };
     Found {
         code: Code::ModelConstraintViolated,
-        what: format!("{component} is constrained, and is {residual:.3e}{unit} off"),
+        what: format!("{component} {held}, and is {residual}{unit} off", residual = short(residual, 4)),
         reason: "a residual beyond a thousandth of a radian, or of the length of the connector".into(),
         remedy: "check that the states are those of this model, and their units; rotations are rotation vectors in rad",
         components: vec![component.to_string()],

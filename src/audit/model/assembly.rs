@@ -9,6 +9,7 @@ use pintle_assembly::{
     Assembly, Constraint, Holds, Mode, NotAssembled, OPERATIONS, Position, Redundant, Spent, unread,
 };
 use pintle_model::evaluate::Freedom;
+use pintle_scene::grammar::number as short;
 use pintle_scene::grammar::{agree, count, ranges};
 use pintle_scene::{Code, Label, Mpc, Scene, Severity, Span};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -231,7 +232,11 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
         );
         let mut reason = "the rank of the constraint Jacobian; which of the constraints that depend on each other is named is a choice".to_string();
         if let Some(Spent { operations, most }) = assembly.spent.filter(|_| holds == Holds::Spent) {
-            reason += &format!("; of {most:.1e} operations {operations:.1e} were spent");
+            reason += &format!(
+                "; of {most} operations {operations} were spent",
+                most = short(most as f64, 2),
+                operations = short(operations as f64, 2)
+            );
         }
         let remedy = match holds {
             Holds::Here | Holds::Differs => {
@@ -357,8 +362,9 @@ fn redundant_at(
         assembly.positions.iter().filter(is_here).map(|position| position.gap.zero).fold(0.0, f64::max);
     let holds = if zero > ROUNDING {
         format!(
-            "to the digits of the state, which a relative change of the matrix by {zero:.0e} allows for, it holds there only: at another \
-             state given it does not"
+            "to the digits of the state, which a relative change of the matrix by {zero} allows for, it holds there only: at another \
+             state given it does not",
+            zero = short(zero, 2)
         )
     } else {
         meaning(*holds).to_string()
@@ -438,11 +444,16 @@ fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     let named = if doubtful.is_empty() { String::new() } else { format!(", in {}", listed(&doubtful)) };
     let gap = match position.gap.singular_values {
         Some([nonzero, zero]) => {
-            format!("the singular values next to each other are {nonzero:.1e} and {zero:.1e} of the largest")
+            format!(
+                "the singular values next to each other are {nonzero} and {zero} of the largest",
+                nonzero = short(nonzero, 2),
+                zero = short(zero, 2)
+            )
         }
         None => format!(
-            "relative changes of {:.1e} and {:.1e} tell them apart",
-            position.gap.nonzero, position.gap.zero
+            "relative changes of {} and {} tell them apart",
+            short(position.gap.nonzero, 2),
+            short(position.gap.zero, 2)
         ),
     };
     let message =
@@ -562,12 +573,13 @@ fn near_singular(scene: &Scene, position: &Position, elsewhere: &Position, more:
         more => format!(" (and the like at {})", count(more, "more state")),
     };
     let message = format!(
-        "{} the assembly is within {distance:.1e} (relative, of the constraint Jacobian) of a singular position, a change point say: {named} nearly \
+        "{} the assembly is within {distance} (relative, of the constraint Jacobian) of a singular position, a change point say: {named} nearly \
          {depend} on other constraints, so that the rank is {}, or less; {} it is certain, {}{also}",
         when(position.state),
         number(position.rank),
         when(elsewhere.state),
         number(elsewhere.rank),
+        distance = short(distance, 2)
     );
     let reason = "more than rounding explains, and less than the digits of a state warrant";
     let remedy = "keep clear of this position, or drive through it with care: forces grow without bound near it, and the assembly can go on \
@@ -693,6 +705,7 @@ fn moves(
     state: Option<u64>,
     excludes: bool,
 ) -> Finding {
+    let others: Vec<&str> = scene.skipped.element_types.keys().map(String::as_str).take(NAMED).collect();
     let reason = if unread::is_any(scene) {
         "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
          elements are not looked at"
@@ -702,8 +715,14 @@ fn moves(
     let remedy = if excludes {
         "move a node, or change a length, so that the position is not singular: what second order excludes is then no motion; what is left is as it should be for a \
          mechanism under forces, and in statics hold or drive it"
-    } else {
+    } else if others.is_empty() {
         "as it should be for a mechanism under forces; in statics, hold or drive the motion"
+    } else {
+        "nothing is to be done where these elements hold what moves; what they do not hold is as it should be for a mechanism under forces"
+    };
+    let message = match others.as_slice() {
+        [] => message,
+        _ => format!("{message}; elements that are not read ({}) may hold it", others.join(", ")),
     };
     let mut nodes: Vec<Label> = modes.iter().flat_map(|mode| mode.nodes.iter().copied()).collect();
     nodes.sort();

@@ -17,6 +17,7 @@ use pintle_model::behavior::friction::Coefficient;
 use pintle_model::evaluate::{ConnectorElement, Model};
 use pintle_scene as scene;
 use pintle_scene::grammar::agree;
+use pintle_scene::grammar::number as short;
 use pintle_scene::{
     Behavior, Code, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
 };
@@ -158,10 +159,12 @@ fn violated(at: &Placed<'_>, stop: &scene::Stop, beyond: &Beyond) -> Finding {
         Some(state) => format!("at state {state}, the first one given"),
     };
     let message = format!(
-        "element {}: {} is {position:.6} {when}, {by:.3e} {side} its stop at {limit}{}",
+        "element {}: {} is {position} {when}, {by} {side} its stop at {limit}{}",
         element.label,
         COMPONENT[k],
-        beyond.in_words(number)
+        beyond.in_words(number),
+        by = short(by, 4),
+        position = short(position, 7)
     );
     let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
     let remedy = match number {
@@ -248,10 +251,12 @@ fn passed(at: &Placed<'_>, law: &Limited<'_>, beyond: &Beyond, conditions: &str)
     let Beyond { component: k, position, by, limit, .. } = *beyond;
     let what = law.what;
     let message = format!(
-        "element {}: {} is {position:.6} initially, {by:.3e} beyond the limit {limit} of a {what}, which acts from the start{conditions}{}",
+        "element {}: {} is {position} initially, {by} beyond the limit {limit} of a {what}, which acts from the start{conditions}{}",
         element.label,
         COMPONENT[k],
-        beyond.in_words(None)
+        beyond.in_words(None),
+        by = short(by, 4),
+        position = short(position, 7)
     );
     let reason =
         "limits are those of the position (CP), not of the displacement from the initial one; angles in rad";
@@ -275,9 +280,10 @@ fn idle(at: &Placed<'_>, law: &Limited<'_>, (k, position): (usize, f64)) -> Opti
     }
     let (name, what) = (COMPONENT[k], law.what);
     let message = format!(
-        "element {}: a {what} is triggered by the position of {name} alone, which {} constrains: it stays at {position:.6}, within the limits",
+        "element {}: a {what} is triggered by the position of {name} alone, which {} constrains: it stays at {position}, within the limits",
         element.label,
-        element.connector.connection().name
+        element.connector.connection().name,
+        position = short(position, 7)
     );
     let reason = "what is constrained does not move, so that its position passes no limit";
     let remedy = "limit the force of the component, or the position of one that is available";

@@ -13,6 +13,7 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::{Vector, cross, dot, sub};
 use pintle_model::evaluate::{ConnectorElement, Model};
 use pintle_scene::grammar::count;
+use pintle_scene::grammar::number as short;
 use pintle_scene::{Code, Label, Orientation, Scene, Severity, Span, System};
 use std::collections::{BTreeSet, HashMap};
 use std::f64::consts::FRAC_PI_2;
@@ -64,10 +65,12 @@ fn overflow(scene: &Scene, model: &Model) -> Option<Finding> {
         more => format!(" (and those of {})", count(more, "other node")),
     };
     let message = format!(
-        "the coordinates of node {first} are as large as {most:.1e}{others}: squares of distances overflow"
+        "the coordinates of node {first} are as large as {most}{others}: squares of distances overflow",
+        most = short(most, 2)
     );
     let reason = format!(
-        "beyond {limit:.1e} the square of a distance has no finite number in 64 bits; what overflows is undecided"
+        "beyond {limit} the square of a distance has no finite number in 64 bits; what overflows is undecided",
+        limit = short(limit, 2)
     );
     let remedy = "check the coordinates; choose another unit of length";
     let finding = Finding::new(scene, Code::ModelStateNotFinite, place, message, reason, remedy);
@@ -165,7 +168,8 @@ fn orientation_at(
     let about = |value| About { elements: vec![element.label], value: Some(value), ..About::default() };
     if worst > CERTAIN {
         let message = format!(
-            "orientation {name} is uncertain by {worst:.1e} rad: its points lie close together, or nearly in a line, for coordinates of this size"
+            "orientation {name} is uncertain by {worst} rad: its points lie close together, or nearly in a line, for coordinates of this size",
+            worst = short(worst, 2)
         );
         let reason = "the rounding of the coordinates, over the distances of the points";
         let remedy = "give points farther apart, near the origin: an orientation knows directions only";
@@ -243,7 +247,7 @@ pub(super) fn initial_positions(element: &ConnectorElement) -> pintle_kinematics
 fn degrees(angle: f64) -> String {
     let degrees = angle.to_degrees();
     if degrees != 0.0 && degrees.abs() < 1e-3 {
-        format!("{degrees:.3e}°")
+        format!("{degrees}°", degrees = short(degrees, 4))
     } else {
         format!("{degrees:.6}°")
     }
@@ -308,8 +312,11 @@ fn close(scene: &Scene, element: &ConnectorElement) -> Option<Finding> {
         return None;
     }
     let message = format!(
-        "element {}: the nodes are {length:.3e} apart, for coordinates up to {largest:.3e}: the direction is uncertain by {uncertain:.1e} rad",
-        element.label
+        "element {}: the nodes are {length} apart, for coordinates up to {largest}: the direction is uncertain by {uncertain} rad",
+        element.label,
+        length = short(length, 4),
+        largest = short(largest, 4),
+        uncertain = short(uncertain, 2)
     );
     let reason = "the rounding of the coordinates, over the distance of the nodes";
     let remedy = "move the nodes apart, or use JOIN to keep nodes together";

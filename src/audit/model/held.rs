@@ -4,6 +4,7 @@ use crate::model::finding::{About, Finding};
 use pintle_assembly::steps::{ends, of_state};
 use pintle_model::evaluate::{Fixed, Freedom};
 use pintle_scene::grammar::count;
+use pintle_scene::grammar::number as short;
 use pintle_scene::{Boundary, Code, Label, Scene, Span, State, Target};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -91,7 +92,8 @@ fn finding(scene: &Scene, step: usize, moved: &Moved) -> Option<Finding> {
     let others =
         if others.is_empty() { String::new() } else { format!(" (and so on for {})", others.join(" and ")) };
     let message = format!(
-        "state {state} {verb} node {node} by {amount:.3e}{unit} in degree of freedom {number}, which a boundary condition holds{others}"
+        "state {state} {verb} node {node} by {amount}{unit} in degree of freedom {number}, which a boundary condition holds{others}",
+        amount = short(amount, 4)
     );
     let reason = "more than 1e-4 rad, or 1e-4 of the mean length of the connectors, from where it is held in the step of the state";
     let remedy = "check that the states are those of this model, and their step and units; what is meant to move there needs a magnitude, or no \

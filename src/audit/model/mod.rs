@@ -7,7 +7,6 @@
 //! | module | question |
 //! |---|---|
 //! | `finding`, `levels` | what is a finding, and how bad is it taken to be? |
-//! | `rules` | which rules are broken? |
 //! | `geometry` | are the directions and lengths what they look like? |
 //! | `along` | what happens along the given states? |
 //! | `behavior` | does what is attached to components act? |
@@ -18,6 +17,7 @@
 //! | `coverage` | which connectors and types did the states exercise? |
 //! | `still` | which nodes stand still, or cannot turn? |
 //! | `duplicates` | is something there twice? |
+//! | `units` | are angles in degrees? |
 
 mod along;
 mod assembly;
@@ -31,8 +31,8 @@ mod geometry;
 mod held;
 mod levels;
 mod pressing;
-mod rules;
 mod still;
+mod units;
 
 pub use along::Nearest;
 pub use finding::{About, Finding};
@@ -41,7 +41,8 @@ pub use levels::{Level, Levels};
 use crate::sampling::coverage::{Coverage, Exercise, Sample};
 use pintle_assembly::{Assembly, analyse_steps};
 use pintle_model::evaluate::Model;
-use pintle_scene::{Scene, Severity, State};
+use pintle_scene::grammar::count;
+use pintle_scene::{Diagnostic, Scene, Severity, State, Vanishing};
 use serde::Serialize;
 use still::Still;
 
@@ -83,10 +84,16 @@ impl ModelReport {
 pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelReport {
     let (model, errors) = Model::examine(scene);
     let is_refused = errors.iter().any(|error| !levels.lets_pass(error));
-    let mut findings = rules::findings(scene, &model, errors);
+    let mut findings = broken(scene, &model, errors);
     findings.extend(geometry::findings(scene, &model, levels));
     findings.extend(behavior::findings(scene, &model, levels));
     findings.extend(duplicates::findings(scene, &model, levels));
+    findings.extend(units::of_scene(scene));
+    let in_degrees = units::of_states(scene, states);
+    // What states in degrees do besides follows from that.
+    let (given, states) = (states.len(), if in_degrees.is_some() { &[] } else { states });
+    findings.extend(in_degrees);
+    findings.extend(vanishing(scene, states));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];
     // What defines no directions is told with the assembly; without states nothing is asked for.
@@ -121,7 +128,7 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     let later_steps = steps.collect();
     ModelReport {
         scene: scene.name.clone(),
-        states: states.len(),
+        states: given,
         assembly,
         later_steps,
         coverage,
@@ -129,4 +136,30 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
         nearest,
         findings,
     }
+}
+
+/// Every error and warning of reading and resolving the scene.
+fn broken(scene: &Scene, model: &Model, errors: Vec<Diagnostic>) -> Vec<Finding> {
+    let told = errors.into_iter().chain(scene.warnings.iter().cloned()).chain(model.warnings.iter().cloned());
+    told.map(|diagnostic| {
+        let mut elements = diagnostic.elements().to_vec();
+        elements.dedup();
+        let others = match elements.len() {
+            0 | 1 => String::new(),
+            several => format!(" (and so on for {})", count(several - 1, "other element")),
+        };
+        Finding::from(diagnostic).add(&others).about(About { elements, ..About::default() })
+    })
+    .collect()
+}
+
+/// Nodes that a state leaves out and the state before moves.
+fn vanishing(scene: &Scene, states: &[State]) -> Option<Finding> {
+    let mut vanishing = Vanishing::default();
+    for (index, state) in states.iter().enumerate() {
+        vanishing.see(state.number.unwrap_or(index as u64), state);
+    }
+    let nodes = vanishing.nodes().iter().copied().take(100).collect();
+    let finding = Finding::from(vanishing.warning()?.in_file(&scene.name));
+    Some(finding.about(About { nodes, ..About::default() }))
 }

@@ -31,6 +31,7 @@ use pintle_kinematics::vector;
 use pintle_kinematics::vector::Matrix;
 use pintle_scene::Code;
 use pintle_scene::grammar::count;
+use pintle_scene::grammar::number as short;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -294,13 +295,13 @@ impl Exercise {
         if self.away == 0 {
             let (most, remedy) = match self.largest_rotation {
                 Some(most) => (
-                    format!("the largest rotation is {most:.2e} rad"),
+                    format!("the largest rotation is {most} rad", most = short(most, 3)),
                     "add states with both nodes turned by a radian and more, and components displaced, as far as the mechanism allows it",
                 ),
                 None => (
                     format!(
-                        "the nodes move relative to each other by {:.2e} lengths at most",
-                        self.largest_displacement
+                        "the nodes move relative to each other by {} lengths at most",
+                        short(self.largest_displacement, 3)
                     ),
                     "add states in which the nodes move relative to each other, by lengths of the connector",
                 ),
@@ -333,7 +334,7 @@ impl Exercise {
             lacks.push(lack(Code::CoverageUndeformed, message, remedy));
         }
         if let Some(most) = small {
-            let message = format!("the largest relative rotation is {most:.2e} rad");
+            let message = format!("the largest relative rotation is {most} rad", most = short(most, 3));
             let remedy = "add states with relative rotations of a radian and more, where the type and the mechanism permit them";
             lacks.push(lack(Code::CoverageSmallAngles, message, remedy));
         }

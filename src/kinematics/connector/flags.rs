@@ -72,6 +72,18 @@ pub enum Turned {
     NodeB,
 }
 
+/// What a component is held by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Holding {
+    /// Its type constrains it.
+    Constraint,
+    /// A connector motion drives it.
+    Motion,
+    /// A lock, or a stop.
+    Limit,
+}
+
 /// A state at which a value needs care.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "flag", rename_all = "kebab-case")]
@@ -141,6 +153,15 @@ pub enum Flag {
         component: &'static str,
         /// How far the midpoint rule, which is reported, is from nodes that turn at constant rates (rad).
         difference: f64,
+    },
+    /// The state is not one that what holds the component allows, by more than rounding of the coordinates explains.
+    OffConstraint {
+        /// The component.
+        component: &'static str,
+        /// What holds it.
+        by: Holding,
+        /// RES: how far off it is (rad, or in the unit of length).
+        residual: f64,
     },
     /// A two-dimensional connector whose nodes were moved or turned out of the global 1-2 plane: what is reported is not that
     /// of a plane motion.
@@ -244,6 +265,7 @@ impl Flag {
             Self::LargeIncrement { .. } => "large-increment",
             Self::AmbiguousTurn { .. } => "ambiguous-turn",
             Self::PathDependent { .. } => "path-dependent",
+            Self::OffConstraint { .. } => "off-constraint",
             Self::OutOfPlane { .. } => "out-of-plane",
             Self::NotKnown { .. } => "not-known",
             Self::ForceKink { .. } => "force-kink",
@@ -268,6 +290,7 @@ impl Flag {
             | Self::LargeIncrement { component, .. }
             | Self::AmbiguousTurn { component, .. }
             | Self::PathDependent { component, .. }
+            | Self::OffConstraint { component, .. }
             | Self::OutOfPlane { component }
             | Self::NotKnown { component, .. }
             | Self::ForceKink { component, .. }
@@ -292,6 +315,9 @@ pub const CERTAIN_INCREMENT: f64 = 0.9;
 /// How far, as a fraction of π, the change of an angle may be from what the nodes' own increments tell, to be certain although it
 /// exceeds [`CERTAIN_INCREMENT`].
 pub const CERTAIN_TOLD: f64 = 0.1;
+
+/// The residual, of the largest coordinate or rad, beyond which a state is flagged: what single precision and six printed digits leave.
+const CERTAIN_RESIDUAL: f64 = 2e-6;
 
 /// The difference of two rules of integration (rad) beyond which a one-form is flagged: that of 10 000 such increments is still
 /// below 1e-5 rad.
@@ -359,6 +385,27 @@ impl Singular {
 }
 
 impl Connector<f64> {
+    /// Which residuals are beyond rounding of the coordinates: 2e-6 of the largest of them, or 2e-6 rad. `driven` says which components a
+    /// connector motion drives.
+    pub fn off_constraint(
+        &self,
+        pair: &Pair<f64>,
+        residual: &Components<f64>,
+        driven: Mask,
+    ) -> impl Iterator<Item = Flag> {
+        let size = |measure: Measure| if measure.unit() == Unit::Length { extent(pair) } else { 1.0 };
+        (0..6).filter_map(move |k| {
+            let (residual, measure) = (residual[k]?, self.differentiated(k)?);
+            let is_off = residual.is_finite() && residual.abs() > CERTAIN_RESIDUAL * size(measure);
+            let by = match () {
+                () if driven[k] => Holding::Motion,
+                () if self.is_constrained(k) => Holding::Constraint,
+                () => Holding::Limit,
+            };
+            is_off.then_some(Flag::OffConstraint { component: crate::catalog::COMPONENT[k], by, residual })
+        })
+    }
+
     /// Whether stops are reached at the given positions.
     pub fn stop_status(&self, position: &Components<f64>) -> Components<StopStatus> {
         [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.kind.stops[k]?, position[k]?)))

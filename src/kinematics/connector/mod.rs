@@ -18,7 +18,7 @@ pub use compact::{CompactRow, Group};
 pub(crate) use derivatives::Differentiation;
 use flags::Singular;
 pub use flags::{CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, ILL_CONDITIONED};
-pub use flags::{Flag, Stop, StopStatus, Turned};
+pub use flags::{Flag, Holding, Stop, StopStatus, Turned};
 pub use linear::Linear;
 use linear::Program;
 pub use request::{Mask, Output, Request, Tally};

@@ -207,6 +207,7 @@ impl Model {
         }
         model.rings = belt::rings(scene, &mut model);
         rules::boundaries(scene, &shared.freedom, &mut model.warnings);
+        rules::stiffnesses(scene, &mut model.warnings);
         for error in rules::constraints(scene) {
             if !tell(error.into()) {
                 return model;

@@ -59,7 +59,7 @@ impl Plan {
     }
 
     /// Of these connectors and multi-point constraints, by index.
-    fn of(model: &Model, connectors: Vec<usize>, mpcs: Vec<usize>, request: Request) -> Self {
+    pub fn of(model: &Model, connectors: Vec<usize>, mpcs: Vec<usize>, request: Request) -> Self {
         let mut nodes = BTreeSet::new();
         for index in &connectors {
             nodes.extend(model.connectors[*index].nodes.iter().flatten());

@@ -1,6 +1,8 @@
 //! The rules of the catalogue, asked about a scene: what is known of each connector, and where what breaks a rule was read.
 
+use crate::behavior::entry;
 use pintle_kinematics::catalog::{Breach, Evidence, Facts, Procedure, Rule};
+use pintle_scene::grammar::number;
 use pintle_scene::{
     Affected, Behavior, Code, ConnectorElement, ConnectorSection, DampingKind, Diagnostic, Dimension, Label,
     LabelMap, Law, Lock, MpcKind, NodeFreedom, Scene, Solver, Span, Spanned, System, Target,
@@ -207,6 +209,34 @@ pub(super) fn boundaries(scene: &Scene, freedom: &NodeFreedom, warnings: &mut Ve
             Some((label, _)) => warning.concerning(*label),
             None => warning,
         });
+    }
+}
+
+/// Stiffnesses and damping coefficients that are negative, of each suboption the first.
+pub(super) fn stiffnesses(scene: &Scene, warnings: &mut Vec<Diagnostic>) {
+    let least = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::min);
+    let of_law = |law: &Law| match law {
+        Law::Linear { rows, .. } => {
+            least(&mut rows.iter().filter_map(|row| row.values.first().copied().flatten()))
+        }
+        Law::Coupled { unsymmetric, rows, .. } => least(&mut rows.iter().flat_map(|row| {
+            (0..6).filter_map(|k| row.values.get(entry(*unsymmetric, k, k)).copied().flatten())
+        })),
+        Law::Nonlinear { .. } | Law::Rigid { .. } => 0.0,
+    };
+    for (name, behavior) in &scene.behaviors {
+        let elastic = behavior.elasticity.iter().map(|one| (&one.law, one.span, "stiffness"));
+        let viscous = behavior.damping.iter().map(|one| (&one.law, one.span, "damping coefficient"));
+        for (law, span, what) in elastic.chain(viscous) {
+            let least = of_law(law);
+            if least < 0.0 {
+                let message = format!("a {what} of behavior {name} is negative: {}", number(least, 6));
+                let reason = "a negative one pushes away from where the force is zero, or feeds energy in";
+                let warning = Diagnostic::finding(Code::ModelNegativeStiffness, span, message, reason)
+                    .help("remove the minus sign, or allow this code where it is meant");
+                warnings.push(warning.in_scene(scene));
+            }
+        }
     }
 }
 

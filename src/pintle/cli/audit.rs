@@ -1,12 +1,14 @@
 //! `pintle audit`.
 
-use super::eval::{Source, complain, read, show_diagnostic, source};
-use super::{ConditionOptions, Failure, Sign, page, page_width};
+use super::budget::{Bar, seconds};
+use super::eval::{Source, read, source};
+use super::tell::{complain, show_diagnostic};
+use super::{ConditionOptions, Failure, Files, Sign, page, page_width};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use pintle_audit::model::{Level, Levels, audit_model};
 use pintle_audit::{
-    Found, Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes, drawn_coverage,
+    Budget, Found, Oracle, Planted, Quantity, Report, Settings, Target, audit_catalogue, audit_scenes,
+    drawn_coverage,
 };
 use pintle_kinematics::catalog::TABLE;
 use pintle_kinematics::connector::Request;
@@ -14,7 +16,7 @@ use pintle_model::evaluate::{Model, Plan, Selection};
 use pintle_report::audit as report;
 use pintle_scene::{Diagnostic, ForceFile, GALLERY, Scene, Severity, State};
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -32,6 +34,11 @@ point, kink, singular point, undecided (no independent oracle), unstable
 formula, wrong, invalid. docs/explanation/audit.md says how it judges, and what
 it does not: forces under given motion, stops, locks and failure among them.
 
+A large scene is judged by an even sample of its connectors and states, with one
+connector of every type and behaviour, and the report says what share that is.
+--budget 60s judges as large a share as fits into that time, or all: the models
+come first. How long it takes is said before it begins.
+
 Of each scene the model is looked at besides: rules, orientations, singular
 points along the states, stops, frictions, duplicates; mobility, redundant
 constraints and free motions of the whole assembly; which region of
@@ -48,6 +55,7 @@ Examples:
   pintle audit model.inp --deny warnings --allow assembly::redundant
   pintle audit model.inp --model-only
   pintle audit model.inp --at run.csv --counter-examples found
+  pintle audit large.inp --at run.csv --budget 10m
   pintle audit model.inp --html audit.html --plots figures
   pintle audit --states 10000 --format junit";
 
@@ -148,6 +156,10 @@ pub(crate) struct Audit {
     /// States per connector of a scene that gives none, drawn about its initial state
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().drawn_states)]
     drawn_states: usize,
+    /// How long the audit may take, as 60s, 5m or 2h: judges an even sample of connectors and states, and says what share
+    /// [default: all, or of a large scene a sample that does not depend on the machine]
+    #[arg(long, value_name = "TIME", value_parser = seconds, requires = "scene")]
+    budget: Option<f64>,
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value_t = Settings::default().seed)]
     seed: String,
@@ -202,7 +214,10 @@ fn oracle(name: &str) -> Result<Oracle, String> {
 }
 
 /// Audits and writes the report.
-pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
+    files.check(&arguments.html)?;
+    files.check_folder(arguments.plots.as_deref(), "svg")?;
+    files.check_folder(arguments.counter_examples.as_deref(), "json")?;
     if arguments.at.is_some() && arguments.scenes.len() != 1 {
         return Err(Failure::Usage("--at gives the states of one scene: name one".into()));
     }
@@ -240,33 +255,34 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
         .zip(&plans)
         .map(|(Loaded { name, model, states, .. }, plan)| Target { name, model, plan, states })
         .collect();
-    let states: usize = targets.iter().map(|target| target.states.len().max(1)).sum();
-    let types = if is_catalogue { TABLE.len() } else { 0 };
-    let bar = ProgressBar::new((states + types) as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
-        bar.set_style(style);
-    }
-    let progress = |name: &str| {
-        bar.inc(1);
-        bar.set_message(name.to_string());
+    let bar = Bar::new();
+    let of_model = |loaded: &Loaded| {
+        bar.say(&format!("looking at the model of {}", loaded.name));
+        audit_model(&loaded.scene, &loaded.states, &levels)
     };
-    let of_catalogue = is_catalogue.then(|| audit_catalogue(&settings, &progress));
-    let of_scenes = audit_scenes(&settings, if arguments.model_only { &[] } else { &targets }, &progress);
-    bar.finish_and_clear();
+    let models = loaded.iter().map(of_model).collect();
+    let of_catalogue = is_catalogue.then(|| {
+        bar.expect(TABLE.len());
+        audit_catalogue(&settings, &|name| bar.advance(1, name))
+    });
+    let of_scenes =
+        audit_scenes(&settings, if arguments.model_only { &[] } else { &targets }, &|at| bar.hear(at));
+    bar.finish();
     let mut report = match of_catalogue {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,
     };
-    let of_model = |loaded: &Loaded| audit_model(&loaded.scene, &loaded.states, &levels);
-    report.models = loaded.iter().map(of_model).collect();
+    report.models = models;
     if !arguments.model_only {
         let of_sound = report.models.iter_mut().zip(&loaded).filter(|(_, loaded)| !loaded.is_refused);
         for ((found, _), target) in of_sound.zip(&targets).filter(|(_, target)| target.states.is_empty()) {
-            (found.coverage, found.drawn) = (drawn_coverage(&settings, target), true);
+            let share = report.sampled.iter().find(|share| share.scene == target.name);
+            let judged = share.map_or(target.plan.connectors.as_slice(), |share| &share.judged);
+            (found.coverage, found.drawn) = (drawn_coverage(&settings, target, judged), true);
         }
     }
     if let Some(folder) = &arguments.counter_examples {
-        save(folder, &mut report)?;
+        save(folder, &mut report, files)?;
     }
     let is_page = matches!(arguments.format, AuditFormat::Html);
     if is_page || arguments.html.is_some() || arguments.plots.is_some() {
@@ -274,7 +290,7 @@ pub(crate) fn run(arguments: &Audit) -> Result<(), Failure> {
             loaded.iter().map(|Loaded { name, scene, model, .. }| report::Audited { name, scene, model });
         let scenes = scenes.collect();
         let supplement = page::supplement(&report, is_catalogue, &targets, scenes, arguments.model_only);
-        page::write(arguments, &report, &supplement)?;
+        page::write(arguments, &report, &supplement, files)?;
     }
     if !is_page {
         write(arguments.format, arguments.verbose, &report)?;
@@ -386,19 +402,17 @@ fn settings(arguments: &Audit) -> Settings {
     if !arguments.oracles.is_empty() {
         settings.oracles = arguments.oracles.iter().copied().collect();
     }
+    settings.budget = arguments.budget.map(Budget::from_now);
     settings
 }
 
 /// Writes the counter-examples of a report, shrunk to the simplest values that still fail.
-fn save(folder: &Path, report: &mut Report) -> Result<(), Failure> {
-    let cannot = |error: &dyn std::fmt::Display| {
-        Failure::Input(format!("cannot write counter-examples to {}: {error}", folder.display()))
-    };
-    fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
+fn save(folder: &Path, report: &mut Report, files: Files) -> Result<(), Failure> {
+    files.folder(folder)?;
     for Found { at, name, example } in report.counter_examples() {
-        let text = serde_json::to_string_pretty(&example).map_err(|error| cannot(&error))?;
+        let text = serde_json::to_string_pretty(&example).map_err(io::Error::from)?;
         let file = folder.join(name);
-        fs::write(&file, text + "\n").map_err(|error| cannot(&error))?;
+        files.text(&file, text + "\n")?;
         if let Some(check) = report.check_mut(at) {
             check.counter_example = Some(file.display().to_string());
         }

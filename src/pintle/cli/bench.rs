@@ -1,6 +1,6 @@
 //! `pintle bench`.
 
-use super::{Failure, page_width};
+use super::{Failure, Files, page_width};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle_bench::{Report, Settings, measure};
@@ -87,7 +87,7 @@ fn distance(text: &str) -> Result<f64, String> {
 }
 
 /// Measures and writes the report.
-pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Bench, files: Files) -> Result<(), Failure> {
     let types: Vec<ConnectionType> = match arguments.types.as_slice() {
         [] => TABLE.to_vec(),
         names => {
@@ -107,7 +107,7 @@ pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
         distance: arguments.near,
         ..Settings::default()
     };
-    arguments.plots.as_deref().map_or(Ok(()), writable)?;
+    arguments.plots.as_deref().map_or(Ok(()), |folder| writable(folder, files))?;
     let bar = ProgressBar::new(types.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}") {
         bar.set_style(style);
@@ -122,8 +122,8 @@ pub(crate) fn run(arguments: &Bench) -> Result<(), Failure> {
         return Err(Failure::Nothing("of these types there is nothing to measure but one-forms".into()));
     }
     write(arguments.format, &found)?;
-    arguments.plots.as_ref().map_or(Ok(()), |folder| draw(folder, &found))?;
-    found.wrong.iter().for_each(|wrong| crate::cli::eval::complain("error", &wrong.to_string()));
+    arguments.plots.as_ref().map_or(Ok(()), |folder| draw(folder, &found, files))?;
+    found.wrong.iter().for_each(|wrong| crate::cli::tell::complain("error", &wrong.to_string()));
     if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) }
 }
 
@@ -139,25 +139,17 @@ fn named(name: &str) -> Result<ConnectionType, Failure> {
     }
 }
 
-fn cannot_draw(path: &Path, error: &io::Error) -> Failure {
-    Failure::Input(format!("cannot write figures to {}: {error}", path.display()))
-}
-
 /// Makes a folder; refuses one in which no file can be made.
-fn writable(folder: &Path) -> Result<(), Failure> {
+fn writable(folder: &Path, files: Files) -> Result<(), Failure> {
+    files.check_folder(Some(folder), "svg")?;
+    files.folder(folder)?;
     let probe = folder.join(format!(".pintle-{}", std::process::id()));
-    fs::create_dir_all(folder)
-        .and_then(|()| fs::write(&probe, "?"))
-        .and_then(|()| fs::remove_file(&probe))
-        .map_err(|error| cannot_draw(folder, &error))
+    files.text(&probe, "?")?;
+    Ok(fs::remove_file(&probe)?)
 }
 
-fn draw(folder: &Path, found: &Report) -> Result<(), Failure> {
-    for (name, svg) in report::figures(found) {
-        let path = folder.join(name);
-        fs::write(&path, svg).map_err(|error| cannot_draw(&path, &error))?;
-    }
-    Ok(())
+fn draw(folder: &Path, found: &Report, files: Files) -> Result<(), Failure> {
+    report::figures(found).into_iter().try_for_each(|(name, svg)| files.text(&folder.join(name), svg))
 }
 
 fn write(format: BenchFormat, found: &Report) -> Result<(), Failure> {

@@ -1,7 +1,8 @@
 //! `pintle check`.
 
 use super::audit::{AuditFormat, verdict, write};
-use super::eval::{complain, read, source};
+use super::eval::{read, source};
+use super::tell::complain;
 use super::{Failure, connection};
 use clap::Args;
 use pintle_audit::sampling::{aligned, definition, pair};

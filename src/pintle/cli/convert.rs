@@ -1,9 +1,9 @@
 //! `pintle convert` and `pintle schema`.
 
-use super::eval::{self, complain};
-use super::{Convert, Described, Failure, SceneFormat};
+use super::eval;
+use super::tell::{complain, show_diagnostic};
+use super::{Convert, Described, Failure, Files, SceneFormat};
 use pintle_scene::{Diagnostic, Format, Scene, StateFile};
-use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -37,7 +37,8 @@ fn format(arguments: &Convert) -> Result<Format, Failure> {
 }
 
 /// `pintle convert`.
-pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
+    files.check(arguments.output.iter().chain(&arguments.save_states))?;
     let format = format(arguments)?;
     let mut scene = read(&arguments.scene)?;
     if let Some(error) = Diagnostic::joined(scene.orientation_errors()) {
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
         scene.states = StateFile::read(file, &scene)?.states;
     }
     for warning in &scene.warnings {
-        eval::show_diagnostic(warning);
+        show_diagnostic(warning);
     }
     // A deck has no states: what goes to a file of its own is not lost.
     let is_apart = format == Format::Deck && arguments.save_states.is_some();
@@ -66,7 +67,7 @@ pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
         return Err(Failure::Lost(message));
     }
     if let Some(file) = &arguments.save_states {
-        save_states(file, &scene)?;
+        save_states(file, &scene, files)?;
     }
     match &arguments.output {
         None => {
@@ -74,7 +75,7 @@ pub(crate) fn run(arguments: &Convert) -> Result<(), Failure> {
             out.write_all(converted.text.as_bytes())?;
             Ok(out.flush()?)
         }
-        Some(path) => write(path, &converted.text),
+        Some(path) => files.text(path, &converted.text),
     }
 }
 
@@ -89,7 +90,7 @@ fn read(name: &str) -> Result<Scene, Failure> {
     }
 }
 
-fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
+fn save_states(file: &Path, scene: &Scene, files: Files) -> Result<(), Failure> {
     // What reads them goes by the ending.
     if !file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
         let message = format!(
@@ -103,12 +104,7 @@ fn save_states(file: &Path, scene: &Scene) -> Result<(), Failure> {
     }
     let states = StateFile { states: scene.states.clone() };
     let text = states.to_json().map_err(io::Error::from)?;
-    write(file, &(text + "\n"))
-}
-
-pub(super) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text)
-        .map_err(|error| Failure::Input(format!("{} cannot be written: {error}", path.display())))
+    files.text(file, text + "\n")
 }
 
 /// `pintle schema`.

@@ -1,7 +1,8 @@
 //! `pintle eval`.
 
 use super::history::{Assigned, Forces, Given, History, Survey};
-use super::{Eval, EvalFormat, Failure, Show, Sign, page_width};
+use super::tell::{complain, show_diagnostic};
+use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{
@@ -9,8 +10,9 @@ use pintle_model::evaluate::{
 };
 use pintle_report as report;
 use pintle_report::{Block, BlockKind, Format, Subject};
+use pintle_scene::grammar::{agree, shape};
 use pintle_scene::{
-    Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
+    Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
 };
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -76,7 +78,8 @@ struct Care {
 }
 
 /// Evaluates scenes and writes the results.
-pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Eval, files: Files) -> Result<(), Failure> {
+    files.check(arguments.save_branches.iter().chain(&arguments.jacobian))?;
     let sources = sources(arguments)?;
     let runs = sources
         .iter()
@@ -88,7 +91,7 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
         let width = page_width(&io::stdout());
         let style =
             report::human::Style { width, digits: usize::from(arguments.digits), verbose: arguments.verbose };
-        walk(arguments, &runs, &request, &mut report::human::Human::new(&mut out, style))
+        walk((arguments, files), &runs, &request, &mut report::human::Human::new(&mut out, style))
     } else {
         let mut out = BufWriter::new(io::stdout().lock());
         match arguments.format {
@@ -97,12 +100,12 @@ pub(crate) fn run(arguments: &Eval) -> Result<(), Failure> {
                 let has_slopes = request.outputs().any(|output| output == Output::TANGENT);
                 let order = request.order.max(u8::from(has_slopes));
                 let mut format = report::csv::Csv::new(&mut out, outputs, order);
-                walk(arguments, &runs, &request, &mut format)?;
+                walk((arguments, files), &runs, &request, &mut format)?;
                 drop(format);
                 Ok(out.flush()?)
             }
             EvalFormat::Json | EvalFormat::Human => {
-                walk(arguments, &runs, &request, &mut report::json::Json::new(&mut out))
+                walk((arguments, files), &runs, &request, &mut report::json::Json::new(&mut out))
             }
         }
     }
@@ -152,6 +155,9 @@ fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
         }
     };
     let survey = history.survey(&scene)?;
+    let file =
+        arguments.states.as_ref().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
+    survey.vanishing.warning().into_iter().for_each(|warning| show_diagnostic(&warning.in_file(&file)));
     Ok(Run { scene, history, survey, forces, model })
 }
 
@@ -188,15 +194,24 @@ impl Source<'_> {
         model: &mut Model,
         taken: impl Fn(&Diagnostic) -> Option<Severity>,
     ) {
-        for warning in &scene.warnings {
-            if let Some(severity) = taken(warning) {
-                show_diagnostic(&warning.clone().of_severity(severity));
+        let of_scene = scene.warnings.iter().map(|warning| (warning.clone(), false));
+        let of_model = std::mem::take(&mut model.warnings).into_iter().map(|warning| (warning, true));
+        // What is said of many things in the same words is shown once.
+        let mut told: Vec<(Code, String, usize)> = Vec::new();
+        for (warning, is_of_model) in of_scene.chain(of_model) {
+            let Some(severity) = taken(&warning) else { continue };
+            let shape = shape(warning.message());
+            match told.iter_mut().find(|(code, known, _)| *code == warning.code() && *known == shape) {
+                Some((.., more)) => *more += 1,
+                None => {
+                    told.push((warning.code(), shape, 0));
+                    let warning = if is_of_model { self.quoted(warning) } else { warning };
+                    show_diagnostic(&warning.of_severity(severity));
+                }
             }
         }
-        for warning in std::mem::take(&mut model.warnings) {
-            if let Some(severity) = taken(&warning) {
-                show_diagnostic(&self.quoted(warning).of_severity(severity));
-            }
+        for (code, _, more) in told.into_iter().filter(|(.., more)| *more > 0) {
+            complain("note", &format!("{code} {more} more {}", agree(more, ["time", "times"])));
         }
     }
 }
@@ -306,7 +321,12 @@ fn assign(
 }
 
 /// Walks through the states of every scene, writing as it goes.
-fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Format) -> Result<(), Failure> {
+fn walk(
+    (arguments, files): (&Eval, Files),
+    runs: &[Run],
+    request: &Request,
+    format: &mut dyn Format,
+) -> Result<(), Failure> {
     let selection = match arguments.connector.as_slice() {
         [] => Selection::All,
         names => Selection::Named(names.to_vec()),
@@ -366,8 +386,12 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
                 done += 1;
                 if is_shown(&index) {
                     if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
-                        let told =
-                            save_jacobian(file, (scene, model, plan), sequence.clone(), (index, state))?;
+                        let told = save_jacobian(
+                            (file, files),
+                            (scene, model, plan),
+                            sequence.clone(),
+                            (index, state),
+                        )?;
                         // Whatever else needs care is told by the evaluation.
                         for (title, flag) in &told {
                             if matches!(flag, Flag::NotFinite { .. }) {
@@ -414,7 +438,7 @@ fn walk(arguments: &Eval, runs: &[Run], request: &Request, format: &mut dyn Form
         })?;
         format.end_scene(sequence.tally())?;
         if let Some(file) = &arguments.save_branches {
-            save(file, &scene.name, &sequence.branches())?;
+            save((file, files), &scene.name, &sequence.branches())?;
         }
     }
     progress.clear();
@@ -461,7 +485,7 @@ struct BranchFile<B> {
     branches: B,
 }
 
-fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
+fn save((path, files): (&Path, Files), scene: &str, branches: &Branches) -> Result<(), Failure> {
     let file = BranchFile {
         schema: BRANCHES.to_string(),
         version: pintle::VERSION.to_string(),
@@ -469,13 +493,12 @@ fn save(path: &Path, scene: &str, branches: &Branches) -> Result<(), Failure> {
         branches,
     };
     let text = serde_json::to_string(&file).map_err(|error| Failure::Input(error.to_string()))?;
-    fs::write(path, text + "\n")
-        .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))
+    files.text(path, text + "\n")
 }
 
 /// Writes the constraint Jacobian at a state, which `sequence` has before it, and gives what of it needs care.
 fn save_jacobian(
-    path: &Path,
+    (path, files): (&Path, Files),
     (scene, model, plan): (&Scene, &Model, &Plan),
     mut sequence: Sequence<'_>,
     (number, state): (u64, &State),
@@ -485,10 +508,7 @@ fn save_jacobian(
     let assembled = sequence.assemble(state, &jacobian, &mut values);
     let care = assembled.map_err(|error| Failure::Usage(error.to_string()))?;
     let of = format!("{} at state {number}", scene.name);
-    let written = File::create(path).and_then(|file| {
-        report::matrix_market::write(&mut BufWriter::new(file), &of, model, &jacobian, &values)
-    });
-    written.map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+    files.write(path, |out| report::matrix_market::write(out, &of, model, &jacobian, &values))?;
     Ok(care)
 }
 
@@ -537,25 +557,4 @@ impl Progress {
             _ = write!(io::stderr(), "\r\x1b[K");
         }
     }
-}
-
-/// Shows a diagnostic, and the others of its file that it carries, on stderr with their source lines.
-pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
-    for one in std::iter::once(diagnostic).chain(diagnostic.further()) {
-        let text = one.render(page_width(&io::stderr()), true);
-        _ = writeln!(anstream::stderr(), "{}", text.trim_end());
-    }
-    if diagnostic.unsaid() > 0 {
-        let count = diagnostic.unsaid();
-        complain(
-            "note",
-            &format!("{count} more error{} not shown", if count == 1 { " is" } else { "s are" }),
-        );
-    }
-}
-
-/// A line on stderr.
-pub(crate) fn complain(kind: &str, text: &str) {
-    let style = anstyle::Style::new().bold();
-    _ = writeln!(anstream::stderr(), "{style}{kind}:{style:#} {text}");
 }

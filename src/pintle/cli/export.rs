@@ -1,6 +1,6 @@
 //! `pintle export`.
 
-use super::{Failure, connection, convert};
+use super::{Failure, Files, connection};
 use clap::{Args, ValueEnum};
 use pintle_report::export::{Export as Program, Target};
 use pintle_symbolic::Frame;
@@ -65,7 +65,8 @@ Examples:
   pintle export HINGE --as dot | dot -Tsvg > hinge.svg";
 
 /// `pintle export`.
-pub(crate) fn run(arguments: &Export) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Export, files: Files) -> Result<(), Failure> {
+    files.check(&arguments.output)?;
     let connection = connection(&arguments.name, arguments.second.as_deref())?;
     let frame = match arguments.variables {
         Variables::Relative => Frame::Relative,
@@ -81,7 +82,7 @@ pub(crate) fn run(arguments: &Export) -> Result<(), Failure> {
         Language::Dot => program.graphviz(),
     };
     match &arguments.output {
-        Some(path) => convert::write(path, &text),
+        Some(path) => files.text(path, &text),
         None => {
             let mut out = BufWriter::new(io::stdout().lock());
             out.write_all(text.as_bytes())?;

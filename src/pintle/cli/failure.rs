@@ -33,12 +33,15 @@ pub(crate) enum Failure {
     /// A scene or file of states that cannot be read or evaluated.
     #[error(transparent)]
     Scene(#[from] Diagnostic),
-    /// Another file that cannot be read or written.
+    /// Another file that cannot be read.
     #[error("{0}")]
     Input(String),
     /// Something would be lost, and may not be.
     #[error("{0}")]
     Lost(String),
+    /// A file that cannot be written, or may not be.
+    #[error("{0}")]
+    Unwritten(String),
     /// The results cannot be written.
     #[error("cannot write the results: {0}")]
     Output(#[from] io::Error),
@@ -56,8 +59,8 @@ impl Failure {
             return ExitCode::SUCCESS;
         }
         match self {
-            Self::Scene(diagnostic) => crate::cli::eval::show_diagnostic(diagnostic),
-            other => crate::cli::eval::complain("error", &other.to_string()),
+            Self::Scene(diagnostic) => crate::cli::tell::show_diagnostic(diagnostic),
+            other => crate::cli::tell::complain("error", &other.to_string()),
         }
         ExitCode::from(match self {
             Self::Lost(_) => 1,
@@ -67,7 +70,7 @@ impl Failure {
             Self::SelfTest | Self::Unnoticed(_) => 5,
             Self::Nothing(_) => 4,
             Self::Scene(_) | Self::Input(_) => 6,
-            Self::Output(_) => 70,
+            Self::Unwritten(_) | Self::Output(_) => 7,
         })
     }
 }

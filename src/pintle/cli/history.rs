@@ -3,7 +3,7 @@
 use super::Failure;
 use pintle_scene::{
     ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile, StateForces,
-    StateIndex, StateMark, StateStream,
+    StateIndex, StateMark, StateStream, Vanishing,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,6 +45,8 @@ impl History {
     pub(crate) fn survey(&self, scene: &Scene) -> Result<Survey, Failure> {
         let mut survey = Survey::default();
         self.each(scene, |state| {
+            let number = state.number.unwrap_or(survey.marks.len() as u64);
+            survey.vanishing.see(number, state);
             survey.marks.push(StateMark::of(state));
             survey.moves |= moves(state);
             Ok(())
@@ -60,6 +62,8 @@ pub(crate) struct Survey {
     pub(crate) marks: Vec<StateMark>,
     /// Whether any has rates.
     pub(crate) moves: bool,
+    /// Which nodes are left out that were moved.
+    pub(crate) vanishing: Vanishing,
 }
 
 impl Survey {

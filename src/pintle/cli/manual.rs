@@ -1,10 +1,9 @@
 //! `pintle completions` and `pintle man`: written from the definition of the command line, so that they cannot fall behind it.
 
-use super::{Cli, Failure};
+use super::{Cli, Failure, Files};
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::roff::{Roff, bold, roman};
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -43,10 +42,10 @@ fn script(shell: Shell) -> Vec<u8> {
 }
 
 /// `pintle man`.
-pub(crate) fn man(arguments: &Man) -> Result<(), Failure> {
+pub(crate) fn man(arguments: &Man, files: Files) -> Result<(), Failure> {
     let pages = pages()?;
     if let Some(folder) = &arguments.folder {
-        return save(folder, &pages);
+        return save(folder, &pages, files);
     }
     let name = match arguments.command.as_deref() {
         None | Some("pintle") => "pintle".to_string(),
@@ -60,16 +59,10 @@ pub(crate) fn man(arguments: &Man) -> Result<(), Failure> {
     Ok(io::stdout().lock().write_all(page)?)
 }
 
-fn save(folder: &Path, pages: &[(String, Vec<u8>)]) -> Result<(), Failure> {
-    let cannot = |path: &Path, error: &io::Error| {
-        Failure::Input(format!("cannot write manual pages to {}: {error}", path.display()))
-    };
-    fs::create_dir_all(folder).map_err(|error| cannot(folder, &error))?;
-    for (name, page) in pages {
-        let path = folder.join(format!("{name}.1"));
-        fs::write(&path, page).map_err(|error| cannot(&path, &error))?;
-    }
-    Ok(())
+fn save(folder: &Path, pages: &[(String, Vec<u8>)], files: Files) -> Result<(), Failure> {
+    files.check_folder(Some(folder), "1")?;
+    files.folder(folder)?;
+    pages.iter().try_for_each(|(name, page)| files.text(&folder.join(format!("{name}.1")), page))
 }
 
 /// The command line as it parses, options of every command among those of each, without what is hidden from its help.

@@ -2,6 +2,7 @@
 
 pub(crate) mod audit;
 pub(crate) mod bench;
+mod budget;
 pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod eval;
@@ -11,9 +12,12 @@ mod history;
 pub(crate) mod manual;
 mod page;
 pub(crate) mod replay;
+mod save;
 mod show;
+pub(crate) mod tell;
 
 pub(crate) use failure::Failure;
+pub(crate) use save::Files;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pintle_bench::Environment;
@@ -32,12 +36,15 @@ use std::path::PathBuf;
 #[command(name = "pintle", version, long_version = long_version(), arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "\
 Exit codes: 0 all right, 1 a number is wrong, 2 usage, 3 undecided (--strict), 4 nothing was evaluated,
-5 the self-test failed, 6 bad input, 70 internal error.
+5 the self-test failed, 6 bad input, 7 a file or the results cannot be written, 70 internal error.
 Results go to stdout, everything else to stderr. NO_COLOR is respected.")]
 pub(crate) struct Cli {
     /// Threads; no result depends on their number [default: one per core, or RAYON_NUM_THREADS]
     #[arg(long, value_name = "COUNT", global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+    /// Let files take the place of others that have their names
+    #[arg(long, global = true, display_order = 901)]
+    pub(crate) force: bool,
     #[command(subcommand)]
     pub(crate) command: Command,
 }

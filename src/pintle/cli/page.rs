@@ -1,16 +1,14 @@
 //! The page of `pintle audit --html`, and its figures as files.
 
-use super::Failure;
 use super::audit::{Audit, AuditFormat};
+use super::{Failure, Files};
 use pintle_audit::singular::atlas::atlas;
 use pintle_audit::{Approach, Illustration, Report, Target, illustrate_catalogue, illustrate_scene};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_report::audit as report;
 use pintle_report::audit::{Audited, Supplement};
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 use std::sync::Arc;
 
 /// Connectors of a scene whose Jacobians are shown at most, those that did not pass first.
@@ -53,26 +51,24 @@ fn command_line() -> String {
 }
 
 /// Writes the page and the figures that are asked for.
-pub(super) fn write(arguments: &Audit, found: &Report, supplement: &Supplement<'_>) -> Result<(), Failure> {
+pub(super) fn write(
+    arguments: &Audit,
+    found: &Report,
+    supplement: &Supplement<'_>,
+    files: Files,
+) -> Result<(), Failure> {
     if matches!(arguments.format, AuditFormat::Html) {
         let mut out = BufWriter::new(io::stdout().lock());
         report::html(&mut out, found, supplement)?;
         out.flush()?;
     }
     if let Some(path) = &arguments.html {
-        let mut page = Vec::new();
-        report::html(&mut page, found, supplement)?;
-        fs::write(path, page)
-            .map_err(|error| Failure::Input(format!("cannot write {}: {error}", path.display())))?;
+        files.write(path, |out| report::html(out, found, supplement))?;
     }
     if let Some(folder) = &arguments.plots {
-        let cannot = |path: &Path, error: &io::Error| {
-            Failure::Input(format!("cannot write figures to {}: {error}", path.display()))
-        };
-        fs::create_dir_all(folder).map_err(|error| cannot(folder, &error))?;
+        files.folder(folder)?;
         for (name, svg) in report::figures(found, supplement) {
-            let path = folder.join(name);
-            fs::write(&path, svg).map_err(|error| cannot(&path, &error))?;
+            files.text(&folder.join(name), svg)?;
         }
     }
     Ok(())

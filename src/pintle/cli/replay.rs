@@ -1,7 +1,7 @@
 //! `pintle replay`.
 
 use super::audit::{AuditFormat, Plant};
-use super::{Failure, convert};
+use super::{Failure, Files};
 use clap::{Args, ValueEnum};
 use pintle_audit::{CounterExample, ExportError, Planted, Settings};
 use std::fs;
@@ -39,7 +39,12 @@ pub(crate) struct Replay {
 }
 
 /// Writes a counter-example in another form.
-fn export(form: Form, example: &CounterExample, name: &str, output: Option<&Path>) -> Result<(), Failure> {
+fn export(
+    form: Form,
+    example: &CounterExample,
+    name: &str,
+    (output, files): (Option<&Path>, Files),
+) -> Result<(), Failure> {
     let refused = |error: ExportError| Failure::Input(format!("{name} cannot be exported: {error}"));
     let text = match form {
         Form::Rust => example.rust().map_err(refused)?,
@@ -50,12 +55,14 @@ fn export(form: Form, example: &CounterExample, name: &str, output: Option<&Path
                 return Err(Failure::Usage(message.to_string()));
             };
             let deck = example.deck().map_err(refused)?;
-            convert::write(&output.with_extension("states.json"), &deck.states)?;
+            let states = output.with_extension("states.json");
+            files.check([&output.to_path_buf(), &states])?;
+            files.text(&states, &deck.states)?;
             deck.text
         }
     };
     match output {
-        Some(path) => convert::write(path, &text),
+        Some(path) => files.text(path, &text),
         None => {
             let mut out = BufWriter::new(io::stdout().lock());
             out.write_all(text.as_bytes())?;
@@ -65,7 +72,7 @@ fn export(form: Form, example: &CounterExample, name: &str, output: Option<&Path
 }
 
 /// Judges the state of a counter-example again, by every oracle, or writes it in another form.
-pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Replay, files: Files) -> Result<(), Failure> {
     let name = arguments.file.display().to_string();
     let text = fs::read_to_string(&arguments.file)
         .map_err(|error| Failure::Input(format!("cannot read {name}: {error}")))?;
@@ -75,7 +82,7 @@ pub(crate) fn run(arguments: &Replay) -> Result<(), Failure> {
     let failing =
         example.failing().map_err(|error| Failure::Input(format!("{name} cannot be replayed: {error}")))?;
     if let Some(form) = arguments.export {
-        return export(form, &example, &name, arguments.output.as_deref());
+        return export(form, &example, &name, (arguments.output.as_deref(), files));
     }
     if matches!(arguments.format, AuditFormat::Human) {
         let CounterExample { subject, version, entry, against, got, want, tolerance, .. } = &example;

@@ -1,12 +1,12 @@
 //! The audit for reading: a line per connector, then what is wrong, then what the checks are worth.
 
+use crate::audit::groups;
 use crate::audit::summary::{
-    AuditOutcome, LEGEND, SubjectRow, detectable, headline, outcome, self_test as tested, sides, symbols,
-    telling, undecided,
+    AuditOutcome, LEGEND, PAGE_UNREAD, SubjectRow, against_tolerance, headline, outcome, samples,
+    self_test as tested, sides, symbols, unconfirmed, undecided,
 };
 use crate::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
-use pintle_audit::oracles::certificate::Certificate;
-use pintle_audit::{Against, Approach, Check, Compared, Comparison, Report, Subject, Verdict};
+use pintle_audit::{Against, Approach, Check, Compared, Comparison, Report, Verdict};
 use pintle_scene::grammar::{agree, count};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -19,7 +19,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) 
     if !report.subjects.is_empty() {
         numbers(out, report, width, verbose)?;
     }
-    crate::audit::model::human(out, &report.models, width)?;
+    crate::audit::model::human(out, &report.models, width, verbose)?;
     verdict(out, report)
 }
 
@@ -43,19 +43,31 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
     for line in wrap(&format!("oracles: {}", names.join(", ")), width.saturating_sub(2)) {
         writeln!(out, "  {line}")?;
     }
+    for text in samples(report) {
+        for line in wrap(&text, width.saturating_sub(2)) {
+            writeln!(out, "  {}", styled(CARE, line))?;
+        }
+    }
     writeln!(out)?;
-    subjects(out, report)?;
+    subjects(out, report, verbose)?;
     undecided_declarations(out, report, width)?;
     left_out(out, report, width)?;
-    for subject in &report.subjects {
-        let shown: Vec<&Check> =
-            if verbose { subject.checks.iter().collect() } else { telling(subject).collect() };
-        let mut first = true;
-        for check in shown {
-            if std::mem::take(&mut first) {
-                writeln!(out, "\n{}", styled(BOLD, subject.title()))?;
-            }
+    for subject in report.subjects.iter().filter(|_| verbose) {
+        writeln!(out, "\n{}", styled(BOLD, subject.title()))?;
+        for check in &subject.checks {
             self::check(out, check, width)?;
+        }
+    }
+    let mut last = String::new();
+    for fault in groups::faults(report).iter().filter(|_| !verbose) {
+        let title = fault.title();
+        if title != last {
+            writeln!(out, "\n{}", styled(BOLD, &title))?;
+        }
+        last = title;
+        check(out, fault.check, width)?;
+        for line in wrap(&fault.witnesses(), width.saturating_sub(4)) {
+            writeln!(out, "    {}", styled(DIM, line))?;
         }
     }
     if report.lacks_counter_examples() {
@@ -74,21 +86,18 @@ fn word(verdict: Verdict) -> String {
     if verdict.is_mismatch() { styled(CARE, verdict.name()) } else { verdict.name().to_string() }
 }
 
-/// Why declarations are undecided: once for each reason.
+/// Which declarations nobody confirms in full: once for each reason.
 fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
     let mut reasons: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
-        let page = subject
-            .certificate
-            .as_ref()
-            .map_or_else(|| "never typed a second time".to_string(), Certificate::source);
+        let page = unconfirmed(subject);
         let names = reasons.entry(page).or_default();
         if !names.contains(&subject.name.as_str()) {
             names.push(&subject.name);
         }
     }
     for (page, names) in reasons {
-        let text = format!("{}: declaration undecided: {page}", some_of(&names));
+        let text = format!("{}: {page}", some_of(&names));
         for line in wrap(&text, width.saturating_sub(2)) {
             writeln!(out, "  {}", styled(DIM, line))?;
         }
@@ -118,7 +127,7 @@ fn some_of(names: &[&str]) -> String {
 }
 
 /// A table of the catalogue, and one of each scene.
-fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+fn subjects(out: &mut dyn Write, report: &Report, verbose: bool) -> io::Result<()> {
     let mut scenes: Vec<Option<&str>> = Vec::new();
     for subject in &report.subjects {
         if !scenes.contains(&subject.scene.as_deref()) {
@@ -131,7 +140,10 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
             writeln!(out, "{gap}{}", styled(BOLD, scene))?;
         }
         let of_it = report.subjects.iter().filter(|subject| subject.scene.as_deref() == *scene);
-        let rows: Vec<Vec<String>> = of_it.map(cells).collect();
+        let rows: Vec<SubjectRow> = of_it.map(SubjectRow::of).collect();
+        let is_long = scene.is_some() && !verbose && rows.len() > ROWS;
+        let rows = if is_long { SubjectRow::by_type(rows) } else { rows };
+        let rows: Vec<Vec<String>> = rows.into_iter().map(cells).collect();
         let first = if scene.is_none() { "type" } else { "connector" };
         let mut heading = vec![first, "derivative", "formula", "declaration", "states", "independent"];
         heading.extend(symbols());
@@ -141,13 +153,20 @@ fn subjects(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     writeln!(out, "{}", styled(DIM, LEGEND))
 }
 
-fn cells(subject: &Subject) -> Vec<String> {
-    let row = SubjectRow::of(subject);
+/// A scene with more connectors has a line for those of a type that came out alike; `-v` shows each.
+const ROWS: usize = 40;
+
+fn cells(row: SubjectRow) -> Vec<String> {
     let mut cells = vec![row.name];
-    cells.extend(row.verdicts.map(word));
+    let [derivative, formula, declaration] = row.verdicts.map(word);
+    cells.extend([
+        derivative,
+        formula,
+        if row.is_page_unread { PAGE_UNREAD.to_string() } else { declaration },
+    ]);
     cells.extend([row.states, row.independent].map(|states| states.to_string()));
     cells.extend(row.worst.map(|units| units.map_or_else(|| "–".into(), |units| format!("{units:.2}"))));
-    cells.push(detectable(subject).map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
+    cells.push(row.seen.map_or_else(|| "–".into(), |delta| format!("{delta:.0e}")));
     cells
 }
 
@@ -167,10 +186,7 @@ fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     }
     let Some(worst) = &check.worst else { return Ok(()) };
     let state = check.worst_state.as_deref().unwrap_or("");
-    let text = format!(
-        "{}: {:.17e}, must be {:.17e}, tolerance {:.2e}: {:.3e} tolerances, at {state}",
-        worst.entry, worst.got, worst.want, worst.tolerance, worst.units
-    );
+    let text = format!("{}, at {state}", against_tolerance(worst));
     for line in wrap(&text, width.saturating_sub(4)) {
         writeln!(out, "    {line}")?;
     }

@@ -1,11 +1,13 @@
 //! The audit as GitHub-flavoured Markdown: a summary for a comment on a change.
 
+use crate::audit::groups;
+use crate::audit::groups::{Fault, Findings};
 use crate::audit::summary::{
-    AuditOutcome, LEGEND, SubjectRow, detectable, headline, left_out, outcome, self_test, sides, symbols,
-    telling, undecided,
+    AuditOutcome, LEGEND, PAGE_UNREAD, SubjectRow, against_tolerance, headline, left_out, outcome, samples,
+    self_test, sides, symbols, undecided,
 };
 use pintle_audit::model::{Finding, ModelReport};
-use pintle_audit::{Check, Report, Subject};
+use pintle_audit::{Report, Subject};
 use pintle_scene::grammar::count;
 use std::io::{self, Write};
 
@@ -123,11 +125,8 @@ fn footer(report: &Report) -> String {
 /// What is wrong, and what else did not plainly pass, an item each.
 fn items(report: &Report) -> (Vec<String>, Vec<String>) {
     let (mut wrong, mut mild) = (Vec::new(), Vec::new());
-    for subject in &report.subjects {
-        for check in telling(subject) {
-            let is_mild = !check.verdict.is_mismatch() && check.score.survived == 0;
-            if is_mild { &mut mild } else { &mut wrong }.push(item(subject, check));
-        }
+    for fault in groups::faults(report) {
+        if fault.is_mild() { &mut mild } else { &mut wrong }.push(item(&fault));
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
         wrong.push(format!(
@@ -138,6 +137,7 @@ fn items(report: &Report) -> (Vec<String>, Vec<String>) {
             approach.told()
         ));
     }
+    mild.extend(samples(report).map(|text| format!("- {}", escaped(&text))));
     for (text, names) in left_out(report) {
         let names: Vec<String> = names.into_iter().map(escaped).collect();
         mild.push(format!("- **{}**: {text}", names.join(", ")));
@@ -145,24 +145,18 @@ fn items(report: &Report) -> (Vec<String>, Vec<String>) {
     (wrong, mild)
 }
 
-fn item(subject: &Subject, check: &Check) -> String {
+fn item(fault: &Fault<'_>) -> String {
+    let check = fault.check;
     let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
     let mut line = format!(
         "- **{}**, {of}{}: {}",
-        escaped(&subject.title()),
+        escaped(&fault.title()),
         check.against.name(),
         check.verdict.headline().name()
     );
     if let Some(worst) = check.worst.as_ref().filter(|_| check.verdict.is_mismatch()) {
         let state = check.worst_state.as_deref().unwrap_or("");
-        line += &format!(
-            "; {} is `{:e}`, must be `{:e}`: {:.3e} tolerances, at {}",
-            escaped(&worst.entry),
-            worst.got,
-            worst.want,
-            worst.units,
-            escaped(state)
-        );
+        line += &format!("; {}, at {}", escaped(&against_tolerance(worst)), escaped(state));
     }
     let told: Vec<String> = sides(check).collect();
     if let (false, Some(worst)) = (told.is_empty(), &check.worst) {
@@ -177,7 +171,10 @@ fn item(subject: &Subject, check: &Check) -> String {
     for (mistake, entry) in &check.score.survivors {
         line += &format!("; survived: {} ({})", escaped(mistake), escaped(entry));
     }
-    line
+    match fault.witnesses() {
+        told if told.is_empty() => line,
+        told => format!("{line}; {}", escaped(&told)),
+    }
 }
 
 fn table(page: &mut Page, report: &Report) {
@@ -200,11 +197,14 @@ fn table(page: &mut Page, report: &Report) {
     let row = |subject: &Subject| {
         let row = SubjectRow::of(subject);
         let worst = row.worst.map(|units| units.map_or("–".into(), |units| format!("{units:.2}")));
-        let seen = detectable(subject).map_or("–".into(), |delta| format!("{delta:.0e}"));
-        let verdicts = row.verdicts.map(|verdict| {
+        let seen = row.seen.map_or("–".into(), |delta| format!("{delta:.0e}"));
+        let mut verdicts = row.verdicts.map(|verdict| {
             let name = verdict.headline().name();
             if verdict.is_mismatch() { format!("**{name}**") } else { name.to_string() }
         });
+        if row.is_page_unread {
+            verdicts[2] = PAGE_UNREAD.to_string();
+        }
         format!(
             "| {} | {} | {} | {} | {} | {seen} |",
             escaped(&subject.title()),
@@ -259,7 +259,7 @@ fn models(page: &mut Page, report: &Report) {
         let title = format!("\n### {}: {}\n", escaped(&model.scene), crate::audit::model::headline(model));
         let mut findings: Vec<&Finding> = model.findings.iter().collect();
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
-        let lines: Vec<String> = findings.into_iter().map(line).collect();
+        let lines: Vec<String> = groups::findings(findings).iter().map(line).collect();
         let untitled = page.add_fitting(&[title]);
         models_left_out += untitled;
         findings_left_out += if untitled == 0 { page.add_fitting(&lines) } else { lines.len() };
@@ -268,7 +268,8 @@ fn models(page: &mut Page, report: &Report) {
     page.note(findings_left_out, "finding");
 }
 
-fn line(finding: &Finding) -> String {
+fn line(group: &Findings<'_>) -> String {
+    let finding = group.first;
     let line = format!(
         "- **{}** `{}` {}: {}",
         crate::audit::model::word(finding.severity()),
@@ -276,6 +277,10 @@ fn line(finding: &Finding) -> String {
         escaped(&crate::audit::model::place(finding)),
         escaped(finding.message())
     );
+    let line = match group.others() {
+        others if others.is_empty() => line,
+        others => format!("{line}; {}", escaped(&others)),
+    };
     match finding.remedy() {
         "" => line,
         remedy => format!("{line}; *help:* {}", escaped(remedy)),

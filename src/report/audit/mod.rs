@@ -1,5 +1,6 @@
 //! Reports of an audit: for reading, as JSON, as JUnit XML, as Markdown, as HTML.
 
+mod groups;
 mod html;
 mod human;
 mod junit;

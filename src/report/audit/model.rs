@@ -1,20 +1,30 @@
 //! What is found in the models of an audit, for reading: findings, the assembly, coverage.
 
+use crate::audit::groups;
 use crate::layout::{BOLD, CARE, DIM, styled, wrap};
 use pintle_assembly::{Assembly, Position};
 use pintle_audit::model::{Finding, ModelReport, Nearest};
 use pintle_audit::sampling::coverage::Histogram;
 use pintle_kinematics::measure::Unit;
 use pintle_scene::Severity;
+use pintle_scene::grammar::number as short;
 use pintle_scene::grammar::{count, ranges};
 use std::io::{self, Write};
 
 /// Writes every model: its findings, then what its assembly can do, then what its states exercised.
-pub(super) fn human(out: &mut dyn Write, models: &[ModelReport], width: usize) -> io::Result<()> {
+pub(super) fn human(
+    out: &mut dyn Write,
+    models: &[ModelReport],
+    width: usize,
+    verbose: bool,
+) -> io::Result<()> {
     for model in models {
         writeln!(out, "\n{}", styled(BOLD, format!("model {}: {}", model.scene, headline(model))))?;
-        for found in &model.findings {
-            finding(out, found, width)?;
+        for found in model.findings.iter().filter(|_| verbose) {
+            finding(out, found, "", width)?;
+        }
+        for group in groups::findings(&model.findings).iter().filter(|_| !verbose) {
+            finding(out, group.first, &group.others(), width)?;
         }
         for assembled in model.assembly.iter().chain(&model.later_steps) {
             assembly(out, assembled, width)?;
@@ -33,7 +43,8 @@ pub(super) fn nearest(nearest: &Nearest) -> String {
     let unit = if *unit == Unit::Angle { " rad" } else { "" };
     let when = state.map_or_else(|| "initially".to_string(), |state| format!("at state {state}"));
     format!(
-        "nearest singular point: {component} of element {element} is {distance:.3e}{unit} from {at}, {when}"
+        "nearest singular point: {component} of element {element} is {distance}{unit} from {at}, {when}",
+        distance = short(*distance, 4)
     )
 }
 
@@ -70,12 +81,15 @@ fn paragraph(out: &mut dyn Write, text: &str, indent: usize, width: usize) -> io
     Ok(())
 }
 
-fn finding(out: &mut dyn Write, finding: &Finding, width: usize) -> io::Result<()> {
+fn finding(out: &mut dyn Write, finding: &Finding, others: &str, width: usize) -> io::Result<()> {
     let severity = finding.severity();
     let head = format!("{}[{}]", word(severity), finding.code());
     let head = if severity == Severity::Note { head } else { styled(CARE, head) };
     writeln!(out, "  {head} {}", styled(DIM, place(finding)))?;
     paragraph(out, finding.message(), 4, width)?;
+    if !others.is_empty() {
+        paragraph(out, others, 4, width)?;
+    }
     if !finding.reason().is_empty() {
         paragraph(out, &format!("why: {}", finding.reason()), 4, width)?;
     }
@@ -191,12 +205,17 @@ pub(super) fn gap(assembly: &Assembly, position: &Position) -> String {
     let certainty = format!("The {what} is {}", if position.decided { "certain" } else { "undecided" });
     match position.gap.singular_values {
         Some([nonzero, zero]) => {
-            format!("{certainty}: between singular values of {nonzero:.1e} and {zero:.1e} of the largest.")
+            format!(
+                "{certainty}: between singular values of {nonzero} and {zero} of the largest.",
+                nonzero = short(nonzero, 2),
+                zero = short(zero, 2)
+            )
         }
         None if position.gap.nonzero.is_infinite() => format!("{certainty}."),
         None => format!(
-            "{certainty}: numbers that a relative change of {:.1e} makes zero count as zero, the next needs {:.1e}.",
-            position.gap.zero, position.gap.nonzero
+            "{certainty}: numbers that a relative change of {} makes zero count as zero, the next needs {}.",
+            short(position.gap.zero, 2),
+            short(position.gap.nonzero, 2)
         ),
     }
 }

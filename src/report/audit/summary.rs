@@ -1,7 +1,9 @@
 //! What every form of the report says of a subject, counted once.
 
-use pintle_audit::{Against, Cause, Check, Fared, Quantity, Report, Subject, Verdict};
-use pintle_scene::grammar::count;
+use pintle_audit::oracles::certificate::Certificate;
+use pintle_audit::{Against, Cause, Check, Fared, Finding, Quantity, Report, Share, Subject, Verdict};
+use pintle_scene::Severity;
+use pintle_scene::grammar::{agree, count, number};
 use std::collections::BTreeMap;
 
 /// What the columns of the table of verdicts say.
@@ -18,6 +20,42 @@ pub(super) struct SubjectRow {
     pub(super) independent: u64,
     /// The worst error of the sharp oracles in units of the tolerance, by quantity.
     pub(super) worst: [Option<f64>; COLUMNS],
+    /// The smallest relative error of a first derivative that is noticed, at the median state.
+    pub(super) seen: Option<f64>,
+    /// Whether a part of the manual's page could not be read, and the declaration is open for that alone.
+    pub(super) is_page_unread: bool,
+}
+
+/// What stands for a declaration of which a part of the manual's page could not be read.
+pub(super) const PAGE_UNREAD: &str = "page unread";
+
+/// Why nobody confirms a declaration in full.
+pub(super) fn unconfirmed(subject: &Subject) -> String {
+    let source = subject.certificate.as_ref().map(Certificate::source);
+    match source {
+        Some(source) if subject.is_page_unread() => {
+            format!("a note on the manual, no verdict on the scene: {source}")
+        }
+        Some(source) => format!("declaration undecided: {source}"),
+        None => "declaration undecided: never typed a second time".to_string(),
+    }
+}
+
+/// A number beside what it must be: in the shortest digits that tell it from its neighbours.
+pub(super) fn against_tolerance(worst: &Finding) -> String {
+    let exact = |x: f64| {
+        let digits =
+            if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") };
+        if x.is_nan() { "nothing".to_string() } else { digits }
+    };
+    let Finding { entry, got, want, tolerance, units, .. } = worst;
+    format!(
+        "{entry}: {}, must be {}, tolerance {}: {} tolerances",
+        exact(*got),
+        exact(*want),
+        number(*tolerance, 3),
+        number(*units, 4)
+    )
 }
 
 /// The quantities of components, and all of behaviour in one.
@@ -41,7 +79,36 @@ impl SubjectRow {
                 Some(quantity) => worst(subject, &[*quantity]),
                 None => worst(subject, &Quantity::OF_BEHAVIOR),
             }),
+            seen: detectable(subject),
+            is_page_unread: subject.is_page_unread(),
         }
+    }
+
+    /// One row for those of a type that came out alike: states together, errors the largest.
+    pub(super) fn by_type(rows: Vec<Self>) -> Vec<Self> {
+        let kind = |name: &str| name.rsplit_once(' ').map_or(name, |(kind, _)| kind).to_string();
+        let mut found: Vec<(String, usize, Self)> = Vec::new();
+        for row in rows {
+            let of = kind(&row.name);
+            let same =
+                found.iter_mut().find(|(known, _, first)| *known == of && first.verdicts == row.verdicts);
+            let Some((_, count, known)) = same else {
+                found.push((of, 1, row));
+                continue;
+            };
+            *count += 1;
+            (known.states, known.independent) =
+                (known.states + row.states, known.independent + row.independent);
+            let larger = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).reduce(f64::max);
+            for (most, units) in known.worst.iter_mut().zip(row.worst) {
+                *most = larger(*most, units);
+            }
+            known.seen = larger(known.seen, row.seen);
+        }
+        let several = |(kind, count, row): (String, usize, Self)| {
+            if count == 1 { row } else { Self { name: format!("{kind} × {count}"), ..row } }
+        };
+        found.into_iter().map(several).collect()
     }
 }
 
@@ -137,7 +204,7 @@ pub(super) fn laws_not_asked(subject: &Subject) -> Option<String> {
 
 /// What there is in place of a derivative where there is none: those from both sides, and why one of them is missing.
 pub(super) fn sides(check: &Check) -> impl Iterator<Item = String> {
-    let side = |x: f64| if x.is_nan() { "none".to_string() } else { format!("{x:.10e}") };
+    let side = |x: f64| if x.is_nan() { "none".to_string() } else { number(x, 11) };
     let worst = check.worst.as_ref();
     let both = worst.and_then(|worst| worst.one_sided);
     let both = both.map(|[below, above]| format!("from below {}, from above {}", side(below), side(above)));
@@ -226,9 +293,71 @@ pub(super) fn outcome(report: &Report) -> AuditOutcome {
     }
 }
 
+/// A number in words up to twelve.
+fn in_words(n: usize, noun: &str) -> String {
+    const WORDS: [&str; 13] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven",
+        "twelve",
+    ];
+    let counted = count(n, noun);
+    match (WORDS.get(n), counted.split_once(' ')) {
+        (Some(word), Some((_, noun))) => format!("{word} {noun}"),
+        _ => counted,
+    }
+}
+
+/// The outcome in one sentence, for those who do not know the words of this report.
+pub(super) fn sentence(report: &Report) -> String {
+    let findings = |severity| report.models.iter().map(|model| model.count(severity)).sum::<usize>();
+    let of = |severity, noun: &str| match findings(severity) {
+        0 => None,
+        n => Some(in_words(n, noun)),
+    };
+    let wrong = report.mismatches();
+    let unproven = report.survivors() > 0 || report.contradictions() > 0;
+    let what = match report.models.len() {
+        0 => None,
+        1 => Some(("The model", "is", "has")),
+        _ => Some(("The models", "are", "have")),
+    };
+    let mut words = match (what, of(Severity::Error, "error")) {
+        _ if wrong > 0 => {
+            let who = agree(wrong, ["one subject", "several subjects"]);
+            format!("Numbers of {who} are wrong: do not rely on them")
+        }
+        _ if unproven => "The audit itself failed: nothing is to be concluded from it".to_string(),
+        (Some((model, _, has)), Some(errors)) => {
+            format!("{model} {has} {errors}, to be mended before anything is computed")
+        }
+        (Some((model, is, _)), None) => {
+            let remarks = [of(Severity::Warning, "warning"), of(Severity::Note, "remark")];
+            let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+            match remarks.as_slice() {
+                [] => format!("{model} {is} sound; nothing was found"),
+                remarks if findings(Severity::Warning) == 0 => {
+                    format!("{model} {is} sound; {}", remarks.join(", "))
+                }
+                remarks => format!("{model} can be computed; {}", remarks.join(", ")),
+            }
+        }
+        (None, _) => "Every number that was compared is right".to_string(),
+    };
+    if wrong == 0 && report.undecided() > 0 {
+        words += "; something could not be decided";
+    }
+    if !report.sampled.is_empty() {
+        words += "; numbers were judged by a sample";
+    }
+    words + "."
+}
+
 /// The outcome in a few words.
 pub(super) fn headline(report: &Report) -> String {
     let mut words = vec![of_numbers(report)];
+    words.extend(report.sampled.iter().map(|share| {
+        let Share { scene, states, of_states, .. } = share;
+        format!("{} of {scene} judged ({states} of {of_states} connector states)", percent(share.part()))
+    }));
     let open: Vec<String> = [(report.undecided_subjects(), "subject"), (report.undecided_models(), "model")]
         .into_iter()
         .filter(|(n, _)| *n > 0)
@@ -250,6 +379,26 @@ pub(super) fn headline(report: &Report) -> String {
         words.push(count(report.warnings(), "warning"));
     }
     words.join("; ")
+}
+
+/// A part in percent, with two digits; less than all is never said to be all.
+fn percent(part: f64) -> String {
+    let percent = 100.0 * part;
+    let digits = if percent < 1.0 { 2 } else { usize::from(percent < 10.0) };
+    let shown = format!("{percent:.digits$}");
+    if part < 1.0 && shown == "100" { "over 99 %".to_string() } else { format!("{shown} %") }
+}
+
+/// Of scenes of which only a sample was judged: what was, a sentence each.
+pub(super) fn samples(report: &Report) -> impl Iterator<Item = String> {
+    report.sampled.iter().map(|share| {
+        let Share { scene, connectors, of_connectors, states, of_states, .. } = share;
+        format!(
+            "only a sample of {scene} was judged: {connectors} of {of_connectors} connectors and MPCs, {states} of {of_states} connector \
+             states ({}); nothing is said of the others, and --budget 2h judges more",
+            percent(share.part())
+        )
+    })
 }
 
 /// The outcome of the comparisons.
@@ -275,6 +424,7 @@ fn of_numbers(report: &Report) -> String {
     match words.is_empty() {
         false => words.join("; "),
         true if report.subjects.is_empty() => "models alone: no number audited".into(),
+        true if !report.sampled.is_empty() => "no mismatch in the sample".into(),
         true => "no mismatch".into(),
     }
 }

@@ -1,7 +1,8 @@
 //! What flags say, in words.
 
-use pintle_kinematics::connector::{Flag, Turned};
+use pintle_kinematics::connector::{Flag, Holding, Turned};
 use pintle_kinematics::measure::SingularClass;
+use pintle_scene::grammar::number;
 
 /// What a flag says.
 pub fn flag_in_words(flag: &Flag) -> String {
@@ -50,8 +51,8 @@ fn distances(group: &[Flag]) -> String {
             _ => None,
         })
     };
-    let least = format!("{:.3e}", all().fold(f64::INFINITY, f64::min));
-    let greatest = format!("{:.3e}", all().fold(0.0, f64::max));
+    let least = number(all().fold(f64::INFINITY, f64::min), 4);
+    let greatest = number(all().fold(0.0, f64::max), 4);
     if least == greatest { least } else { format!("{least} to {greatest}") }
 }
 
@@ -99,8 +100,20 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
             )
         }
         Flag::PathDependent { component, difference } => format!(
-            "{component} depends on what lies between this state and the last: {difference:.3e} rad from nodes that turn at constant rates"
+            "{component} depends on what lies between this state and the last: {} rad from nodes that turn at constant rates",
+            number(*difference, 4)
         ),
+        Flag::OffConstraint { component, by, residual } => {
+            let held = match by {
+                Holding::Constraint => "constrained",
+                Holding::Motion => "driven by a connector motion",
+                Holding::Limit => "held by a lock or stop",
+            };
+            format!(
+                "{component} is {held}, and is {} off: more than coordinates are rounded",
+                number(*residual, 4)
+            )
+        }
         Flag::OutOfPlane { component } => {
             format!(
                 "a node moves out of the plane of this two-dimensional connector, as {component}: that part is not its own"
@@ -112,10 +125,14 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
              or 0 between opposite signs"
         ),
         Flag::BeyondStop { component, by } => {
-            format!("{component} lies {by:.3e} beyond its stop: a motion that a stop does not allow")
+            format!(
+                "{component} lies {} beyond its stop: a motion that a stop does not allow",
+                number(*by, 4)
+            )
         }
         Flag::StopPulls { component, reaction } => format!(
-            "the forces given leave {component} a reaction of {reaction:.6e} at its stop, which pulls: a stop only pushes"
+            "the forces given leave {component} a reaction of {} at its stop, which pulls: a stop only pushes",
+            number(*reaction, 7)
         ),
         Flag::Locked { component, limit } => {
             format!("the {limit} limit of {component} is passed: a lock closes")
@@ -129,7 +146,8 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::Friction { component: "C", what } => format!("the friction that components share: {what}"),
         Flag::Friction { component, what } => format!("the friction of {component}: {what}"),
         Flag::OutOfBalance { component, by } => format!(
-            "the force given for {component} is {by:.6e} more than its parts, and nothing holds the component that could take it"
+            "the force given for {component} is {} more than its parts, and nothing holds the component that could take it",
+            number(*by, 7)
         ),
         Flag::ForcesRefused { code, .. } => format!(
             "the forces that the state gives are not its own, and none of them is taken: pintle explain {code}"

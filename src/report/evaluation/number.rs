@@ -2,58 +2,7 @@
 
 use crate::layout;
 
-/// A number with up to `digits` significant digits, plain between 1e-4 and 10^digits, else with an exponent.
-///
-/// Zero is `0`; what is not zero never is: 1e-17 stays visible.
-pub(crate) fn number(value: f64, digits: usize) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !value.is_finite() {
-        return value.to_string();
-    }
-    let rounded = rounded(value, digits.max(1));
-    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
-    let power: i32 = exponent.parse().unwrap_or(0);
-    let is_plain = power >= -4 && i32::try_from(digits).is_ok_and(|digits| power < digits.max(1));
-    if is_plain { plain(mantissa, power) } else { format!("{}e{exponent}", trimmed(mantissa)) }
-}
-
-/// The digits up to which the shortest decimal that reads back to a double, filled up with zeros, is the double rounded.
-const DECIMAL_DIGITS: usize = f64::DIGITS as usize;
-
-/// `value` with up to `digits` significant digits, as mantissa and exponent. The shortest decimal is found faster than a
-/// number of digits, most of all where that would be zeros.
-fn rounded(value: f64, digits: usize) -> String {
-    if value.is_normal() && digits <= DECIMAL_DIGITS {
-        let shortest = format!("{value:e}");
-        let given = shortest.bytes().take_while(|&byte| byte != b'e').filter(u8::is_ascii_digit).count();
-        if given <= digits {
-            return shortest;
-        }
-    }
-    format!("{value:.*e}", digits - 1)
-}
-
-/// The decimal of a mantissa and a power of ten, without an exponent.
-fn plain(mantissa: &str, power: i32) -> String {
-    let (sign, mantissa) = mantissa.strip_prefix('-').map_or(("", mantissa), |rest| ("-", rest));
-    let mut digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
-    let Ok(whole) = usize::try_from(power + 1) else {
-        let zeros = power.unsigned_abs() as usize - 1;
-        return format!("{sign}0.{}{}", "0".repeat(zeros), digits.trim_end_matches('0'));
-    };
-    while digits.len() < whole {
-        digits.push('0');
-    }
-    let (whole, fraction) = digits.split_at(whole);
-    let whole = if whole.is_empty() { "0" } else { whole };
-    trimmed(&format!("{sign}{whole}.{fraction}")).to_string()
-}
-
-fn trimmed(text: &str) -> &str {
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
-}
+pub(crate) use pintle_scene::grammar::number;
 
 /// Cells of one column, aligned at the decimal point, under a heading.
 pub(crate) struct Aligned {
@@ -96,6 +45,7 @@ impl Aligned {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pintle_scene::grammar::trimmed;
 
     #[test]
     fn digits_are_significant_and_truthful() {

@@ -31,6 +31,7 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let axes = deck.system;
     let mut members =
         set.map(|name| deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
+    let mut beyond = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let label = items.need("the node number")?.label_number("the node number")?;
@@ -38,10 +39,20 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         for coordinate in &mut coordinates {
             *coordinate = items.number()?.unwrap_or(0.0);
         }
-        for _normal in 0..3 {
-            if items.number()?.is_some() {
+        let mut normal = [None; 3];
+        for cosine in &mut normal {
+            *cosine = items.number()?;
+            if cosine.is_some() {
                 deck.scene.skipped.count("normals below *NODE".to_owned(), line.span.line());
             }
+        }
+        if beyond.is_none() && beyond_coordinates(&line, normal) {
+            let [x, y, z] = coordinates;
+            let message = format!("node {label} is at ({x}, {y}, {z}), and its line goes on");
+            beyond = Some(
+                Diagnostic::warning(Code::ItemsAfterCoordinates, line.span, message, "more than three coordinates")
+                    .help("write decimal points, not decimal commas; what follows the coordinates is the normal at the node, of length 1"),
+            );
         }
         items.end("a node number and three coordinates, and may go on with the normal at the node")?;
         if system == "C" && axes.is_none() {
@@ -73,6 +84,7 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             members.push_defined(label, line.span);
         }
     }
+    beyond.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
 }
 
@@ -143,6 +155,18 @@ pub(super) fn system(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let directions = axes.triad("of *SYSTEM", &deck.scene, [0.0; 3], &[])?;
     deck.system = Some(Axes { origin: a, directions });
     Ok(())
+}
+
+/// Whether what follows the coordinates is no normal: its length is not 1, or all numbers are whole, as the parts of numbers with
+/// decimal commas are.
+fn beyond_coordinates(line: &Data<'_>, normal: [Option<f64>; 3]) -> bool {
+    /// What rounding to two digits leaves of a length of 1.
+    const ROUNDED: f64 = 0.02;
+    let square: f64 = normal.iter().flatten().map(|cosine| cosine * cosine).sum();
+    let is_given = normal.iter().any(Option::is_some);
+    let is_whole = || line.text.bytes().all(|c| c.is_ascii_digit() || b",-+ \t\r\n".contains(&c));
+    let is_unit = (square - 1.0).abs() < ROUNDED || square == 0.0;
+    is_given && (!is_unit || (square != 0.0 && normal.iter().any(Option::is_none) && is_whole()))
 }
 
 pub(super) fn node_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {

@@ -19,6 +19,7 @@
 mod document;
 mod source;
 mod table;
+mod vanish;
 
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::forces;
@@ -38,6 +39,7 @@ pub(super) use document::{Context, once, read_json};
 pub use source::StateStream;
 pub(super) use source::{Source, is_json, located, located_in, text_of, unreadable, without_mark};
 pub(super) use table::{CsvRow, csv_rows, empty};
+pub use vanish::Vanishing;
 
 /// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.
 pub const MAX_ROTATION: f64 = 1e8;
@@ -54,6 +56,17 @@ pub enum Rotation {
     Vector([f64; 3]),
     /// Quaternion q0, q1, q2, q3 (scalar first), of norm 1 within 1e-6. Turns are not in it.
     Quaternion([f64; 4]),
+}
+
+impl Rotation {
+    /// Whether it is one at all.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        match self {
+            Self::Vector(vector) => *vector != [0.0; 3],
+            Self::Quaternion([_, x, y, z]) => [*x, *y, *z] != [0.0; 3],
+        }
+    }
 }
 
 impl Default for Rotation {

@@ -5,6 +5,7 @@ use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use crate::mutants::mutant::{Changes, NOTHING};
 use pintle_kinematics::scalar::U;
 use pintle_scene::Code;
+use pintle_scene::grammar::number as short;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Where a number stands: its row (a component, an equation, a part) and its place in that row.
@@ -221,9 +222,15 @@ impl Matching<'_> {
         let is_zero = datum.is_some_and(|datum| datum.want.abs() <= datum.tolerance);
         let cause = if is_nothing { Cause::Spurious } else { Cause::Scaled };
         let sentence = match cause {
-            Cause::Spurious if is_zero => format!("{name} equals {got:.3e}, and must be zero"),
+            Cause::Spurious if is_zero => {
+                format!("{name} equals {got}, and must be zero", got = short(got, 4))
+            }
             Cause::Spurious => {
-                format!("{name} equals {got:.3e}, and must be {want:.1e}, which is next to nothing")
+                format!(
+                    "{name} equals {got}, and must be {want}, which is next to nothing",
+                    got = short(got, 4),
+                    want = short(want, 2)
+                )
             }
             _ => format!("{name} equals {:.10} × expected: {}", got / want, cause.meaning()),
         };

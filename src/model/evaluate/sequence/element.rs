@@ -189,6 +189,12 @@ impl Context<'_> {
         } else {
             memory.behavior = None;
         }
+        let driven = element.behavior.drives.motions.each_ref().map(Option::is_some);
+        result.flags.extend(connector.off_constraint(
+            &result.state.pair,
+            &result.evaluation.residual,
+            driven,
+        ));
         let (at, slopes) = ((&result.state, &result.evaluation), result.tangent.as_deref());
         let forces = ForceResult::of(connector, at, total, slopes, request, tally);
         result.flags.extend(forces.iter().flat_map(|forces| &forces.flags));

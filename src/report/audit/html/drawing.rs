@@ -1,4 +1,4 @@
-//! The isometric drawing of a scene: nodes, triads, connectors coloured by verdict.
+//! The drawing of a scene, isometric or in its plane: nodes, triads, connectors coloured by verdict.
 
 use crate::audit::html::figure::{Medium, lines, rendered};
 use crate::audit::html::labels::Labels;
@@ -183,10 +183,45 @@ struct DrawingTemplate<'a> {
     keys: Vec<Key>,
 }
 
-/// The axes of space on the page: 3 up, 1 and 2 to the lower left and right.
-fn projected(x: Vector<f64>) -> [f64; 2] {
-    let [cos, sin] = [3.0_f64.sqrt() / 2.0, 0.5];
-    [(x[1] - x[0]) * cos, (x[0] + x[1]) * sin - x[2]]
+/// From where a scene is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum View {
+    /// 3 up, 1 and 2 to the lower left and right.
+    Isometric,
+    /// Against this axis (0-based), along which the scene has no extent.
+    Plane(usize),
+}
+
+impl View {
+    /// A scene whose nodes lie in a plane across an axis, and not in a line, is seen in that plane.
+    fn of(points: impl Iterator<Item = Vector<f64>> + Clone) -> Self {
+        /// What rounding leaves of no extent, of the largest.
+        const FLAT: f64 = 1e-9;
+        let extent = |axis: usize| {
+            let all = points.clone().map(|point| point[axis]);
+            let [low, high] =
+                all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            high - low
+        };
+        let extents = [0, 1, 2].map(extent);
+        let largest = extents.into_iter().fold(0.0, f64::max);
+        let mut flat = (0..3).filter(|axis| extents[*axis] <= FLAT * largest);
+        match (flat.next(), flat.next()) {
+            (Some(axis), None) => Self::Plane(axis),
+            _ => Self::Isometric,
+        }
+    }
+
+    /// A point or direction on the page.
+    fn projected(self, x: Vector<f64>) -> [f64; 2] {
+        let [cos, sin] = [3.0_f64.sqrt() / 2.0, 0.5];
+        match self {
+            Self::Isometric => [(x[1] - x[0]) * cos, (x[0] + x[1]) * sin - x[2]],
+            Self::Plane(0) => [x[1], -x[2]],
+            Self::Plane(1) => [x[0], -x[2]],
+            Self::Plane(_) => [x[0], -x[1]],
+        }
+    }
 }
 
 /// A scene to be drawn, with the verdicts on its connectors.
@@ -288,7 +323,9 @@ impl Drawing {
     /// The picture.
     pub(super) fn svg(&self, title: &str, place: Medium) -> String {
         let hinges = || self.pieces.iter().flat_map(|piece| piece.hinges.iter().map(|(_, at, _)| *at));
-        let points = || self.pieces.iter().flat_map(|piece| piece.ends).chain(hinges()).map(projected);
+        let places = || self.pieces.iter().flat_map(|piece| piece.ends).chain(hinges());
+        let view = View::of(places());
+        let points = || places().map(|place| view.projected(place));
         let bounds = |axis: usize| {
             points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
                 (low.min(p[axis]), high.max(p[axis]))
@@ -303,7 +340,7 @@ impl Drawing {
         let height = (high * fit + 1.4 * MARGIN).max(200.0);
         let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
         let on_page = |x: Vector<f64>| {
-            let p = projected(x);
+            let p = view.projected(x);
             [WIDTH / 2.0 + (p[0] - middle[0]) * fit, height / 2.0 + (p[1] - middle[1]) * fit]
                 .map(|x| (x * 10.0).round() / 10.0)
         };
@@ -349,7 +386,8 @@ impl Drawing {
                     });
                     // Coincident nodes with the same directions show one triad.
                     for axis in axes {
-                        if !triads.contains(&axis) {
+                        // One that points at the reader has no length.
+                        if axis.from != axis.to && !triads.contains(&axis) {
                             triads.push(axis);
                         }
                     }
@@ -369,7 +407,7 @@ impl Drawing {
         let axes = (0..3).map(|i| {
             let mut unit = [0.0; 3];
             unit[i] = 1.0;
-            let p = projected(unit);
+            let p = view.projected(unit);
             let at = |length: f64| {
                 [origin[0] + p[0] * length, origin[1] + p[1] * length].map(|x| (x * 10.0).round() / 10.0)
             };
@@ -401,7 +439,7 @@ impl Drawing {
             style: place.style(),
             width: WIDTH,
             height,
-            axes: axes.collect(),
+            axes: axes.filter(|axis| axis.from != axis.to).collect(),
             links,
             triads,
             nodes: nodes.collect(),
@@ -473,4 +511,21 @@ pub(super) fn name_of(verdict: Verdict) -> String {
         .ok()
         .and_then(|value| value.as_str().map(str::to_string))
         .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::View;
+
+    #[test]
+    fn a_plane_is_seen_in_itself() {
+        let of = |points: &[[f64; 3]]| View::of(points.iter().copied());
+        let square = [[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0]];
+        assert_eq!(of(&square), View::Plane(2));
+        assert_eq!(of(&square.map(|[x, y, z]| [x, z, y])), View::Plane(1));
+        assert_eq!(of(&square.map(|[x, y, z]| [z, x, y])), View::Plane(0));
+        assert_eq!(of(&[[0.0; 3], [1.0, 0.0, 0.0]]), View::Isometric);
+        assert_eq!(of(&[[0.0; 3], [1.0, 1.0, 1.0], [1.0, 0.0, 0.5]]), View::Isometric);
+        assert_eq!(View::Plane(2).projected([3.0, 4.0, 9.0]), [3.0, -4.0]);
+    }
 }

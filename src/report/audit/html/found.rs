@@ -1,5 +1,6 @@
 //! What was found in models: findings, the assembly as a whole, and which states were covered.
 
+use crate::audit::groups;
 use crate::audit::html::figure;
 use crate::audit::html::figure::{Bin, Map};
 use crate::audit::html::prose::{grouped, grouped_signed, sentence};
@@ -17,6 +18,7 @@ pub(super) struct FindingRow {
     pub(super) code: &'static str,
     pub(super) place: String,
     pub(super) message: String,
+    pub(super) others: String,
     pub(super) reason: String,
     pub(super) remedy: String,
 }
@@ -61,10 +63,10 @@ pub(super) fn model(found: &ModelReport) -> ModelSection {
             .chain(&found.later_steps)
             .map(|of_step| assembly(of_step, !found.later_steps.is_empty()))
             .collect(),
-        findings: found
-            .findings
+        findings: groups::findings(&found.findings)
             .iter()
-            .map(|finding| {
+            .map(|group| {
+                let finding = group.first;
                 let severity = format!("{:?}", finding.severity()).to_lowercase();
                 let line = finding.line().map_or_else(String::new, |line| format!(":{line}"));
                 FindingRow {
@@ -73,6 +75,7 @@ pub(super) fn model(found: &ModelReport) -> ModelSection {
                     code: finding.code().as_str(),
                     place: format!("{}{line}", finding.file()),
                     message: sentence(finding.message()),
+                    others: if group.others().is_empty() { String::new() } else { sentence(&group.others()) },
                     reason: if finding.reason().is_empty() {
                         String::new()
                     } else {

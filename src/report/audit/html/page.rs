@@ -1,5 +1,6 @@
 //! The page: what stands in which section.
 
+use crate::audit::groups::named;
 use crate::audit::html::cards::{
     APPROACH, ApproachCard, ApproachCurve, Card, StepCard, approach_card, approaches, cards, confirmed,
     omitted, step_cards, strip,
@@ -12,13 +13,15 @@ use crate::audit::html::prose::{capital, full_name, grouped};
 use crate::audit::html::self_test::{KindRow, ScoreRow, kinds, left_out, scores, survivors};
 use crate::audit::html::{Supplement, drawing};
 use crate::audit::summary;
-use crate::audit::summary::{AuditOutcome, SubjectRow, detectable, headline, symbols};
+use crate::audit::summary::{
+    AuditOutcome, PAGE_UNREAD, SubjectRow, headline, sentence, symbols, unconfirmed,
+};
 use askama::Template;
-use pintle_audit::oracles::certificate::Certificate;
 use pintle_audit::oracles::oracle::Shares;
 use pintle_audit::{Report, Subject, Verdict};
 use pintle_bench::Environment;
 use pintle_scene::Severity;
+use std::collections::BTreeMap;
 use std::io;
 
 /// A verdict's class and words.
@@ -66,6 +69,7 @@ struct PageTemplate {
     js: &'static str,
     headline: String,
     headline_capital: String,
+    sentence: String,
     tone: &'static str,
     sign: &'static str,
     audited: String,
@@ -118,6 +122,7 @@ pub(super) fn page(report: &Report, supplement: &Supplement<'_>) -> io::Result<S
         figure_css: STYLE,
         js: include_str!("templates/page.js"),
         headline_capital: capital(&outcome),
+        sentence: sentence(report),
         headline: outcome,
         tone,
         sign,
@@ -211,7 +216,11 @@ fn sections(page: &PageTemplate) -> Vec<(&'static str, &'static str)> {
 fn verdict_row(subject: &Subject) -> VerdictRow {
     let row = SubjectRow::of(subject);
     let name = full_name(subject);
-    let words = row.verdicts.map(|verdict| verdict.headline().name()).join(" ");
+    let mut verdicts = row.verdicts.map(Said::of);
+    if row.is_page_unread {
+        verdicts[2] = Said("unread".to_string(), PAGE_UNREAD);
+    }
+    let words = verdicts.each_ref().map(|said| said.1).join(" ");
     let worst = row.worst.map(|units| match units {
         Some(units) if units < 1000.0 => Sorted(units, format!("{units:.2}")),
         Some(units) => Sorted(units, format!("{units:.1e}")),
@@ -220,26 +229,21 @@ fn verdict_row(subject: &Subject) -> VerdictRow {
     VerdictRow {
         text: format!("{name} {words}"),
         name,
-        verdicts: row.verdicts.map(Said::of),
+        verdicts,
         states: row.states,
         independent: row.independent,
         worst: worst.into(),
-        seen: detectable(subject).map_or_else(|| Sorted(2.0, "–".into()), |x| Sorted(x, format!("{x:.0e}"))),
+        seen: row.seen.map_or_else(|| Sorted(2.0, "–".into()), |x| Sorted(x, format!("{x:.0e}"))),
     }
 }
 
+/// Declarations that nobody confirms in full, and why: a line for each reason.
 fn undecided(report: &Report) -> Vec<String> {
-    let open = report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided);
-    let line = |subject: &Subject| {
-        let page = subject
-            .certificate
-            .as_ref()
-            .map_or_else(|| "never typed a second time".to_string(), Certificate::source);
-        format!("{}: declaration undecided: {page}", full_name(subject))
-    };
-    let mut lines: Vec<String> = open.map(line).collect();
-    lines.dedup();
-    lines
+    let mut reasons: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for subject in report.subjects.iter().filter(|subject| subject.declaration == Verdict::Undecided) {
+        reasons.entry(unconfirmed(subject)).or_default().push(full_name(subject));
+    }
+    reasons.into_iter().map(|(why, names)| format!("{}: {why}", named(&names))).collect()
 }
 
 fn environment(report: &Report, supplement: &Supplement<'_>) -> Vec<(&'static str, String)> {

@@ -1,10 +1,12 @@
 //! What needs a look: what went wrong, subject by subject, what tells most first.
 
+use crate::audit::groups;
+use crate::audit::groups::Fault;
 use crate::audit::html::figure;
 use crate::audit::html::figure::Medium;
 use crate::audit::html::prose::{capital, full_name, sentence};
 use crate::audit::summary;
-use crate::audit::summary::{is_sharp, telling};
+use crate::audit::summary::{against_tolerance, is_sharp};
 use pintle_audit::{Check, Report, Subject};
 use pintle_scene::grammar::count;
 
@@ -31,11 +33,12 @@ pub(super) struct Problem {
 
 pub(super) fn problems(report: &Report) -> Vec<ProblemGroup> {
     let mut found = Vec::new();
-    for subject in &report.subjects {
-        let all: Vec<Problem> = telling(subject).map(|check| problem(subject, check)).collect();
-        if !all.is_empty() {
-            found.push(group(full_name(subject), all));
-        }
+    let faults = groups::faults(report);
+    let (mild, wrong): (Vec<&Fault<'_>>, Vec<&Fault<'_>>) = faults.iter().partition(|fault| fault.is_mild());
+    for fault in wrong.into_iter().chain(mild) {
+        let Some(subject) = fault.subjects.first() else { continue };
+        let checks = std::iter::once(fault.check).chain(fault.also.iter().copied());
+        found.push(group(fault.title(), checks.map(|check| problem(subject, check)).collect()));
     }
     for approach in report.atlas.iter().filter(|approach| !approach.is_confirmed()) {
         let problem = Problem {
@@ -79,10 +82,7 @@ pub(super) fn problem(subject: &Subject, check: &Check) -> Problem {
     let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
     let mut numbers = String::new();
     if let Some(worst) = &check.worst {
-        numbers = format!(
-            "{}: {:e}, must be {:e}, tolerance {:.2e}: {:.3e} tolerances",
-            worst.entry, worst.got, worst.want, worst.tolerance, worst.units
-        );
+        numbers = against_tolerance(worst);
         if let Some(state) = &check.worst_state {
             numbers += &format!(", at {state}");
         }

@@ -12,6 +12,12 @@
     var number = parseFloat(text);
     return isNaN(number) || !/^[-+0-9.]/.test(text) ? text.toLowerCase() : number;
   }
+  function unfold() {
+    var target = location.hash && document.querySelector(location.hash + " > details.fold");
+    if (target) { target.open = true; }
+  }
+  window.addEventListener("hashchange", unfold);
+  unfold();
   document.querySelectorAll("table.sortable").forEach(function (table) {
     var heads = table.tHead.rows[0].cells;
     Array.prototype.forEach.call(heads, function (head, column) {

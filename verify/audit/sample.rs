@@ -1,0 +1,247 @@
+//! Large scenes: an even share within a budget, which every form of the report says; and what is said of many connectors, said once.
+
+use crate::commands::cli::{pintle, stderr, stdout};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::fs;
+use std::path::PathBuf;
+
+/// A file of that name.
+fn file(name: &str, text: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("sample_{name}"));
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_string()
+}
+
+/// A row of connectors, each with a section of its own, with `states` of their nodes.
+fn row(name: &str, kind: &str, count: usize, states: usize) -> [String; 2] {
+    let mut deck = "*NODE\n".to_string();
+    (0..2 * count).for_each(|i| writeln!(deck, "{}, {i}., 0.5, 0.", i + 1).unwrap());
+    for i in 0..count {
+        writeln!(deck, "*ELEMENT, TYPE=CONN3D2, ELSET=E{i}\n{}, {}, {}", i + 1, 2 * i + 1, 2 * i + 2)
+            .unwrap();
+        writeln!(deck, "*CONNECTOR SECTION, ELSET=E{i}\n{kind}").unwrap();
+    }
+    let mut rows = "state,node,u1,ur1,ur2\n".to_string();
+    for state in 0..states {
+        for node in 1..=2 * count {
+            writeln!(rows, "{state},{node},0.0{state},0.{state}{},0.1", node % 7).unwrap();
+        }
+    }
+    [file(&format!("{name}.inp"), &deck), file(&format!("{name}.csv"), &rows)]
+}
+
+/// A budget judges a share, and no form of the report presents it as the whole; `--strict` does not pass it.
+#[test]
+fn a_share_is_never_the_whole() {
+    let [deck, states] = row("share", "ROTATION", 400, 3);
+    let run = |more: &[&str]| {
+        let words = [&["audit", &deck, "--at", &states, "--budget", "1s"], more].concat();
+        let assert = pintle(&words).assert();
+        let code = assert.get_output().status.code().unwrap();
+        (code, stdout(&assert), stderr(&assert))
+    };
+    let (code, page, said) = run(&[]);
+    assert_eq!(code, 0, "{page}");
+    assert!(page.contains("only a sample of") && page.contains("nothing is said of the others"), "{page}");
+    let last = page.trim_end().lines().last().unwrap();
+    assert!(
+        last.starts_with("no mismatch in the sample; ") && last.contains("of 1200 connector states"),
+        "{last}"
+    );
+    assert!(said.contains("of 1200 connector states") && said.contains("about"), "{said}");
+    let (code, text, _) = run(&["--format", "json"]);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let share = &document["sampled"][0];
+    let [judged, all] = ["states", "of_states"].map(|key| share[key].as_u64().unwrap());
+    assert!(code == 0 && judged > 0 && judged < all && all == 1200, "{share}");
+    let subjects = document["subjects"].as_array().unwrap();
+    let cases: u64 = subjects.iter().map(|subject| subject["cases"].as_u64().unwrap()).sum();
+    assert_eq!((cases, subjects.len() as u64), (judged, share["connectors"].as_u64().unwrap()));
+    // The sample is even: no half of the row is without its share.
+    let number = |subject: &Value| {
+        subject["name"].as_str().unwrap().rsplit_once(' ').unwrap().1.parse::<u64>().unwrap()
+    };
+    let low = subjects.iter().filter(|subject| number(subject) <= 200).count();
+    assert!(low * 4 >= subjects.len() && low * 4 <= 3 * subjects.len() + 4, "{low} of {}", subjects.len());
+    for (format, words) in
+        [("junit", "only a sample of"), ("markdown", "only a sample of"), ("html", "judged by a sample")]
+    {
+        let (_, text, _) = run(&["--format", format]);
+        assert!(text.contains(words), "{format}");
+    }
+    let (code, page, _) = run(&["--strict"]);
+    assert_eq!(code, 3, "{page}");
+    // What fits is judged whole, and nothing is said of samples.
+    let [deck, states] = row("whole", "BEAM", 3, 2);
+    let whole = stdout(&pintle(&["audit", &deck, "--at", &states, "--budget", "5m"]).assert().code(0));
+    assert!(!whole.contains("in the sample") && !whole.contains("only a sample"), "{whole}");
+    for time in ["0s", "soon", "-1s", "5d"] {
+        pintle(&["audit", &deck, "--budget", time]).assert().code(2);
+    }
+}
+
+/// 60 connectors with the same fault are one finding with its entry; so are 60 notes with the same words. Each stands in JSON, and
+/// under `-v`.
+#[test]
+fn what_is_said_of_many_is_said_once() {
+    let [deck, states] = row("many", "ROTATION", 60, 2);
+    let words = ["audit", &deck, "--at", &states, "--wide-states", "1", "--plant", "wrong-entry", "--format"];
+    let run = |more: &[&str]| stdout(&pintle(&[&words[..], more].concat()).assert().code(1));
+    let page = run(&["human"]);
+    assert!(page.contains("ROTATION 1, ROTATION 2, ROTATION 3 and 57 more of"), "{page}");
+    assert!(page.matches("must be").count() <= 4, "{page}");
+    assert!(page.contains("told by ") && page.contains(" too"), "{page}");
+    assert_eq!(page.matches("note[model::orientation-default]").count(), 1, "{page}");
+    assert!(page.contains("and 59 more of this code: element 2, element 3, element 4, …"), "{page}");
+    assert!(page.contains("ROTATION × 60"), "{page}");
+    let whole = run(&["human", "-v"]);
+    assert_eq!(whole.matches("note[model::orientation-default]").count(), 60);
+    assert!(whole.matches("must be").count() >= 60 && whole.contains("ROTATION 37"));
+    let document: Value = serde_json::from_str(&run(&["json"])).unwrap();
+    let findings = document["models"][0]["findings"].as_array().unwrap();
+    let notes = findings.iter().filter(|finding| finding["code"] == "model::orientation-default");
+    assert_eq!((notes.count(), document["mismatches"].as_u64()), (60, Some(60)));
+    let page = run(&["html"]);
+    assert!(page.contains("ROTATION 1, ROTATION 2, ROTATION 3 and 57 more of"));
+    assert!(page.matches("class=\"problem\"").count() <= 4, "{}", page.matches("class=\"problem\"").count());
+}
+
+/// Numbers are short: a quotient of them is shown as it would be written by hand.
+#[test]
+fn numbers_are_written_as_by_hand() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\nBEAM\n";
+    let (deck, states) = (file("short.inp", deck), file("short.csv", "state,node,u1\n0,2,0.8\n"));
+    let page = stdout(&pintle(&["audit", &deck, "--at", &states, "--model-only"]).assert().code(0));
+    assert!(page.contains("u1 is constrained, and is 0.8 off at state 0"), "{page}");
+    let words = ["audit", &deck, "--at", &states, "--wide-states", "1", "--plant", "wrong-sign"];
+    let page = stdout(&pintle(&words).assert().code(1));
+    assert!(
+        page.contains(": 1, must be -1, tolerance ") || page.contains(": -1, must be 1, tolerance "),
+        "{page}"
+    );
+}
+
+/// Elements that are not read may hold what moves: the audit does not ask to hold it.
+#[test]
+fn what_is_not_read_is_not_asked_to_be_held() {
+    let deck = |more: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n{more}\
+             *CONNECTOR SECTION, ELSET=E\nAXIAL\n*BOUNDARY\n1, 1, 3\n"
+        )
+    };
+    let page = |name: &str, more: &str| {
+        stdout(&pintle(&["audit", &file(name, &deck(more)), "--model-only"]).assert().code(0))
+    };
+    let alone = page("alone.inp", "");
+    assert!(alone.contains("in statics, hold or drive the motion"), "{alone}");
+    let beside = page("beside.inp", "*ELEMENT, TYPE=B31\n7, 2, 3\n");
+    assert!(!beside.contains("hold or drive"), "{beside}");
+    let beside = beside.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(beside.contains("elements that are not read (B31) may hold it"), "{beside}");
+}
+
+/// `eval` flags what the state violates, and says what holds it.
+#[test]
+fn residuals_are_flagged() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=A\n1., 0., 0., 0., 1., 0.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\nTRANSLATOR\nA,\n\
+        *STEP\n*STATIC\n1., 1.\n*CONNECTOR MOTION\n101, 1, 0.5\n*END STEP\n";
+    let deck = file("flags.inp", deck);
+    let flags = |rows: &str| -> Vec<Value> {
+        let states = file("flags.csv", &format!("state,time,node,u1,u2\n{rows}"));
+        let text =
+            stdout(&pintle(&["eval", &deck, "--states", &states, "--format", "json"]).assert().code(0));
+        let document: Value = serde_json::from_str(&text).unwrap();
+        document["scenes"][0]["states"][0]["connectors"][0]["flags"].as_array().cloned().unwrap_or_default()
+    };
+    assert_eq!(flags("0,1,2,0.5,0\n"), Vec::<Value>::new());
+    // What six digits leave is no violation.
+    assert_eq!(flags("0,1,2,0.5000005,0.0000005\n"), Vec::<Value>::new());
+    let told = flags("0,1,2,0.4,0.01\n");
+    let said: Vec<(&str, &str)> =
+        told.iter().map(|flag| (flag["component"].as_str().unwrap(), flag["by"].as_str().unwrap())).collect();
+    assert_eq!(said, [("u1", "motion"), ("u2", "constraint")], "{told:?}");
+    assert!(told.iter().all(|flag| flag["flag"] == "off-constraint"), "{told:?}");
+    let states = file("flags.csv", "state,time,node,u1,u2\n0,1,2,0.4,0.01\n");
+    let page = stdout(&pintle(&["eval", &deck, "--states", &states]).assert().code(0));
+    assert!(page.contains("u1 is driven by a connector motion, and is -0.1 off"), "{page}");
+    // A node that a later state leaves out is told once.
+    let states = file("vanish.csv", "state,time,node,u1\n0,0,2,0.1\n1,0.5,1,0\n2,1,1,0\n");
+    let told = stderr(&pintle(&["eval", &deck, "--states", &states]).assert().code(0));
+    assert!(told.contains("model::node-vanishes") && told.contains("state 1 leaves out node 2"), "{told}");
+}
+
+/// 200 warnings in the same words are one, with a count, wherever a scene is read.
+#[test]
+fn warnings_are_shown_once() {
+    let mut deck =
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n".to_string();
+    for i in 0..30 {
+        let elasticity = "*CONNECTOR ELASTICITY, COMPONENT=1\n-5.,\n";
+        writeln!(deck, "*CONNECTOR BEHAVIOR, NAME=B{i}\n{elasticity}").unwrap();
+    }
+    deck = deck.replace("\n\n", "\n") + "*CONNECTOR SECTION, ELSET=E, BEHAVIOR=B0\nAXIAL\n";
+    let told = stderr(&pintle(&["eval", &file("warned.inp", &deck)]).assert().code(0));
+    assert_eq!(told.matches("is negative").count(), 1, "{told}");
+    assert!(told.contains("model::negative-stiffness 29 more times"), "{told}");
+}
+
+/// The keys of a JSON document.
+fn keys(of: &Value, found: &mut BTreeSet<String>) {
+    match of {
+        Value::Object(all) => all.iter().for_each(|(key, below)| {
+            found.insert(key.clone());
+            keys(below, found);
+        }),
+        Value::Array(all) => all.iter().for_each(|below| keys(below, found)),
+        _ => {}
+    }
+}
+
+/// Every key that JSON documents have, and every flag and every option, is explained. Elements and nodes, which are keys too, are not.
+#[test]
+fn every_key_and_flag_is_explained() {
+    let mut found = BTreeSet::new();
+    let driven = concat!(env!("CARGO_MANIFEST_DIR"), "/verify/findings/constraint-violated-driven");
+    let [deck, states] = ["inp", "csv"].map(|ending| format!("{driven}.{ending}"));
+    for words in [
+        &["eval", "gallery:seat_belt", "--show", "3", "--order", "2", "--format", "json"][..],
+        &["eval", &deck, "--states", &states, "--format", "json"],
+        &[
+            "audit",
+            "gallery:revolute_mpc",
+            "--wide-states",
+            "1",
+            "--plant",
+            "wrong-entry",
+            "--format",
+            "json",
+        ],
+        &["audit", &deck, "--at", &states, "--model-only", "--format", "json"],
+    ] {
+        let output = pintle(words).output().unwrap();
+        keys(&serde_json::from_slice(&output.stdout).unwrap(), &mut found);
+    }
+    let is_word = |key: &&String| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    let is_name = |key: &&String| key.contains(|c: char| c.is_ascii_lowercase()) && !key.contains("::");
+    let asked: Vec<&String> = found.iter().filter(is_word).filter(is_name).collect();
+    let lacking: Vec<&&String> =
+        asked.iter().filter(|key| pintle_report::glossary::of(key).is_empty()).collect();
+    assert!(lacking.is_empty() && asked.len() > 150, "{} asked, without a meaning: {lacking:?}", asked.len());
+    let flags = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/src/kinematics/connector/flags.rs"))
+        .unwrap();
+    let names: Vec<&str> = flags
+        .lines()
+        .filter_map(|line| {
+            line.trim().strip_prefix("Self::")?.split_once("{ .. } => \"")?.1.split('"').next()
+        })
+        .collect();
+    let lacking: Vec<&&str> =
+        names.iter().filter(|name| pintle_report::glossary::of(name).is_empty()).collect();
+    assert!(lacking.is_empty() && names.len() > 15, "{names:?}: {lacking:?}");
+    let told = stdout(&pintle(&["explain", "off-constraint"]).assert().code(0));
+    assert!(told.contains("residual beyond rounding"), "{told}");
+}
