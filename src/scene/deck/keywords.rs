@@ -6,7 +6,8 @@ use crate::behavior::{
     Softening,
 };
 use crate::choice::Choice;
-use crate::deck::{Deck, assembly, behavior, connector, generate, history, mesh};
+use crate::constraint::Weighting;
+use crate::deck::{Deck, assembly, behavior, connector, constraint, generate, history, mesh};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::lexer::Keyword;
 use crate::model::{
@@ -276,6 +277,104 @@ pub(super) static RULES: &[Rule] = &[
         &[may("USER", Flag), pass("MODE", One(&["DOF", "NODE"])), may("INPUT", Text)],
         "each line is: type, node, node …",
         connector::mpc,
+    ),
+    rule(
+        "EQUATION",
+        Model,
+        &[may("INPUT", Text), pass("REMOVE", Flag)],
+        "a line with the number of terms, then the terms: node, degree of freedom, factor",
+        constraint::equation,
+    ),
+    rule(
+        "SURFACE",
+        Model,
+        &[
+            need("NAME", Name),
+            may("TYPE", Text),
+            may("COMBINE", Text),
+            may("CROP", Text),
+            pass("INTERNAL", FlagOrText),
+            pass("FILLET RADIUS", Text),
+            pass("MAX RATIO", Text),
+            pass("DEFINITION", Text),
+            pass("NO OFFSET", FlagOrText),
+            pass("NO THICK", FlagOrText),
+            pass("PROPERTY", Text),
+            pass("REGION TYPE", Text),
+            pass("SCALE THICK", Text),
+            pass("TRIM", Text),
+            pass("NOLOOKUP", FlagOrText),
+        ],
+        "each line of TYPE=NODE is: node or node set, area",
+        constraint::surface,
+    ),
+    rule(
+        "RIGID BODY",
+        Model,
+        &[
+            may("REF NODE", Name),
+            may("ELSET", Name),
+            may("PIN NSET", Name),
+            may("TIE NSET", Name),
+            may("NSET", Name),
+            may("ROT NODE", Name),
+            may("ANALYTICAL SURFACE", Name),
+            may("POSITION", One(&["INPUT", "CENTER OF MASS"])),
+            pass("ISOTHERMAL", FlagOrText),
+            pass("ALPHA", Number),
+            pass("DENSITY", Text),
+            pass("NODAL THICKNESS", FlagOrText),
+            pass("OFFSET", Text),
+        ],
+        "it takes a thickness",
+        constraint::rigid_body,
+    ),
+    rule(
+        "COUPLING",
+        Model,
+        &[
+            may("CONSTRAINT NAME", Name),
+            may("REF NODE", Name),
+            may("SURFACE", Name),
+            may("ORIENTATION", Name),
+            may("INFLUENCE RADIUS", Number),
+            pass("ALPHA", Number),
+            pass("ADJUST", FlagOrText),
+        ],
+        "*KINEMATIC or *DISTRIBUTING follows it",
+        constraint::coupling,
+    ),
+    rule("KINEMATIC", Model, &[], "each line is: first, last degree of freedom", constraint::kinematic),
+    rule(
+        "DISTRIBUTING",
+        Model,
+        &[
+            may("COUPLING", One(&["CONTINUUM", "STRUCTURAL"])),
+            may("WEIGHTING METHOD", One(Weighting::SPELLINGS)),
+            may("CYCLIC SYMMETRY", FlagOrText),
+            may("NLGEOM", FlagOrText),
+        ],
+        "each line is: first, last degree of freedom",
+        constraint::distributing,
+    ),
+    rule(
+        "TIE",
+        Model,
+        &[
+            may("NAME", Name),
+            may("POSITION TOLERANCE", Number),
+            may("TYPE", Text),
+            may("NO ROTATION", Flag),
+            may("CYCLIC SYMMETRY", FlagOrText),
+            may("CONSTRAINT RATIO", Text),
+            may("MULTIPHYSICS", Text),
+            may("FLUID PERIODIC", Text),
+            pass("ADJUST", FlagOrText),
+            pass("NO THICKNESS", FlagOrText),
+            pass("TIED NSET", Text),
+        ],
+        "each line is: dependent surface, other surface",
+        constraint::tie,
     ),
     rule(
         "CONNECTOR SECTION",
@@ -644,6 +743,13 @@ pub(super) fn is_of_level(name: &str) -> bool {
             | "SPRING"
             | "DASHPOT"
             | "MPC"
+            | "EQUATION"
+            | "SURFACE"
+            | "RIGID BODY"
+            | "COUPLING"
+            | "KINEMATIC"
+            | "DISTRIBUTING"
+            | "TIE"
             | "CONNECTOR SECTION"
     )
 }
@@ -673,18 +779,14 @@ pub(super) fn is_procedure(name: &str) -> bool {
 }
 
 /// Keywords that constrain nodes and are skipped. Suboptions, such as `*KINEMATIC` below `*COUPLING`, are of their keywords.
-const CONSTRAINTS: [&str; 11] = [
-    "COUPLING",
+const CONSTRAINTS: [&str; 7] = [
     "CYCLIC SYMMETRY MODEL",
     "DISTRIBUTING COUPLING",
     "EMBEDDED ELEMENT",
-    "EQUATION",
     "FASTENER",
     "KINEMATIC COUPLING",
     "PRE-TENSION SECTION",
-    "RIGID BODY",
     "SHELL TO SOLID COUPLING",
-    "TIE",
 ];
 
 /// The name of a keyword that constrains nodes and is skipped, if it is one.

@@ -6,6 +6,7 @@
 mod assembly;
 mod behavior;
 mod connector;
+mod constraint;
 mod generate;
 mod history;
 mod keywords;
@@ -137,6 +138,7 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         rotation_targets: Vec::new(),
         any_rotates: false,
         mpcs: Vec::new(),
+        constraints: constraint::Raw::default(),
         assembly: assembly::Assembly::default(),
         generated: 0,
         warnings: Vec::new(),
@@ -165,6 +167,7 @@ struct Deck<'a> {
     /// Elements that are not read were generated, so that any node may be one of theirs.
     any_rotates: bool,
     mpcs: Vec<connector::RawMpc>,
+    constraints: constraint::Raw,
     assembly: assembly::Assembly,
     /// Nodes and elements that were generated.
     generated: u64,

@@ -3,6 +3,7 @@
 use crate::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::deck::Deck;
 use crate::deck::connector::RawMpc;
+use crate::deck::constraint;
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
 use crate::deck::sets::{Kind, Known, Member, OtherElements, unknown_set};
@@ -19,9 +20,10 @@ pub(super) fn resolve(deck: &mut Deck<'_>) -> Result<()> {
     sections(&mut deck.scene)?;
     deck.scene.behaviors.iter().try_for_each(|(name, behavior)| check_behavior(name, behavior))?;
     properties(&deck.scene)?;
-    other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw)?;
+    constraint::resolve(deck)?;
+    other_rotations(deck);
     actuation(deck)
 }
 
@@ -114,7 +116,7 @@ fn build_sets(deck: &mut Deck<'_>) -> Result<()> {
     Ok(())
 }
 
-fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+pub(super) fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     let names = || scene.element_sets.keys().map(String::as_str);
     scene.element_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Element, name, names()))
 }
@@ -134,7 +136,7 @@ fn check_name<T>(
     Err(Diagnostic::error(code, name.span, message, "not defined").help(remedy))
 }
 
-fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()> {
+pub(super) fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()> {
     check_name(name, &scene.orientations, "orientation", "ORIENTATION", Code::UnknownOrientation)
 }
 
@@ -361,7 +363,7 @@ fn check_degrees_of_freedom(
     Ok(())
 }
 
-fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+pub(super) fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     let names = || scene.node_sets.keys().map(String::as_str);
     scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
 }
@@ -380,7 +382,7 @@ fn complete_node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a
         .help("give the set its nodes by *NSET, instead of by ELSET"))
 }
 
-fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
+pub(super) fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
     match &target.value {
         Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
@@ -399,7 +401,7 @@ fn known_node_target(scene: &Scene, target: &Spanned<Target>) -> Result<()> {
     }
 }
 
-/// Of the nodes to which what is not read gives rotations, those that belong to a connector.
+/// Of the nodes to which what is not read gives rotations, those that belong to a connector or a constraint.
 fn other_rotations(deck: &mut Deck<'_>) {
     let scene = &mut deck.scene;
     for target in &deck.rotation_targets {
@@ -412,8 +414,9 @@ fn other_rotations(deck: &mut Deck<'_>) {
         }
     }
     let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
+    let joined = constraint::nodes(scene);
     let rotates = |node: &Label| deck.any_rotates || deck.other_rotations.contains(node);
-    scene.rotating_nodes = ends.filter(rotates).collect();
+    scene.rotating_nodes = ends.chain(joined).filter(rotates).collect();
     deck.other_rotations = LabelSet::default();
 }
 
