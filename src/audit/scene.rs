@@ -1,15 +1,17 @@
 //! A scene: every connector and every multi-point constraint at its states.
 
 use crate::behavior::audit_behavior;
-use crate::case::failing::MpcCase;
 use crate::case::failing::SlopesCase;
+use crate::case::failing::{MpcCase, RelationCase};
 use crate::case::quantity::Quantity;
 use crate::case::{Case, Step};
 use crate::engine::{SOMETIMES, audit_case, checks_of, laws_of_type, spread_of};
 use crate::friction::{Slipping, audit_slipping, drawn, restored, slipping};
 use crate::judge::outcome::{Check, Expected, Report, Subject};
 use crate::judge::verdict::Verdict;
-use crate::oracles::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
+use crate::oracles::certificate::{
+    certificate, certificate_named, certificate_of_mpc, certifies_frictions, certifies_springs,
+};
 use crate::sampling::about_initial;
 use crate::sampling::coverage::{Coverage, Sample};
 use crate::settings::Settings;
@@ -19,7 +21,8 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::{add, sub};
 use pintle_model::behavior::state::History;
 use pintle_model::evaluate::{
-    ConnectorElement, ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence,
+    ConnectorElement, ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, RelationResult,
+    Sequence,
 };
 use pintle_scene::State;
 use rayon::prelude::*;
@@ -54,6 +57,7 @@ struct Gathered {
 enum Work {
     Connector(Box<Case>, Arc<ElementBehavior>, Option<Box<Slipping>>),
     Mpc(Box<MpcCase>),
+    Relation(Box<RelationCase>),
 }
 
 /// One piece of work: whose it is, its number among the states, and whether it goes to the oracles on 237 bits.
@@ -72,7 +76,7 @@ pub fn audit_scenes(settings: &Settings, targets: &[Target<'_>], progress: &(dyn
 
 fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str) + Sync)) -> Vec<Subject> {
     let Target { model, plan, states, .. } = *target;
-    let count = plan.connectors.len() + plan.mpcs.len();
+    let count = plan.connectors.len() + plan.mpcs.len() + plan.relations.len();
     let mut gathered: Vec<Gathered> = Vec::new();
     gathered.resize_with(count, Gathered::default);
     let share = settings.wide_states_of_a_scene / count.max(1);
@@ -106,6 +110,7 @@ fn audit_scene(settings: &Settings, target: &Target<'_>, progress: &(dyn Fn(&str
                     Work::Connector(Box::new(case), behavior, slips.map(Box::new))
                 }
                 Item::Mpc(placed) => Work::Mpc(Box::new(mpc_case(model, placed, number))),
+                Item::Relation(placed) => Work::Relation(Box::new(relation_case(model, placed, number))),
             };
             waiting.push(Piece { place, index, is_wide: is_wide(place, index), work });
             place += 1;
@@ -145,6 +150,7 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
             }
             Work::Mpc(case) if is_wide => (place, case.audit(settings, true)),
             Work::Mpc(case) => (place, case.audit(settings, index.is_multiple_of(SOMETIMES))),
+            Work::Relation(case) => (place, case.audit(settings, is_wide || index.is_multiple_of(SOMETIMES))),
         })
         .collect();
     for (place, checks) in found {
@@ -215,8 +221,12 @@ fn draw_states(settings: &Settings, target: &Target<'_>, wide_states: usize, gat
     let mut walk = Sequence::new(model, &alone);
     let mut place = plan.connectors.len();
     let Ok(()) = walk.visit(&State::default(), |placed| -> Result<(), Infallible> {
-        if let Item::Mpc(placed) = placed {
-            let work = Work::Mpc(Box::new(mpc_case(model, placed, 0)));
+        let work = match placed {
+            Item::Connector(_) => None,
+            Item::Mpc(placed) => Some(Work::Mpc(Box::new(mpc_case(model, placed, 0)))),
+            Item::Relation(placed) => Some(Work::Relation(Box::new(relation_case(model, placed, 0)))),
+        };
+        if let Some(work) = work {
             pieces.push(Piece { place, index: 0, is_wide: true, work });
             place += 1;
             if pieces.len() >= AT_ONCE {
@@ -281,6 +291,17 @@ fn mpc_case(model: &Model, placed: &MpcResult, number: u64) -> MpcCase {
     }
 }
 
+fn relation_case(model: &Model, placed: &RelationResult, number: u64) -> RelationCase {
+    let element = &model.relations[placed.index];
+    RelationCase {
+        name: format!("{} at state {number}", element.title()),
+        type_name: element.type_name.to_string(),
+        relation: element.relation.clone(),
+        nodes: placed.nodes.clone(),
+        length: own_length(model, element.length(), 0.0),
+    }
+}
+
 fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
     let Target { model, plan, .. } = *target;
     let mut laws: HashMap<&str, Vec<Check>> = HashMap::new();
@@ -305,7 +326,12 @@ fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
         let of_kind = certificate_of_mpc(element.constraint.kind());
         Some((element.title(), of_kind, true, Expected::of_constraint()))
     });
-    let named = connectors.chain(mpcs).zip(gathered);
+    let relations = plan.relations.iter().filter_map(|at| {
+        let element = model.relations.get(*at)?;
+        let of_kind = certificate_named(element.type_name);
+        Some((element.title(), of_kind, true, Expected::of_relation(&element.relation)))
+    });
+    let named = connectors.chain(mpcs).chain(relations).zip(gathered);
     named
         .map(|((title, certificate, slips, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
@@ -337,6 +363,7 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
     let plan = Plan {
         connectors: connectors.to_vec(),
         mpcs: Vec::new(),
+        relations: Vec::new(),
         request: Request::nothing(0),
         ..target.plan.clone()
     };

@@ -10,6 +10,7 @@ use pintle_kinematics::catalog::PLANE;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::mpc::Translation;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_kinematics::relation::Form;
 use pintle_model::evaluate::{ConnectorElement, Fixed, Freedom, Jacobian, Model, MpcElement, Plan};
 use pintle_scene::{Diagnostic, Label, Scene};
 use std::collections::{HashMap, HashSet};
@@ -157,6 +158,13 @@ impl<'a> Known<'a> {
         }
         for element in self.model.mpcs.iter().filter(|element| ties(element)) {
             if let [s, m, ..] = element.nodes.as_slice() {
+                join(*s, *m);
+            }
+        }
+        for element in &self.model.relations {
+            if let Form::Carried { fixed: [.., true, true, true], .. } = element.relation.form()
+                && let [s, m, ..] = element.nodes.as_slice()
+            {
                 join(*s, *m);
             }
         }

@@ -55,6 +55,11 @@ impl Plan {
         Ok(Self::of(model, chosen.into_iter().collect(), [Vec::new(), Vec::new()], request))
     }
 
+    /// Whether there is nothing to be computed.
+    pub const fn is_empty(&self) -> bool {
+        self.connectors.is_empty() && self.mpcs.is_empty() && self.relations.is_empty()
+    }
+
     /// Compiles a request for every connector and constraint of a model.
     pub fn everything(model: &Model, request: Request) -> Self {
         let all = |count: usize| (0..count).collect();
