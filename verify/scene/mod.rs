@@ -2,6 +2,7 @@
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
 mod assembly;
+mod constraints; // equations, rigid bodies, couplings, ties
 mod documents;
 pub(crate) mod faults; // what is said about every faulty input
 pub(crate) mod freedom; // which degrees of freedom nodes have
