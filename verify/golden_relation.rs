@@ -44,8 +44,7 @@ impl Case {
         match (self.kind.as_str(), self.axes, self.fixed) {
             ("EQUATION" | "TIE", ..) => Relation::linear(&self.terms),
             ("DISTRIBUTING COUPLING", ..) => {
-                let nodes: Vec<_> =
-                    self.weights.iter().copied().zip(self.X[1..].iter().copied()).collect();
+                let nodes: Vec<_> = self.weights.iter().copied().zip(self.X[1..].iter().copied()).collect();
                 Relation::mean(self.X[0], &nodes)
             }
             (_, Some(axes), Some(fixed)) => Relation::carried(self.X[0], self.X[1], axes, fixed),
@@ -113,5 +112,10 @@ fn relations_agree_with_jax() {
     }
     println!("{compared} numbers, worst {:.1e} at {}", worst.0, worst.1);
     assert!(compared > 1000 && states_by_kind().len() == 5, "{compared} compared");
-    assert!(failures.is_empty(), "{} fail\n{}", failures.len(), failures[..failures.len().min(10)].join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{} fail\n{}",
+        failures.len(),
+        failures[..failures.len().min(10)].join("\n")
+    );
 }

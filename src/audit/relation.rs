@@ -17,7 +17,7 @@ use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::judge::outcome::{Against, Check};
 use crate::judge::table::{Change, Entry, ResultTable};
-use crate::judge::verdict::{Score, Verdict};
+use crate::judge::verdict::Score;
 use crate::laws::demanded::Invariant;
 use crate::laws::{Asked, Demand, IsConditioned, Related, TURN, Term, What, axis, try_mutants};
 use crate::mutants::mutant::{Changes, Mistake, Mutant, of_angle, of_rate};
@@ -581,10 +581,5 @@ impl RelationCase {
         let demand = self.demands(law, &numbers, &tolerance).into_iter();
         let demand = demand.into_iter().find(|demand| demand.what.to_string() == what)?;
         Some(demand.sum(|quantity, row, place| numbers.number(quantity, row, place)))
-    }
-
-    /// Whether a check speaks against it.
-    pub fn is_wrong(&self) -> bool {
-        self.tables().iter().any(|table| table.judge().verdict == Verdict::Wrong)
     }
 }

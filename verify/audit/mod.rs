@@ -143,6 +143,7 @@ fn threads_do_not_matter() {
 fn certificates_follow_from_the_tests() {
     let mut states = golden::states_by_type();
     states.extend(golden_mpc::states_by_kind());
+    states.extend(golden_relation::states_by_kind());
     let mut behavior = crate::friction::golden::states_by_kind();
     behavior.insert("BEHAVIOR springs and dampers".into(), crate::behavior::states_of_jax());
     let of_behavior = behavior.into_iter().map(|(name, jax_states)| {
@@ -152,6 +153,7 @@ fn certificates_follow_from_the_tests() {
     let want: BTreeMap<String, Certificate> = manual::pages()
         .map(|(name, page)| (name.to_string(), page))
         .chain(manual::mpc_pages())
+        .chain(manual::relation_pages())
         .map(|(name, page)| {
             let jax_states = states.get(&name).copied().unwrap_or(0);
             let told = page.strip_suffix(" unread").and_then(|told| told.rsplit_once("; "));

@@ -200,7 +200,10 @@ fn what_is_left_out_is_named() {
     let left_out = [
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*KINEMATIC", "COUPLING"),
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING\n1, 3", "COUPLING"),
-        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING, COUPLING=STRUCTURAL", "COUPLING"),
+        (
+            "*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING, COUPLING=STRUCTURAL",
+            "COUPLING",
+        ),
         ("*TIE, NAME=T\nFACES, DOTS", "TIE"),
         ("*RIGID BODY, REF NODE=1, ELSET=SOLID", "RIGID BODY"),
         ("*RIGID BODY, NSET=N, REF NODE=1, ROT NODE=2", "RIGID BODY"),
@@ -272,11 +275,8 @@ fn a_whole_kinematic_coupling_is_a_beam() {
     let relation = Relation::<f64>::carried(slave, master, AXES, [true; 6]);
     let rows = relation.evaluate(&[s, m], &Request::everything(1), &mut Tally::default());
     let beam = Constraint::<f64>::new(Kind::Beam, slave, master, [[0.0; 3]; 2]);
-    let body = |point: &Point<f64>| Body {
-        displacement: point.displacement,
-        rotation: point.rotation,
-        flow: 0.0,
-    };
+    let body =
+        |point: &Point<f64>| Body { displacement: point.displacement, rotation: point.rotation, flow: 0.0 };
     let state = MpcState { slave: body(&s), master: body(&m), ..MpcState::at_rest() };
     let start = [pintle_kinematics::connector::Turns { turns: 0.0, principal: 0.0 }; 2];
     let found =
@@ -363,11 +363,7 @@ fn means_in_closed_form() {
     assert_eq!(pair.rows().len(), 5);
     let (h, angle) = (0.5, -(0.25_f64.atan()));
     let lifted = [angle.sin(), 0.0, h / 2.0 + angle.cos() - 1.0];
-    let points = [
-        point(lifted, [0.0, angle, 0.0]),
-        Point::at_rest(),
-        point([0.0, 0.0, h], [0.0; 3]),
-    ];
+    let points = [point(lifted, [0.0, angle, 0.0]), Point::at_rest(), point([0.0, 0.0, h], [0.0; 3])];
     let found = rows(&pair, &points);
     assert!(found.iter().all(|row| row.residual.abs() < 2e-16), "{found:?}");
     // Turned about the line as well: nobody minds, but M stays on its circle.
@@ -447,8 +443,12 @@ T, 3
     let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::of(&scene).unwrap());
     let mut values = Vec::new();
     let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
-    let names: Vec<_> =
-        jacobian.row(0).iter().map(|at| jacobian.freedoms()[*at as usize]).map(|f| (f.node, f.number)).collect();
+    let names: Vec<_> = jacobian
+        .row(0)
+        .iter()
+        .map(|at| jacobian.freedoms()[*at as usize])
+        .map(|f| (f.node, f.number))
+        .collect();
     assert_eq!(names, [(n(1), 3), (n(2), 1), (n(3), 6)]);
     assert_eq!(values, [2.0, -3.0, 0.5]);
     assert!(care.is_empty());

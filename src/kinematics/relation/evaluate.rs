@@ -3,6 +3,7 @@
 use crate::connector::{Output, Request, Tally};
 use crate::mpc::turned;
 use crate::relation::{Form, Point, Quantity, Relation, Share, Term, place_of};
+use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::so3;
 use crate::vector;
@@ -279,6 +280,6 @@ impl Relation<f64> {
         let Form::Carried { fixed: [.., true, true, true], .. } = self.form else { return None };
         let [slave, master] = [nodes.first()?, nodes.get(1)?];
         let log = so3::log(&vector::transposed_product(&master.rotation, &slave.rotation));
-        Some(PI - dot(log, log).sqrt())
+        Some(PI - norm(log))
     }
 }
