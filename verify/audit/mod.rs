@@ -14,7 +14,7 @@ pub(crate) mod units; // whether units and axes change a verdict
 pub(crate) mod verdict; // verdicts that differ by little: nearly right formulas, singular sets
 
 use crate::numbers::manual;
-use crate::{golden, golden_mpc};
+use crate::{golden, golden_mpc, golden_relation};
 use pintle_audit::mutants::mutant::{Mistake, Scene, mutants};
 use pintle_audit::oracles::certificate::{Certificate, certificates};
 use pintle_audit::replay::shrink::shrink;

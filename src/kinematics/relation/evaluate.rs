@@ -8,7 +8,7 @@ use crate::scalar::{Differentiable, Scalar, Seeded};
 use crate::so3;
 use crate::vector;
 use crate::vector::{
-    Matrix, Vector, add, apply, apply_transposed, constant, cross, cross_real, dot, dot_real, scale, sub,
+    Matrix, Vector, add, apply, apply_transposed, constant, cross, cross_real, dot_real, scale, sub,
 };
 use std::f64::consts::PI;
 

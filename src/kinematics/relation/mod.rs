@@ -16,8 +16,8 @@
 //!
 //! *Means.* x̄ = Σ ŵ_n x_n is the weighted centre of the coupling nodes, ŵ_n = w_n/Σ w, r_n = x_n − x̄, and R_n is r_n initially. The mean
 //! rotation is the C that brings the R_n nearest to the r_n, Σ ŵ_n |r_n − C R_n|² = min. There Σ ŵ_n (Cᵀ r_n) × R_n = 0, which is what ρ
-//! states of C_M. With T = Σ ŵ_n (|R_n|² 1 − R_n R_nᵀ) and g_i = T⁻¹ e_i the rows are those of Abaqus' theory, δρ = δθ_M − T⁻¹ Σ ŵ_n r_n × δx_n, for
-//! every cloud that has moved as a rigid body. For one that has not, finite rotations are our reading: the theory prints rates only.
+//! states of C_M. Here T = Σ ŵ_n (|R_n|² 1 − R_n R_nᵀ) and g_i = T⁻¹ e_i. For every cloud that has moved as a rigid body the rows are those of
+//! Abaqus' theory, δρ = δθ_M − T⁻¹ Σ ŵ_n r_n × δx_n. For one that has not, finite rotations are our reading: the theory prints rates only.
 //! Nodes on one line leave the rotation about it free, and so two equations; one node leaves all three free.
 //!
 //! All δ and ρ are components along carried axes, and so are numbers that no rigid motion of everything changes.
