@@ -196,7 +196,8 @@ S,
 #[test]
 fn what_is_left_out_is_named() {
     let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=C3D8, ELSET=SOLID\n7, 1, 2, 3, 1, 2, 3, 1, 2\n";
-    let surfaces = "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS\n2,\n3,\n";
+    let surfaces =
+        "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n";
     let left_out = [
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*KINEMATIC", "COUPLING"),
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING\n1, 3", "COUPLING"),
@@ -208,6 +209,7 @@ fn what_is_left_out_is_named() {
         ("*RIGID BODY, REF NODE=1, ELSET=SOLID", "RIGID BODY"),
         ("*RIGID BODY, NSET=N, REF NODE=1, ROT NODE=2", "RIGID BODY"),
         ("*FASTENER", "FASTENER"),
+        ("*STEP\n*STATIC\n0.1, 1.\n*EQUATION, REMOVE\n2\n*END STEP", "EQUATION"),
     ];
     for (text, keyword) in left_out {
         let scene = read(&format!("{nodes}{surfaces}{text}\n"));

@@ -208,7 +208,7 @@ impl Deck<'_> {
         let assembly = &mut self.assembly;
         let has_parts = !assembly.parts.is_empty() || assembly.begun.is_some();
         match assembly.open.last() {
-            _ if keywords::is_of_assembly(name) => Ok(()),
+            _ if keywords::is_of_assembly(name) || keywords::is_constraint(name) => Ok(()),
             None if keywords::is_of_level(name) && has_parts => misplaced(
                 format!("*{name} stands outside every part, instance and assembly"),
                 "belongs into one of them",

@@ -133,7 +133,8 @@ fn named(value: &Value) -> Result<Spanned<Target>> {
 }
 
 pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    if keyword.has("REMOVE") {
+    // In a step it is not of the model throughout.
+    if keyword.has("REMOVE") || deck.step.is_some() {
         return deck.pass_constraint(keyword, "EQUATION");
     }
     crate::deck::mesh::take_input(deck, keyword)?;
@@ -284,8 +285,9 @@ fn decide(deck: &mut Deck<'_>, keyword: &Keyword, kind: Option<CouplingKind>) ->
 
 pub(super) fn kinematic(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let numbers = degrees_of_freedom(deck, keyword)?;
-    let kind = CouplingKind::Kinematic(numbers);
-    decide(deck, keyword, Some(kind))
+    // Degrees of freedom of other physics alone.
+    let kind = (!numbers.is_empty()).then_some(CouplingKind::Kinematic(numbers));
+    decide(deck, keyword, kind)
 }
 
 /// A mean of rotations, a released rotation, and cyclic symmetry are not read.

@@ -280,31 +280,15 @@ pub(super) static RULES: &[Rule] = &[
     ),
     rule(
         "EQUATION",
-        Model,
-        &[may("INPUT", Text), pass("REMOVE", Flag)],
+        Both,
+        &[may("INPUT", Text), may("REMOVE", FlagOrText)],
         "a line with the number of terms, then the terms: node, degree of freedom, factor",
         constraint::equation,
     ),
     rule(
         "SURFACE",
         Model,
-        &[
-            need("NAME", Name),
-            may("TYPE", Text),
-            may("COMBINE", Text),
-            may("CROP", Text),
-            pass("INTERNAL", FlagOrText),
-            pass("FILLET RADIUS", Text),
-            pass("MAX RATIO", Text),
-            pass("DEFINITION", Text),
-            pass("NO OFFSET", FlagOrText),
-            pass("NO THICK", FlagOrText),
-            pass("PROPERTY", Text),
-            pass("REGION TYPE", Text),
-            pass("SCALE THICK", Text),
-            pass("TRIM", Text),
-            pass("NOLOOKUP", FlagOrText),
-        ],
+        &[need("NAME", Name), may("TYPE", Text), may("COMBINE", Text), may("CROP", Text)],
         "each line of TYPE=NODE is: node or node set, area",
         constraint::surface,
     ),
@@ -320,11 +304,6 @@ pub(super) static RULES: &[Rule] = &[
             may("ROT NODE", Name),
             may("ANALYTICAL SURFACE", Name),
             may("POSITION", One(&["INPUT", "CENTER OF MASS"])),
-            pass("ISOTHERMAL", FlagOrText),
-            pass("ALPHA", Number),
-            pass("DENSITY", Text),
-            pass("NODAL THICKNESS", FlagOrText),
-            pass("OFFSET", Text),
         ],
         "it takes a thickness",
         constraint::rigid_body,
@@ -338,8 +317,6 @@ pub(super) static RULES: &[Rule] = &[
             may("SURFACE", Name),
             may("ORIENTATION", Name),
             may("INFLUENCE RADIUS", Number),
-            pass("ALPHA", Number),
-            pass("ADJUST", FlagOrText),
         ],
         "*KINEMATIC or *DISTRIBUTING follows it",
         constraint::coupling,
@@ -352,7 +329,6 @@ pub(super) static RULES: &[Rule] = &[
             may("COUPLING", One(&["CONTINUUM", "STRUCTURAL"])),
             may("WEIGHTING METHOD", One(Weighting::SPELLINGS)),
             may("CYCLIC SYMMETRY", FlagOrText),
-            may("NLGEOM", FlagOrText),
         ],
         "each line is: first, last degree of freedom",
         constraint::distributing,
@@ -369,9 +345,6 @@ pub(super) static RULES: &[Rule] = &[
             may("CONSTRAINT RATIO", Text),
             may("MULTIPHYSICS", Text),
             may("FLUID PERIODIC", Text),
-            pass("ADJUST", FlagOrText),
-            pass("NO THICKNESS", FlagOrText),
-            pass("TIED NSET", Text),
         ],
         "each line is: dependent surface, other surface",
         constraint::tie,
@@ -743,15 +716,14 @@ pub(super) fn is_of_level(name: &str) -> bool {
             | "SPRING"
             | "DASHPOT"
             | "MPC"
-            | "EQUATION"
-            | "SURFACE"
-            | "RIGID BODY"
-            | "COUPLING"
-            | "KINEMATIC"
-            | "DISTRIBUTING"
-            | "TIE"
             | "CONNECTOR SECTION"
     )
+}
+
+/// Is it a constraint beside connectors, or what one is made of? It may stand in parts, in the assembly and outside them, and what it has
+/// besides the parameters that are read does not refuse a deck.
+pub(super) fn is_constraint(name: &str) -> bool {
+    matches!(name, "EQUATION" | "SURFACE" | "RIGID BODY" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "TIE")
 }
 
 /// Procedures that are noted but not read.
@@ -850,6 +822,9 @@ impl Rule {
             }
             let Some(known) = self.parameters else { continue };
             let Some(parameter) = known.iter().find(|parameter| parameter.name == given.name) else {
+                if is_constraint(self.name) {
+                    continue;
+                }
                 let remedy = suggest(&given.name, known.iter().map(|parameter| parameter.name), || {
                     if known.is_empty() {
                         return "this keyword takes no parameters; is a comma too many at the end of the line above?".to_owned();
