@@ -5,6 +5,7 @@ use crate::deck::history::target;
 use crate::deck::resolve::{check_orientation, element_set, node_set, node_target};
 use crate::deck::{Deck, misplaced};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::grammar;
 use crate::label::{Instance, Label};
 use crate::lexer::{Keyword, Value};
 use crate::model::{Scene, SkippedConstraint, Target};
@@ -146,7 +147,7 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         let mut terms: Vec<RawTerm> = Vec::new();
         while (terms.len() as u64) < count {
             let Some(line) = deck.lexer.row()? else {
-                let message = format!("an equation of {count} terms has {}", terms.len());
+                let message = format!("an equation of {} has {}", grammar::count(count, "term"), terms.len());
                 return Err(Diagnostic::error(Code::MissingData, span, message, "begins here").help(
                     "give node, degree of freedom and factor of each term, up to four terms on a line",
                 ));
@@ -161,7 +162,7 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             }
         }
         if terms.len() as u64 > count {
-            let message = format!("an equation of {count} terms has {}", terms.len());
+            let message = format!("an equation of {} has {}", grammar::count(count, "term"), terms.len());
             return Err(Diagnostic::error(Code::SurplusData, span, message, "begins here")
                 .help("correct the number of terms, or begin the next equation on a line of its own"));
         }
