@@ -158,7 +158,11 @@ impl Builder<'_> {
             let axes = self.scene.nodal_axes(*node)?;
             given.push((place, axes[at % 3], at, *factor));
         }
-        let relation = Relation::linear(&given).with_angles(|place| self.turns(nodes[place]));
+        // A single angle is along a global axis.
+        let is_turned =
+            |place: usize| given.iter().any(|term| term.0 == place && term.1 != GLOBAL[term.2 % 3]);
+        let relation =
+            Relation::linear(&given).with_angles(|place| self.turns(nodes[place]) || is_turned(place));
         let told: Vec<String> =
             terms.iter().take(TOLD).map(|(node, number, _)| format!("{node}({number})")).collect();
         let more = if terms.len() > TOLD { "-…" } else { "" };
