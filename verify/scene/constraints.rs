@@ -336,7 +336,7 @@ fn free_rotations_are_free() {
             let rows = at(&[(i, 0.2)]);
             for (other, got) in rows.iter().enumerate() {
                 let want = if other == row { 0.2_f64.sin() } else { 0.0 };
-                assert!((got.residual - want).abs() < 1e-16, "{mask} {i} {other}: {}", got.residual);
+                assert!((got.residual - want).abs() < 4e-16, "{mask} {i} {other}: {}", got.residual);
                 compared += 1;
             }
             // δρ_i = e_i·(δθ_S − δθ_M) where the constraint holds.

@@ -183,19 +183,21 @@ impl<R> Relation<R> {
     /// The same along the axes of a node that has some of its own. Terms of a linear equation are along these.
     pub fn own_columns(&self, has_axes: impl Fn(usize) -> bool) -> Vec<(usize, u8)> {
         let Form::Linear(terms) = &self.form else { return self.columns.clone() };
-        let is_own = |(place, number): &(usize, u8)| {
-            !has_axes(*place)
-                || terms.iter().any(|term| {
-                    term.place == *place
-                        && match term.quantity {
-                            Quantity::Displacement => *number == 1 + term.component as u8,
-                            Quantity::Rotation => (4..=6).contains(number),
-                            Quantity::Angle => *number == 4 + term.component as u8,
-                            Quantity::Flow => *number == 10,
-                        }
-                })
-        };
-        self.columns.iter().copied().filter(is_own).collect()
+        let mut found: Vec<(usize, u8)> =
+            self.columns.iter().copied().filter(|(place, _)| !has_axes(*place)).collect();
+        for term in terms.iter().filter(|term| has_axes(term.place)) {
+            let own = 1 + term.component as u8;
+            let numbers = match term.quantity {
+                Quantity::Displacement => own..=own,
+                Quantity::Rotation => 4..=6,
+                Quantity::Angle => 3 + own..=3 + own,
+                Quantity::Flow => 10..=10,
+            };
+            found.extend(numbers.map(|number| (term.place, number)));
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// The names of its equations, δ1 … δ3, ρ1 … ρ3, g, and their units.
