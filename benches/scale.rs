@@ -134,7 +134,7 @@ fn write(scene: &Scene, model: &Model, plan: &Plan, state: &State, format: &mut 
             text.clear();
             render(&Block::of_connector(model, &plan.request, result), text).unwrap();
         }
-        Item::Mpc(_) => panic!("a chain has no MPC"),
+        Item::Mpc(_) | Item::Relation(_) => panic!("a chain has no constraint"),
     };
     let put = |text: &mut Vec<u8>| {
         count += 1;

@@ -10,6 +10,7 @@ mod findings; // what an audit finds in models
 mod friction; // what sticks and slips
 mod golden; // what JAX computes by other formulas
 mod golden_mpc; // the same of multi-point constraints
+mod golden_relation; // the same of equations, rigid bodies, couplings and ties
 mod laws; // what holds for every connection type
 mod numbers; // whether numbers are right
 mod scale; // large models: sparse matrices, threads, memory

@@ -1,7 +1,7 @@
 //! What is found of an assembly, as it is told: facts, and no words on how bad they are.
 
 use pintle_model::evaluate::Freedom;
-use pintle_scene::Label;
+use pintle_scene::{Label, Span};
 use serde::{Serialize, Serializer};
 use std::fmt::{self, Display};
 
@@ -54,12 +54,15 @@ pub struct Constraint {
     /// The connector element.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub element: Option<Label>,
-    /// The multi-point constraint, by kind and nodes.
+    /// The multi-point constraint or relation, by kind and nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mpc: Option<String>,
-    /// Its place among the constraints of the model that are evaluated.
+    /// Its place among the constraints of the model that are evaluated; relations come after multi-point constraints.
     #[serde(skip)]
     pub index: Option<usize>,
+    /// Where a relation was read, and its nodes.
+    #[serde(skip)]
+    pub joined: Option<(Span, Vec<Label>)>,
     /// The node of a boundary condition.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub node: Option<Label>,
@@ -233,6 +236,8 @@ pub struct Skipped {
     pub connectors: usize,
     /// The number of its multi-point constraints.
     pub mpcs: usize,
+    /// Of equations, rigid bodies, couplings and ties.
+    pub relations: usize,
     /// Its degrees of freedom that nothing holds.
     pub degrees_of_freedom: usize,
     /// The number of its constraints and drives.

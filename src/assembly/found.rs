@@ -249,8 +249,15 @@ pub(crate) fn position(
 /// The name of a row of a system.
 pub(crate) fn constraint(system: &System<'_>, row: u32) -> Constraint {
     let role = system.roles[row as usize];
-    let none =
-        Constraint { element: None, mpc: None, index: None, node: None, component: String::new(), role };
+    let none = Constraint {
+        element: None,
+        mpc: None,
+        index: None,
+        joined: None,
+        node: None,
+        component: String::new(),
+        role,
+    };
     match system.origins[row as usize] {
         Origin::Boundary(freedom) => {
             Constraint { node: Some(freedom.node), component: freedom.number.to_string(), ..none }
@@ -265,6 +272,14 @@ pub(crate) fn constraint(system: &System<'_>, row: u32) -> Constraint {
                 let mpc = &system.model.mpcs[index];
                 let component = mpc.constraint.kind().row_name(equation.component).to_string();
                 Constraint { mpc: Some(mpc.title()), index: Some(index), component, ..none }
+            }
+            Source::Relation(index) => {
+                let element = &system.model.relations[index];
+                let rows = element.relation.rows();
+                let component = rows.get(equation.component).map_or("", |(name, _)| *name).to_string();
+                let joined = Some((element.span, element.nodes.clone()));
+                let index = Some(system.model.mpcs.len() + index);
+                Constraint { mpc: Some(element.title()), index, joined, component, ..none }
             }
         },
     }

@@ -220,7 +220,7 @@ enum Correction {
 
 /// What a correction costs besides its elimination: the connected component is evaluated twice, and its rows are put into matrices.
 fn correcting(system: &System<'_>, component: &ConnectedComponent) -> usize {
-    2 * EVALUATION * (system.plan.connectors.len() + system.plan.mpcs.len()) + 2 * ROW * component.rows.len()
+    2 * EVALUATION * system.evaluated_elements() + 2 * ROW * component.rows.len()
 }
 
 fn is_constraint(role: Role) -> bool {

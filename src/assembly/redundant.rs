@@ -120,9 +120,13 @@ pub(crate) fn judge(
     for index in &component.mpcs {
         nodes.extend(&system.model.mpcs[*index].nodes);
     }
-    let connectors = component.connectors.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
-    let mpcs = component.mpcs.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
-    let plan = Plan { connectors, mpcs, nodes, request: request() };
+    for index in &component.relations {
+        nodes.extend(&system.model.relations[*index].nodes);
+    }
+    let each = |indices: &[usize]| indices.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let [connectors, mpcs, relations] =
+        [&component.connectors, &component.mpcs, &component.relations].map(|indices| each(indices));
+    let plan = Plan { connectors, mpcs, relations, nodes, request: request() };
     let own = System::new(system.model, &plan, system.prescribed);
     let [component] = own.components.as_slice() else { return all(Holds::Unjudged) };
     let sequence = Sequence::new(system.model, &plan);

@@ -108,7 +108,7 @@ fn forms(
     }
     let (width, count) = (matrix.width(), here.free.len());
     // Two states along each motion, the forms of what they differ in, and what the forms have in common.
-    let evaluations = EVALUATION * (system.plan.connectors.len() + system.plan.mpcs.len());
+    let evaluations = EVALUATION * system.evaluated_elements();
     let rows = ROW * component.rows.len();
     let of_forms = here.dependent.len() * count.pow(2) * (here.dependent.len() + 1) / PRODUCTS;
     let differences =

@@ -38,9 +38,10 @@ pub(crate) struct ConnectedComponent {
     pub(crate) columns: Vec<u32>,
     /// The length by which lengths are divided.
     pub(crate) length: f64,
-    /// Which connectors and MPCs of the model.
+    /// Which connectors, MPCs and relations of the model.
     pub(crate) connectors: Vec<usize>,
     pub(crate) mpcs: Vec<usize>,
+    pub(crate) relations: Vec<usize>,
     /// What its elimination may cost.
     pub(crate) most: Most,
     /// The order of elimination that was found last, with what it is of.
@@ -71,8 +72,8 @@ impl ConnectedComponent {
     }
 }
 
-/// What is enforced and held, by whether it is of a connector, and the index of that or of the MPC.
-type Evaluated = HashMap<(bool, usize), [Option<f64>; 7]>;
+/// What is enforced and held, by what it belongs to.
+type Evaluated = HashMap<Source, [Option<f64>; 7]>;
 
 /// All equations of a plan.
 pub(crate) struct System<'a> {
@@ -109,7 +110,7 @@ impl<'a> System<'a> {
                     let motion = || role(element.label, row.component).unwrap_or(Role::Held);
                     if is_enforced { Role::Enforced } else { motion() }
                 }
-                Source::Mpc(_) => Role::Enforced,
+                Source::Mpc(_) | Source::Relation(_) => Role::Enforced,
             })
             .collect();
         let mut driven = Vec::new();
@@ -138,12 +139,20 @@ impl<'a> System<'a> {
         system
     }
 
+    /// How many connectors and constraints are evaluated.
+    pub(crate) fn evaluated_elements(&self) -> usize {
+        self.plan.connectors.len() + self.plan.mpcs.len() + self.plan.relations.len()
+    }
+
     /// A number of the connector or constraint that enforces a row.
     fn source(&self, row: usize) -> u32 {
         match self.origins[row] {
             Origin::Equation(equation) if self.roles[row] == Role::Enforced => match equation.source {
                 Source::Connector(index) => index as u32,
                 Source::Mpc(index) => (self.model.connectors.len() + index) as u32,
+                Source::Relation(index) => {
+                    (self.model.connectors.len() + self.model.mpcs.len() + index) as u32
+                }
             },
             _ => sparse::NONE,
         }
@@ -163,6 +172,7 @@ impl<'a> System<'a> {
         let length = match equation.source {
             Source::Connector(index) => norm(self.model.connectors[index].reference),
             Source::Mpc(index) => norm(self.model.mpcs[index].constraint.arm()),
+            Source::Relation(index) => self.model.relations[index].length(),
         };
         Some(length).filter(|length| *length > ROUNDED * U * self.coordinates(equation.source))
     }
@@ -173,6 +183,11 @@ impl<'a> System<'a> {
         match source {
             Source::Connector(index) => self.model.connectors[index].nodes.iter().flatten().map(of).sum(),
             Source::Mpc(index) => self.model.mpcs[index].nodes.iter().map(of).sum(),
+            // A mean rounds as one of its nodes does.
+            Source::Relation(index) => {
+                let nodes = &self.model.relations[index].nodes;
+                2.0 * nodes.iter().map(of).fold(0.0, f64::max)
+            }
         }
     }
 
@@ -186,6 +201,7 @@ impl<'a> System<'a> {
                 })
             }
             Source::Mpc(index) => self.model.mpcs[index].constraint.kind() == Kind::Link,
+            Source::Relation(_) => false,
         }
     }
 
@@ -218,6 +234,9 @@ impl<'a> System<'a> {
                 digits.of_directions(&element.label) + element.nodes.iter().flatten().map(of).sum::<f64>()
             }
             Source::Mpc(index) => self.model.mpcs[index].nodes.iter().map(of).sum(),
+            Source::Relation(index) => {
+                2.0 * self.model.relations[index].nodes.iter().map(of).fold(0.0, f64::max)
+            }
         };
         all as f32
     }
@@ -276,6 +295,7 @@ impl<'a> System<'a> {
                     match equation.source {
                         Source::Connector(index) => components[component].connectors.push(index),
                         Source::Mpc(index) => components[component].mpcs.push(index),
+                        Source::Relation(index) => components[component].relations.push(index),
                     }
                 }
                 if let Some(length) = self.length(row) {
@@ -298,6 +318,7 @@ impl<'a> System<'a> {
         Some(Skipped {
             connectors: component.connectors.len(),
             mpcs: component.mpcs.len(),
+            relations: component.relations.len(),
             degrees_of_freedom: component.columns.len(),
             constraints: component.rows.len(),
             node: self.jacobian.freedoms().get(first)?.node,
@@ -310,6 +331,10 @@ impl<'a> System<'a> {
             Origin::Boundary(freedom) => is_length(freedom.number),
             Origin::Equation(Equation { source: Source::Mpc(_), component }) => {
                 Kind::row_unit(component) == Unit::Length
+            }
+            Origin::Equation(Equation { source: Source::Relation(index), component }) => {
+                let rows = self.model.relations[index].relation.rows();
+                rows.get(component).is_none_or(|(_, unit)| *unit == Unit::Length)
             }
             Origin::Equation(Equation { source: Source::Connector(index), component }) => {
                 let connector = &self.model.connectors[index].connector;
@@ -420,6 +445,7 @@ impl<'a> System<'a> {
                     let arm = self.model.mpcs[result.index].constraint.arm();
                     (Source::Mpc(result.index), &result.flags, add(arm, moved))
                 }
+                Item::Relation(result) => (Source::Relation(result.index), &result.flags, [0.0; 3]),
             };
             note(source, flags);
             let length = norm(line);
@@ -444,6 +470,10 @@ impl<'a> System<'a> {
                     Source::Mpc(index) => {
                         self.model.mpcs[*index].constraint.kind().row_name(Kind::flagged_row(*component))
                     }
+                    Source::Relation(index) => {
+                        let rows = self.model.relations[*index].relation.rows();
+                        rows.get(*component).map_or("", |(name, _)| *name)
+                    }
                 };
                 flagged.contains(&(*source, name))
             }
@@ -467,7 +497,7 @@ impl<'a> System<'a> {
         largest
     }
 
-    /// What is enforced and held, by connector (true) or MPC and index.
+    /// What is enforced and held.
     fn evaluated(&self, sequence: &Sequence<'_>, state: &State) -> Evaluated {
         let mut sequence = sequence.clone();
         let mut of_source = Evaluated::new();
@@ -484,10 +514,14 @@ impl<'a> System<'a> {
                             evaluation.displacement[k]
                         };
                     }
-                    of_source.insert((true, result.index), of);
+                    of_source.insert(Source::Connector(result.index), of);
                 }
                 Item::Mpc(result) => {
-                    of_source.insert((false, result.index), result.evaluation.residual);
+                    of_source.insert(Source::Mpc(result.index), result.evaluation.residual);
+                }
+                Item::Relation(result) => {
+                    let residual = |row: usize| result.rows.get(row).map(|row| row.residual);
+                    of_source.insert(Source::Relation(result.index), std::array::from_fn(residual));
                 }
             }
             Ok(())
@@ -500,12 +534,9 @@ impl<'a> System<'a> {
         if self.roles[row] == Role::Driven {
             return 0.0;
         }
-        let key = match equation.source {
-            Source::Connector(index) => (true, index),
-            Source::Mpc(index) => (false, index),
-        };
         // An equation whose residual is not known is not taken for satisfied.
-        let residual = of_source.get(&key).and_then(|of| of[equation.component]).unwrap_or(f64::NAN);
+        let residual =
+            of_source.get(&equation.source).and_then(|of| of[equation.component]).unwrap_or(f64::NAN);
         residual / self.scale(component, row)
     }
 

@@ -25,6 +25,7 @@ pub mod model;
 pub mod mpc;
 pub mod mutants;
 pub mod oracles;
+pub mod relation;
 pub mod replay;
 pub mod sampling;
 mod scene;
@@ -33,7 +34,7 @@ mod share;
 pub mod singular;
 
 pub use candidate::{Candidate, Given, Question};
-pub use case::failing::{Failing, FrictionCase, MpcCase};
+pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;
 pub use case::quantity::{Entries, Numbers, Quantity};
 pub use case::{Case, Step};

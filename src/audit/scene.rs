@@ -1,15 +1,17 @@
 //! A scene: every connector and every multi-point constraint at its states.
 
 use crate::behavior::audit_behavior;
-use crate::case::failing::MpcCase;
 use crate::case::failing::SlopesCase;
+use crate::case::failing::{MpcCase, RelationCase};
 use crate::case::quantity::Quantity;
 use crate::case::{Case, Step};
 use crate::engine::{SOMETIMES, audit_case, checks_of, laws_of_type};
 use crate::friction::{Slipping, audit_slipping, drawn, restored, slipping};
 use crate::judge::outcome::{Check, Expected, Report, Subject};
 use crate::judge::verdict::Verdict;
-use crate::oracles::certificate::{certificate, certificate_of_mpc, certifies_frictions, certifies_springs};
+use crate::oracles::certificate::{
+    certificate, certificate_named, certificate_of_mpc, certifies_frictions, certifies_springs,
+};
 use crate::sampling::about_initial;
 use crate::sampling::coverage::{Coverage, Sample};
 use crate::settings::{Budget, Settings};
@@ -20,7 +22,8 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::{add, sub};
 use pintle_model::behavior::state::History;
 use pintle_model::evaluate::{
-    ConnectorElement, ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, Sequence,
+    ConnectorElement, ConnectorResult, ElementBehavior, Item, Model, MpcResult, Plan, RelationResult,
+    Sequence,
 };
 use pintle_scene::State;
 use rayon::prelude::*;
@@ -83,6 +86,7 @@ struct Gathered {
 enum Work {
     Connector(Box<Case>, Arc<ElementBehavior>, Option<Box<Slipping>>),
     Mpc(Box<MpcCase>),
+    Relation(Box<RelationCase>),
 }
 
 /// One piece of work: whose it is, its number among the states, and whether it goes to the oracles on 237 bits.
@@ -112,12 +116,13 @@ fn choose(settings: &Settings, target: &Target<'_>, units: u64) -> (Chosen, Shar
     // Constraints of a scene without states are judged at their initial one.
     let of = |plan: &Plan, states: usize| {
         let of_mpcs = if target.states.is_empty() { 1 } else { states };
-        (plan.connectors.len() * states + plan.mpcs.len() * of_mpcs) as u64
+        let constraints = plan.mpcs.len() + plan.relations.len();
+        (plan.connectors.len() * states + constraints * of_mpcs) as u64
     };
     let share = Share {
         scene: name.to_string(),
         connectors: chosen.count() as u64,
-        of_connectors: (plan.connectors.len() + plan.mpcs.len()) as u64,
+        of_connectors: (plan.connectors.len() + plan.mpcs.len() + plan.relations.len()) as u64,
         states: of(&chosen.plan, chosen.states),
         of_states: of(plan, chosen.of_states),
         judged: chosen.plan.connectors.clone(),
@@ -240,6 +245,9 @@ impl<'a> Run<'a> {
                         })
                     }
                     Item::Mpc(placed) => rank.map(|_| Work::Mpc(Box::new(mpc_case(model, placed, number)))),
+                    Item::Relation(placed) => {
+                        rank.map(|_| Work::Relation(Box::new(relation_case(model, placed, number))))
+                    }
                 };
                 if let (Some(index), Some(work)) = (rank, work) {
                     waiting.push(Piece { place, index, is_wide: self.chosen.is_wide(place, index), work });
@@ -272,8 +280,12 @@ impl<'a> Run<'a> {
         let mut walk = Sequence::new(model, &alone);
         let mut place = plan.connectors.len();
         walk.visit(&State::default(), |placed| {
-            if let (Item::Mpc(placed), true) = (placed, place % part.1 == part.0) {
-                let work = Work::Mpc(Box::new(mpc_case(model, placed, 0)));
+            let work = match placed {
+                Item::Connector(_) => None,
+                Item::Mpc(placed) => Some(Work::Mpc(Box::new(mpc_case(model, placed, 0)))),
+                Item::Relation(placed) => Some(Work::Relation(Box::new(relation_case(model, placed, 0)))),
+            };
+            if let Some(work) = work.filter(|_| place % part.1 == part.0) {
                 waiting.push(Piece { place, index: 0, is_wide: true, work });
             }
             place += 1;
@@ -301,10 +313,11 @@ impl<'a> Run<'a> {
     fn keep_judged(&mut self, share: &mut Share) {
         let is_judged: Vec<bool> = self.gathered.iter().map(|one| one.cases > 0).collect();
         self.gathered.retain(|one| one.cases > 0);
-        let Plan { connectors, mpcs, .. } = &mut self.chosen.plan;
+        let Plan { connectors, mpcs, relations, .. } = &mut self.chosen.plan;
         let mut is_judged = is_judged.into_iter();
         connectors.retain(|_| is_judged.next().unwrap_or(false));
         mpcs.retain(|_| is_judged.next().unwrap_or(false));
+        relations.retain(|_| is_judged.next().unwrap_or(false));
         share.connectors = self.gathered.len() as u64;
         share.states = self.gathered.iter().map(|one| one.cases).sum();
         share.judged.clone_from(&self.chosen.plan.connectors);
@@ -342,6 +355,7 @@ fn judge(settings: &Settings, pieces: Vec<Piece>, gathered: &mut [Gathered]) {
             }
             Work::Mpc(case) if is_wide => (place, case.audit(settings, true)),
             Work::Mpc(case) => (place, case.audit(settings, index.is_multiple_of(SOMETIMES))),
+            Work::Relation(case) => (place, case.audit(settings, is_wide || index.is_multiple_of(SOMETIMES))),
         })
         .collect();
     for (place, checks) in found {
@@ -431,6 +445,17 @@ fn mpc_case(model: &Model, placed: &MpcResult, number: u64) -> MpcCase {
     }
 }
 
+fn relation_case(model: &Model, placed: &RelationResult, number: u64) -> RelationCase {
+    let element = &model.relations[placed.index];
+    RelationCase {
+        name: format!("{} at state {number}", element.title()),
+        type_name: element.type_name.to_string(),
+        relation: element.relation.clone(),
+        nodes: placed.nodes.clone(),
+        length: own_length(model, element.length(), 0.0),
+    }
+}
+
 fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
     let Target { model, plan, .. } = *target;
     let mut laws: HashMap<&str, Vec<Check>> = HashMap::new();
@@ -455,7 +480,12 @@ fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
         let of_kind = certificate_of_mpc(element.constraint.kind());
         Some((element.title(), of_kind, true, Expected::of_constraint()))
     });
-    let named = connectors.chain(mpcs).zip(gathered);
+    let relations = plan.relations.iter().filter_map(|at| {
+        let element = model.relations.get(*at)?;
+        let of_kind = certificate_named(element.type_name);
+        Some((element.title(), of_kind, true, Expected::of_relation(&element.relation)))
+    });
+    let named = connectors.chain(mpcs).chain(relations).zip(gathered);
     named
         .map(|((title, certificate, slips, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
@@ -487,6 +517,7 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
     let plan = Plan {
         connectors: connectors.to_vec(),
         mpcs: Vec::new(),
+        relations: Vec::new(),
         request: Request::nothing(0),
         ..target.plan.clone()
     };

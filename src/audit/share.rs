@@ -98,7 +98,7 @@ impl Chosen {
         states: usize,
         units: u64,
     ) -> Self {
-        let count = plan.connectors.len() + plan.mpcs.len();
+        let count = plan.connectors.len() + plan.mpcs.len() + plan.relations.len();
         let all = if states == 0 { settings.drawn_states.max(1) } else { states };
         let wide = settings.wide_states.min((settings.wide_states_of_a_scene / count.max(1)).max(1));
         let whole = Self { plan: plan.clone(), states: all, of_states: all, wide };
@@ -127,14 +127,17 @@ impl Chosen {
         }
         let at = |place: &usize| plan.connectors.get(*place).copied();
         let connectors = places.iter().filter_map(at).collect();
-        let beyond = |place: &usize| plan.mpcs.get(place.checked_sub(plan.connectors.len())?).copied();
-        let mpcs = places.iter().filter_map(beyond).collect();
-        Self { plan: Plan::of(model, connectors, mpcs, plan.request.clone()), ..fewer }
+        let of = |list: &[usize], before: usize| -> Vec<usize> {
+            places.iter().filter_map(|place| list.get(place.checked_sub(before)?).copied()).collect()
+        };
+        let before = plan.connectors.len();
+        let constraints = [of(&plan.mpcs, before), of(&plan.relations, before + plan.mpcs.len())];
+        Self { plan: Plan::of(model, connectors, constraints, plan.request.clone()), ..fewer }
     }
 
     /// Connectors and constraints.
     pub(crate) fn count(&self) -> usize {
-        self.plan.connectors.len() + self.plan.mpcs.len()
+        self.plan.connectors.len() + self.plan.mpcs.len() + self.plan.relations.len()
     }
 
     /// What it costs, in units.

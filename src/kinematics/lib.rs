@@ -12,6 +12,7 @@
 //! | [`batch`] | what do many connectors of one type give, four at a time? |
 //! | [`force`] | what do the forces of its components do to its nodes? |
 //! | [`mpc`] | what does one multi-point constraint give at one state? |
+//! | [`relation`] | … and one constraint between any number of nodes? |
 //! | [`draw`] | which numbers are drawn, the same on every machine? |
 
 mod compiled;
@@ -24,6 +25,7 @@ pub mod force;
 pub mod measure;
 pub mod mpc;
 pub mod node;
+pub mod relation;
 pub mod scalar;
 pub mod so3;
 pub mod vector;

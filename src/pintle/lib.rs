@@ -8,7 +8,7 @@
 //! | [`so3`], [`vector`], [`scalar`] | rotations and vectors, on numbers that carry derivatives |
 //! | [`catalog`] | which connection types are there? |
 //! | [`connector`], [`node`] | what does one connector give at one state, after its history? |
-//! | [`force`], [`mpc`] | what do its forces do to its nodes; what does a multi-point constraint give? |
+//! | [`force`], [`mpc`], [`relation`] | what do its forces do to its nodes; what does a constraint give? |
 //! | [`batch`] | what do many connectors of one type give, four at a time? |
 //! | [`scene`], [`evaluate`] | what does a deck say, and which numbers follow? |
 //! | [`audit`] | is it right, and how do we know? |
@@ -89,6 +89,11 @@ pub mod force {
 /// Multi-point constraints.
 pub mod mpc {
     pub use pintle_kinematics::mpc::{Body, Constraint, Kind, State};
+}
+
+/// Constraints between any number of nodes: equations, rigid bodies, couplings.
+pub mod relation {
+    pub use pintle_kinematics::relation::{Form, Point, Relation, Row};
 }
 
 /// Many connectors of one type.

@@ -130,6 +130,7 @@ codes! {
     UnknownBehavior = "deck::unknown-behavior": "A connector behaviour is used that is not defined.";
     UnknownAmplitude = "deck::unknown-amplitude": "An amplitude is used that is not defined.";
     UnknownDerivedComponent = "deck::unknown-derived-component": "A derived component is used that its behaviour does not define.";
+    UnknownSurface = "deck::unknown-surface": "A surface is used that is not defined.";
     UnknownMpc = "deck::unknown-mpc": "A multi-point constraint type that does not exist.";
     MpcNotEvaluated = "deck::mpc-not-evaluated": "A multi-point constraint type that is kept but not evaluated. A warning.";
     WrongElementType = "deck::wrong-element-type": "A property is given to elements of another type.";

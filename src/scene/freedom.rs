@@ -13,9 +13,9 @@ use pintle_kinematics::mpc::Kind;
 /// - a connector at an end where its type permits an orientation, but for JOIN, AXIAL and LINK
 ///   ([`ConnectionType::rotations`]);
 /// - an element ROTARYI; springs and dashpots in degrees of freedom 4 to 6;
-/// - the constraints BEAM, REVOLUTE and UNIVERSAL;
+/// - the constraints BEAM, REVOLUTE and UNIVERSAL; the reference nodes of rigid bodies and couplings, and the nodes tied to rigid bodies;
 /// - elements and constraints that the reader skips: beams, pipes, shells, rigid elements, user elements and substructures (whose
-///   degrees of freedom it cannot know), the reference nodes of rigid bodies and couplings ([`Scene::rotating_nodes`]).
+///   degrees of freedom it cannot know), the reference nodes of constraints that are not read ([`Scene::rotating_nodes`]).
 ///
 /// A boundary condition or load gives none: it acts on those that there are.
 #[derive(Debug, Clone, Default)]
@@ -71,6 +71,12 @@ impl NodeFreedom {
             if matches!(mpc.kind.evaluated(), Some(Kind::Beam | Kind::Revolute | Kind::Universal)) {
                 mpc.nodes.iter().copied().for_each(&mut turn);
             }
+        }
+        scene.couplings.iter().for_each(|coupling| turn(coupling.reference));
+        for body in &scene.rigid_bodies {
+            turn(body.reference);
+            let set = body.tie_set.as_ref().and_then(|name| scene.node_sets.get(&name.value));
+            set.into_iter().flat_map(|set| &set.labels).copied().for_each(&mut turn);
         }
         Self { nodes }
     }

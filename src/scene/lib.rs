@@ -1,7 +1,7 @@
 //! Scenes: the model that a deck describes, and the states of its nodes.
 //!
 //! - [`Scene`] is the model: nodes, sets, connector elements and their sections, orientations, behaviours,
-//!   multi-point constraints, what is prescribed, steps. [`Scene::read`] and [`Scene::parse`] read it from an
+//!   constraints, what is prescribed, steps. [`Scene::read`] and [`Scene::parse`] read it from an
 //!   Abaqus-style deck (`.inp`) in one pass. Connection types stay names here; the catalogue says what they mean.
 //! - [`Orientation::triad`] gives the directions e1, e2, e3 at a point.
 //! - [`StateFile`] holds what the nodes do: displacement, total rotation, velocities, accelerations, flow.
@@ -28,7 +28,7 @@
 //! translation and *then* turned about the axis, which stays where it is given. What the lines of an instance add counts in the axes of
 //! the part, too. Node 5 of the instance CRANK-1 has the [`Label`] `CRANK-1.5`, its set PIN is `CRANK-1.PIN`, its orientation
 //! likewise; names between quotation marks keep their case, `"Part 1-1".PIN`. What the assembly defines itself has bare numbers and
-//! names. Surfaces, couplings, rigid bodies and contact are skipped and counted.
+//! names. Element-based surfaces and contact are skipped and counted.
 //!
 //! # TOML and JSON
 //! The same model, which may hold its states too ([`Scene::states`]): [`Scene::parse_toml`], [`Scene::parse_json`], and
@@ -51,6 +51,7 @@
 
 mod behavior;
 mod choice;
+mod constraint;
 mod deck;
 mod diagnostic;
 mod digits;
@@ -76,6 +77,7 @@ pub use behavior::{
     RateInterpolation, Row, Softening, Source, Stop, TableOptions,
 };
 pub use choice::Choice;
+pub use constraint::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, MAX_ERRORS, Result, Severity};
 pub use digits::{Digits, DigitsOfState};

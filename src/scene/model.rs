@@ -5,6 +5,7 @@
 
 use crate::behavior::Behavior;
 use crate::choice::choices;
+use crate::constraint::{Coupling, Equation, RigidBody, Surface, Tie};
 use crate::diagnostic::{Diagnostic, Result};
 use crate::label::Label;
 use crate::label::labelled::{Beside, ByLabel};
@@ -38,7 +39,7 @@ pub struct Scene {
     pub connectors: ByLabel<ConnectorElement>,
     /// Masses, rotary inertias, springs and dashpots by element number.
     pub point_elements: ByLabel<PointElement>,
-    /// The nodes of connectors that elements and constraints which are not read give rotational degrees of freedom.
+    /// The nodes of connectors and constraints to which elements and constraints that are not read give rotational degrees of freedom.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub rotating_nodes: BTreeSet<Label>,
     /// Whether there are elements of an axisymmetric type.
@@ -53,6 +54,16 @@ pub struct Scene {
     pub behaviors: IndexMap<String, Behavior>,
     /// Multi-point constraints.
     pub mpcs: Vec<Mpc>,
+    /// `*EQUATION`.
+    pub equations: Vec<Equation>,
+    /// Surfaces of nodes by name.
+    pub surfaces: IndexMap<String, Surface>,
+    /// `*RIGID BODY`.
+    pub rigid_bodies: Vec<RigidBody>,
+    /// `*COUPLING`.
+    pub couplings: Vec<Coupling>,
+    /// `*TIE`.
+    pub ties: Vec<Tie>,
     /// `*MASS`: one value per set of MASS elements.
     pub masses: Vec<Mass>,
     /// `*ROTARY INERTIA`.

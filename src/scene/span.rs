@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 /// A place in an input file: line, and byte range from the start of the file.
 ///
 /// Sixteen bytes, because every node and element of a deck carries one. The default value is "no place".
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Span {
     start: u64,
     line: u32,

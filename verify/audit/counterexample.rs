@@ -223,7 +223,7 @@ fn constraints_are_shrunk_and_replayed() {
         (
             "\"mpc\"",
             "\"beam\"",
-            "unknown variant `beam`, expected one of `connector`, `mpc`, `friction`, `belt`, `slopes`",
+            "unknown variant `beam`, expected one of `connector`, `mpc`, `relation`, `friction`, `belt`, `slopes`",
         ),
         ("\"mpc\"", "\"belt\"", "they make no belt around a ring: unknown field"),
         ("\"length\": \"0x", "\"length\": \"0y", "they make no multi-point constraint: invalid type: string"),

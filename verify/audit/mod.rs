@@ -15,7 +15,7 @@ pub(crate) mod units; // whether units and axes change a verdict
 pub(crate) mod verdict; // verdicts that differ by little: nearly right formulas, singular sets
 
 use crate::numbers::manual;
-use crate::{golden, golden_mpc};
+use crate::{golden, golden_mpc, golden_relation};
 use pintle_audit::mutants::mutant::{Mistake, Scene, mutants};
 use pintle_audit::oracles::certificate::{Certificate, certificates};
 use pintle_audit::replay::shrink::shrink;
@@ -144,6 +144,7 @@ fn threads_do_not_matter() {
 fn certificates_follow_from_the_tests() {
     let mut states = golden::states_by_type();
     states.extend(golden_mpc::states_by_kind());
+    states.extend(golden_relation::states_by_kind());
     let mut behavior = crate::friction::golden::states_by_kind();
     behavior.insert("BEHAVIOR springs and dampers".into(), crate::behavior::states_of_jax());
     let of_behavior = behavior.into_iter().map(|(name, jax_states)| {
@@ -153,6 +154,7 @@ fn certificates_follow_from_the_tests() {
     let want: BTreeMap<String, Certificate> = manual::pages()
         .map(|(name, page)| (name.to_string(), page))
         .chain(manual::mpc_pages())
+        .chain(manual::relation_pages())
         .map(|(name, page)| {
             let jax_states = states.get(&name).copied().unwrap_or(0);
             let told = page.strip_suffix(" unread").and_then(|told| told.rsplit_once("; "));

@@ -87,7 +87,7 @@ fn peak(path: &Path, scene: &Scene, plan: (&Model, &Plan), is_json: bool) -> (u6
                 text.clear();
                 render(&Block::of_connector(model, &plan.request, result), text).unwrap();
             }
-            Item::Mpc(_) => panic!("there are no MPCs"),
+            Item::Mpc(_) | Item::Relation(_) => panic!("there are no constraints"),
         };
         let put = |text: &mut Vec<u8>| format.rendered(BlockKind::Connector, text);
         sequence.visit_digested(&state, &mut texts, digest, put).unwrap();

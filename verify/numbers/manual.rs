@@ -471,6 +471,26 @@ pub(crate) fn mpc_pages() -> impl Iterator<Item = (String, &'static str)> {
     MPCS.iter().map(|row| (format!("MPC {}", row.0), row.5))
 }
 
+/// The pages of the relations, by what they are of.
+const RELATIONS: [(&str, &str); 5] = [
+    (
+        "DISTRIBUTING COUPLING",
+        "keyword page distributing; Theory Guide, distributing coupling; finite motion unread",
+    ),
+    ("EQUATION", "keyword page equation; Linear constraint equations"),
+    (
+        "KINEMATIC COUPLING",
+        "keyword page kinematic; Theory Guide, kinematic coupling; axes of universal unread",
+    ),
+    ("RIGID BODY", "keyword page rigidbody"),
+    ("TIE", "keyword page tie; nodes only"),
+];
+
+/// The pages of the relations, under their names.
+pub(crate) fn relation_pages() -> impl Iterator<Item = (String, &'static str)> {
+    RELATIONS.iter().map(|(name, page)| ((*name).to_string(), *page))
+}
+
 #[test]
 fn the_constraints_are_those_of_the_manual() {
     let here: Vec<_> = pintle_kinematics::mpc::TABLE

@@ -59,6 +59,14 @@ fn of_elements(model: &Model, jacobian: &Jacobian, step: &StepResult, axes: &Fix
                     }
                 }
             }
+            Source::Relation(index) => {
+                let result = step.relations.iter().find(|result| result.index == index).unwrap();
+                let element = &model.relations[index];
+                let values = &result.rows[equation.component].gradient;
+                for ((place, number), value) in element.relation.columns().iter().zip(values) {
+                    add(row, element.nodes[*place], *number, *value);
+                }
+            }
         }
     }
     entries

@@ -115,8 +115,10 @@ fn rotations_come_from_elsewhere() {
         (element("T3D2", "1, 2"), [false, false]),
         (element("R3D4", "1, 3, 4, 3"), [true, false]),
         (element("U1", "2, 3"), [false, true]),
-        ("*RIGID BODY, REF NODE=2, ELSET=R".to_string(), [false, true]),
-        ("*COUPLING, CONSTRAINT NAME=K, REF NODE=FIRST, SURFACE=S\n*KINEMATIC".to_string(), [true, false]),
+        ("*RIGID BODY, REF NODE=2, PIN NSET=FIRST".to_string(), [false, true]),
+        ("*RIGID BODY, REF NODE=3, TIE NSET=FIRST".to_string(), [true, false]),
+        ("*SURFACE, TYPE=NODE, NAME=S\n2\n*COUPLING, CONSTRAINT NAME=K, REF NODE=FIRST, SURFACE=S\n*KINEMATIC".to_string(), [true, false]),
+        ("*SURFACE, NAME=S\nE, S1\n*COUPLING, CONSTRAINT NAME=K, REF NODE=FIRST, SURFACE=S\n*KINEMATIC".to_string(), [true, false]),
         // A boundary condition acts on what there is.
         ("*BOUNDARY\n1, 4, 6\n2, ENCASTRE".to_string(), [false, false]),
     ];

@@ -208,6 +208,7 @@ fn evaluate(scene: &Scene, states: &[State]) {
             let block = match item {
                 Item::Connector(result) => Block::of_connector(&model, &request, result),
                 Item::Mpc(result) => Block::of_mpc(&model, &request, result),
+                Item::Relation(result) => Block::of_relation(&model, &request, result),
             };
             let values = block.rows.iter().flat_map(|row| row.values.iter().flatten()).map(|v| v.number());
             let rows = block.derivatives.iter().flat_map(|row| row.gradient.iter().copied());

@@ -2,6 +2,7 @@
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
 mod assembly;
+mod constraints; // equations, rigid bodies, couplings, ties
 mod decks;
 mod documents;
 mod errors;

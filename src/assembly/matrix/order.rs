@@ -41,16 +41,25 @@ pub(crate) fn minimum_degree(widths: &[usize], cliques: &[Vec<u32>], most: usize
     const PAIRS: usize = 150_000_000;
     let count = widths.len();
     let mut neighbours: Vec<Neighbours> = vec![Neighbours::default(); count];
+    let (private, before) = private(widths, cliques);
+    let is_private = |v: u32| private.get(v as usize).is_some_and(|is| *is);
     for clique in cliques {
-        for v in clique {
-            for w in clique.iter().filter(|w| *w != v) {
+        let others: Vec<u32> = clique.iter().copied().filter(|v| !is_private(*v)).collect();
+        for v in &others {
+            for w in others.iter().filter(|w| *w != v) {
                 neighbours[*v as usize].insert(*w);
             }
         }
     }
-    let mut queue: BTreeSet<(u32, u32)> =
-        neighbours.iter().enumerate().map(|(v, joined)| (joined.len() as u32, v as u32)).collect();
+    let mut queue: BTreeSet<(u32, u32)> = neighbours
+        .iter()
+        .enumerate()
+        .map(|(v, joined)| (joined.len() as u32, v as u32))
+        .filter(|(_, v)| !is_private(*v))
+        .collect();
     let (mut order, mut operations, mut pairs) = (Vec::with_capacity(count), most, PAIRS);
+    order.extend((0..count as u32).filter(|v| is_private(*v)));
+    operations = operations.checked_sub(before)?;
     while let Some((_, v)) = queue.pop_first() {
         order.push(v);
         let joined: Vec<u32> = std::mem::take(&mut neighbours[v as usize]).into_iter().collect();
@@ -67,6 +76,36 @@ pub(crate) fn minimum_degree(widths: &[usize], cliques: &[Vec<u32>], most: usize
         }
     }
     Some(order)
+}
+
+/// The vertices of large cliques that no other row joins, and the operations that they take when they come first.
+///
+/// A clique of many vertices is that of a mean or an equation, and has no more rows than [`ROWS`]. Each pivot takes one of them, so that
+/// they are used up by the first few vertices: what they leave joined are the vertices that others join too.
+fn private(widths: &[usize], cliques: &[Vec<u32>]) -> (Vec<bool>, usize) {
+    /// So many vertices make a clique large.
+    const LARGE: usize = 64;
+    /// The rows of one.
+    const ROWS: usize = 6;
+    let large: HashSet<&Vec<u32>> = cliques.iter().filter(|clique| clique.len() > LARGE).collect();
+    if large.is_empty() {
+        return (Vec::new(), 0);
+    }
+    let mut joins = vec![0_usize; widths.len()];
+    let small = cliques.iter().filter(|clique| clique.len() <= LARGE);
+    for v in small.chain(large.iter().copied()).flatten() {
+        joins[*v as usize] += 1;
+    }
+    let mut private = vec![false; widths.len()];
+    let mut operations = 0;
+    for clique in large {
+        let front: usize = clique.iter().map(|v| widths[*v as usize]).sum();
+        operations += ROWS * ROWS * front;
+        for v in clique.iter().filter(|v| joins[**v as usize] == 1) {
+            private[*v as usize] = true;
+        }
+    }
+    (private, operations)
 }
 
 /// Sets of things that are joined, directly or through others.
@@ -109,6 +148,18 @@ mod tests {
         assert_eq!(order.len(), 6);
         let hub = order.iter().position(|v| *v == 0).unwrap_or_default();
         assert!(hub >= 4, "{order:?}");
+    }
+
+    /// What many rows of few vertices would fill, few rows of many do not: all of them but those that others join come first.
+    #[test]
+    fn a_mean_of_many_costs_little() {
+        let mut cliques = vec![(0..1000).collect::<Vec<u32>>(); 2];
+        cliques.push(vec![0, 7]);
+        let order = minimum_degree(&[3; 1000], &cliques, 36 * 3000 + 1000).unwrap_or_default();
+        assert_eq!(order.len(), 1000);
+        let mut last = order[998..].to_vec();
+        last.sort_unstable();
+        assert_eq!(last, [0, 7]);
     }
 
     /// A path has fronts of two vertices but for the last, a complete graph of all that are left; an operation less than that is too few.

@@ -1,10 +1,11 @@
-//! What fails a check, as values: a connector's case, a constraint, a friction, a belt, springs and dampers.
+//! What fails a check, as values: a connector's case, a constraint, a relation, a friction, a belt, springs and dampers.
 
 use crate::case::Case;
 use crate::case::quantity::Quantity;
 use crate::laws::demanded::Invariant;
 use pintle_kinematics::connector::Turns;
 use pintle_kinematics::mpc::{Constraint, State, Turning};
+use pintle_kinematics::relation::{Point, Relation};
 use pintle_model::behavior::damping::Damping;
 use pintle_model::behavior::elasticity::Elasticity;
 use pintle_model::behavior::friction::{self, Belt, Friction};
@@ -19,6 +20,8 @@ pub enum Failing {
     Connector(Box<Case>),
     /// A multi-point constraint.
     Mpc(Box<MpcCase>),
+    /// An equation, or what a rigid body, a coupling or a tie requires.
+    Relation(Box<RelationCase>),
     /// A friction in an increment.
     Friction(Box<FrictionCase>),
     /// A belt around a ring in an increment.
@@ -58,6 +61,31 @@ impl MpcCase {
     /// The laws that are asked of a constraint.
     pub(crate) const LAWS: [Invariant; 4] =
         [Invariant::RigidModes, Invariant::Frame, Invariant::Power, Invariant::Symmetry];
+}
+
+/// A relation at a state.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RelationCase {
+    /// The relation and the state, in words.
+    pub name: String,
+    /// What it is of: `EQUATION`, `RIGID BODY` …
+    pub type_name: String,
+    /// The relation.
+    pub relation: Relation<f64>,
+    /// Its nodes.
+    pub nodes: Vec<Point<f64>>,
+    /// The size of lengths.
+    pub length: f64,
+}
+
+impl RelationCase {
+    /// What is judged of a relation.
+    pub(crate) const QUANTITIES: [Quantity; 4] =
+        [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
+
+    /// The laws that are asked of a relation; of an equation the last alone.
+    pub(crate) const LAWS: [Invariant; 3] = [Invariant::RigidModes, Invariant::Frame, Invariant::Power];
 }
 
 /// A friction at given forces, and an increment of it.

@@ -2,7 +2,7 @@
 
 use crate::case::Case;
 use crate::case::failing::Failing;
-use crate::case::failing::MpcCase;
+use crate::case::failing::{MpcCase, RelationCase};
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::judge::comparison::Comparison;
@@ -17,6 +17,7 @@ use crate::share::Share;
 use crate::singular::atlas::Approach;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::Connector;
+use pintle_kinematics::relation::{Form, Relation};
 use pintle_scene::Severity;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -327,6 +328,13 @@ impl Expected {
     /// Of a multi-point constraint.
     pub fn of_constraint() -> Self {
         Self { quantities: MpcCase::QUANTITIES.to_vec(), laws: MpcCase::LAWS.to_vec() }
+    }
+
+    /// Of a relation: an equation is not asked what holds of rigid motions.
+    pub fn of_relation(relation: &Relation<f64>) -> Self {
+        let is_equation = matches!(relation.form(), Form::Linear(_));
+        let laws = RelationCase::LAWS.into_iter().filter(|law| !is_equation || *law == Invariant::Power);
+        Self { quantities: RelationCase::QUANTITIES.to_vec(), laws: laws.collect() }
     }
 
     /// Adds numbers.

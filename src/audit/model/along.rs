@@ -10,7 +10,9 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Flag, Mask, Output, Request, Turned};
 use pintle_kinematics::measure::{Margin, Measure, Unit};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_model::evaluate::{ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, Sequence};
+use pintle_model::evaluate::{
+    ConnectorElement, ConnectorResult, Item, Model, MpcResult, Plan, RelationResult, Sequence,
+};
 use pintle_scene::grammar::number as short;
 use pintle_scene::{Code, ConnectorMotion, Label, Scene, Severity, Span, State, Target};
 use serde::Serialize;
@@ -126,6 +128,7 @@ impl Walk<'_> {
         match item {
             Item::Connector(result) => self.connector(result),
             Item::Mpc(result) => self.constraint(result),
+            Item::Relation(result) => self.relation(result),
         }
     }
 
@@ -236,6 +239,24 @@ impl Walk<'_> {
             let section = usize::MAX - result.index;
             let Some(first) = element.nodes.first().copied() else { return };
             self.add((section, first, span), title.clone(), found);
+        }
+    }
+
+    fn relation(&mut self, result: &RelationResult) {
+        let Some(element) = self.model.relations.get(result.index) else { return };
+        let length = element.length();
+        let mut found: Vec<Found> = result.flags.iter().filter_map(|flag| flagged(flag, false)).collect();
+        for ((component, unit), row) in element.relation.rows().into_iter().zip(&result.rows) {
+            let of_length = unit == Unit::Length;
+            let size = if of_length && length > 0.0 { length } else { 1.0 };
+            if row.residual.is_finite() && row.residual.abs() > VIOLATED * size {
+                found.push(violated(component, row.residual, of_length));
+            }
+        }
+        let section = usize::MAX - self.model.mpcs.len() - result.index;
+        for found in found {
+            let Some(first) = element.nodes.first().copied() else { return };
+            self.add((section, first, element.span), element.title(), found);
         }
     }
 

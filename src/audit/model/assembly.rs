@@ -54,6 +54,9 @@ fn place(scene: &Scene, constraint: &Constraint) -> Span {
     if let Some(element) = constraint.element {
         return scene.connectors.get(&element).map(|element| element.span).unwrap_or_default();
     }
+    if let Some((span, _)) = &constraint.joined {
+        return *span;
+    }
     constraint.index.and_then(|index| mpc_of(scene, index)).map(|mpc| mpc.span).unwrap_or_default()
 }
 
@@ -65,6 +68,9 @@ fn mpc_of(scene: &Scene, index: usize) -> Option<&Mpc> {
 /// The nodes that the connector or constraint of an equation joins, in ascending order.
 fn nodes_of(scene: &Scene, constraint: &Constraint) -> Vec<Label> {
     let mut nodes: Vec<Label> = match (constraint.element, constraint.index) {
+        _ if constraint.joined.is_some() => {
+            constraint.joined.iter().flat_map(|(_, nodes)| nodes.iter().copied()).collect()
+        }
         (Some(element), _) => {
             let element = scene.connectors.get(&element);
             element.into_iter().flat_map(|element| [element.a, element.b]).flatten().collect()
@@ -176,13 +182,16 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
     }
     let mut found = Vec::new();
     let evaluated: Vec<&Mpc> = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_some()).collect();
-    let place = |element: &Option<Label>, index: Option<usize>| match element {
+    let place = |element: &Option<Label>, index: Option<usize>, first: Option<&&Redundant>| match element {
         Some(element) => scene.connectors.get(element).map(|element| element.span),
-        None => index.and_then(|index| evaluated.get(index)).map(|mpc| mpc.span),
+        None => match first.and_then(|first| first.constraint.joined.as_ref()) {
+            Some((span, _)) => Some(*span),
+            None => index.and_then(|index| evaluated.get(index)).map(|mpc| mpc.span),
+        },
     };
     let owners = of.into_iter().map(|owner| {
         let (holds, _, element, index) = &owner.0;
-        (code(*holds), place(element, *index).unwrap_or_default(), owner)
+        (code(*holds), place(element, *index, owner.1.first()).unwrap_or_default(), owner)
     });
     for (code, place, owner, more) in shortened(scene, levels, MOST, owners) {
         let ((holds, decided, element, index), redundant) = owner;
@@ -295,7 +304,7 @@ fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&
     let is_held = redundant.iter().all(|one| one.held);
     match makers {
         [] if is_held && is_mpc => {
-            "its nodes are held as it would hold them: leave out the multi-point constraint, or free one of the nodes"
+            "its nodes are held as it would hold them: leave out the constraint, or free one of the nodes"
         }
         [] if is_held => {
             "its nodes are held as it would hold them: free one of the nodes in *BOUNDARY, or choose a connection type that leaves the component \

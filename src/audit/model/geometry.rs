@@ -51,8 +51,10 @@ fn overflow(scene: &Scene, model: &Model) -> Option<Finding> {
     // Three squares of differences of two coordinates: 3 (2 x)².
     let limit = (f64::MAX / 12.0).sqrt();
     let of_connectors = model.connectors.iter().flat_map(|element| element.nodes.into_iter().flatten());
-    let used: BTreeSet<Label> =
-        of_connectors.chain(model.mpcs.iter().flat_map(|mpc| mpc.nodes.iter().copied())).collect();
+    let used: BTreeSet<Label> = of_connectors
+        .chain(model.mpcs.iter().flat_map(|mpc| mpc.nodes.iter().copied()))
+        .chain(model.relations.iter().flat_map(|relation| relation.nodes.iter().copied()))
+        .collect();
     let largest = |label: &Label| {
         let node = scene.nodes.get(label)?;
         let most = node.coordinates.iter().fold(0.0_f64, |most, x| most.max(x.abs()));

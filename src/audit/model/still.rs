@@ -10,7 +10,10 @@ use pintle_kinematics::catalog::PLANE;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::mpc::Translation;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
-use pintle_model::evaluate::{ConnectorElement, Fixed, Freedom, Jacobian, Model, MpcElement, Plan};
+use pintle_kinematics::relation::Form;
+use pintle_model::evaluate::{
+    ConnectorElement, Fixed, Freedom, Jacobian, Model, MpcElement, Plan, RelationElement,
+};
 use pintle_scene::{Diagnostic, Label, Scene};
 use std::collections::{HashMap, HashSet};
 use std::ops::{Range, RangeInclusive};
@@ -34,7 +37,14 @@ impl Still {
     pub(super) fn of(scene: &Scene, model: &Model) -> Result<Self, Diagnostic> {
         let known = Known::of(scene, model)?;
         let turns = |element: &MpcElement| element.constraint.kind().entry().hinges == Some(0);
-        let turning = known.held(4..=6, |element| known.holds_all(element, 3..6), turns);
+        let carried = |element: &RelationElement| match element.relation.form() {
+            Form::Carried { fixed, arm, .. } => Some((*fixed, *arm)),
+            _ => None,
+        };
+        let turns_with = |element: &RelationElement| {
+            carried(element).is_some_and(|(fixed, _)| !fixed[3..].contains(&false))
+        };
+        let turning = known.held(4..=6, |element| known.holds_all(element, 3..6), turns, turns_with);
         let is_still = |node: Option<&Label>| node.is_none_or(|node| turning.contains(node));
         let places = known.held(
             1..=3,
@@ -56,8 +66,13 @@ impl Still {
                 }
                 Translation::Free | Translation::Distance => false,
             },
+            |element| {
+                carried(element).is_some_and(|(fixed, arm)| {
+                    !fixed[..3].contains(&false) && (arm == [0.0; 3] || is_still(element.nodes.get(1)))
+                })
+            },
         );
-        let flows = known.held(10..=10, |_| false, |_| false);
+        let flows = known.held(10..=10, |_| false, |_| false, |_| false);
         Ok(Self { turning, places, flows })
     }
 
@@ -136,12 +151,14 @@ impl<'a> Known<'a> {
         components.all(|k| (lies && !PLANE[k]) || holds(k))
     }
 
-    /// The nodes whose degrees of freedom of these numbers are held: by boundary conditions, and by what `fixes` and `ties` them to such nodes.
+    /// The nodes whose degrees of freedom of these numbers are held: by boundary conditions, and by what `fixes`, `ties` and
+    /// `carries` them with such nodes.
     fn held(
         &self,
         numbers: RangeInclusive<u8>,
         fixes: impl Fn(&ConnectorElement) -> bool,
         ties: impl Fn(&MpcElement) -> bool,
+        carries: impl Fn(&RelationElement) -> bool,
     ) -> HashSet<Label> {
         let mut beside: HashMap<Label, Vec<Label>> = HashMap::new();
         let mut join = |a: Label, b: Label| {
@@ -156,6 +173,11 @@ impl<'a> Known<'a> {
             }
         }
         for element in self.model.mpcs.iter().filter(|element| ties(element)) {
+            if let [s, m, ..] = element.nodes.as_slice() {
+                join(*s, *m);
+            }
+        }
+        for element in self.model.relations.iter().filter(|element| carries(element)) {
             if let [s, m, ..] = element.nodes.as_slice() {
                 join(*s, *m);
             }

@@ -92,6 +92,11 @@ fn has_states(name: &str) -> bool {
     CERTIFICATES.get(name).is_some_and(|certificate| certificate.jax_states > 0)
 }
 
+/// The certificate of this name: of a relation, what it is of.
+pub fn certificate_named(name: &str) -> Option<Certificate> {
+    CERTIFICATES.get(name).cloned()
+}
+
 /// The certificate of a multi-point constraint, under the name `MPC BEAM`.
 pub fn certificate_of_mpc(kind: pintle_kinematics::mpc::Kind) -> Option<Certificate> {
     CERTIFICATES.get(&format!("MPC {}", kind.name())).cloned()

@@ -5,7 +5,7 @@ use crate::case::failing::Failing;
 use crate::engine::audit_case;
 use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
 use crate::judge::table::ResultTable;
-use crate::oracles::certificate::{certificate, certificate_of_mpc};
+use crate::oracles::certificate::{certificate, certificate_named, certificate_of_mpc};
 use crate::oracles::golden::audit_at;
 use crate::replay::counterexample::CounterExample;
 use crate::replay::shrink::{shrink, shrink_values};
@@ -33,6 +33,7 @@ impl Failing {
                 checks
             }
             Self::Mpc(case) => case.audit(settings, proves),
+            Self::Relation(case) => case.audit(settings, proves),
             Self::Friction(case) => case.judged(settings, true, proves),
             Self::Belt(case) => case.judged(settings, true, proves),
             Self::Slopes(case) => case.audit(settings, proves).into_iter().collect(),
@@ -43,6 +44,7 @@ impl Failing {
     pub fn tables(&self) -> Vec<ResultTable> {
         match self {
             Self::Connector(_) | Self::Mpc(_) => Vec::new(),
+            Self::Relation(case) => case.tables(),
             Self::Friction(case) => case.all_tables(),
             Self::Belt(case) => case.tables(),
             Self::Slopes(case) => case.tables(),
@@ -55,7 +57,7 @@ impl Failing {
             Self::Connector(case) => {
                 CounterExample::record(case, Against::Own).deck_of_connector(case).is_ok()
             }
-            Self::Mpc(_) | Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => true,
+            Self::Mpc(_) | Self::Relation(_) | Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => true,
         }
     }
 
@@ -68,7 +70,9 @@ impl Failing {
         match self {
             Self::Connector(_) => true,
             Self::Mpc(case) => case.tables().iter().all(is_finite),
-            Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => self.tables().iter().all(is_finite),
+            Self::Relation(_) | Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => {
+                self.tables().iter().all(is_finite)
+            }
         }
     }
 
@@ -77,6 +81,7 @@ impl Failing {
         match self {
             Self::Connector(case) => case.definition.connection.name.to_string(),
             Self::Mpc(case) => format!("MPC {}", case.constraint.kind().name()),
+            Self::Relation(case) => case.type_name.clone(),
             Self::Friction(case) => format!("friction of {}", case.name()),
             Self::Belt(case) => format!("belt of {}", case.name),
             Self::Slopes(case) => format!("springs and dampers of {}", case.name),
@@ -88,11 +93,13 @@ impl Failing {
         let certificate = match self {
             Self::Connector(case) => certificate(&case.definition.connection),
             Self::Mpc(case) => certificate_of_mpc(case.constraint.kind()),
+            Self::Relation(case) => certificate_named(&case.type_name),
             Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => None,
         };
         let expected = match self {
             Self::Connector(case) => Expected::of(&case.connector()),
             Self::Mpc(_) => Expected::of_constraint(),
+            Self::Relation(case) => Expected::of_relation(&case.relation),
             Self::Friction(_) | Self::Belt(_) | Self::Slopes(_) => Expected::default(),
         };
         let checks = self.checks(settings, true);

@@ -27,6 +27,8 @@ pub enum About {
     Connector,
     /// A multi-point constraint at a state.
     Mpc,
+    /// A relation at a state.
+    Relation,
     /// A friction in an increment.
     Friction,
     /// A belt around a ring in an increment.
@@ -40,6 +42,7 @@ impl About {
         match failing {
             Failing::Connector(_) => Self::Connector,
             Failing::Mpc(_) => Self::Mpc,
+            Failing::Relation(_) => Self::Relation,
             Failing::Friction(_) => Self::Friction,
             Failing::Belt(_) => Self::Belt,
             Failing::Slopes(_) => Self::Slopes,
@@ -51,6 +54,7 @@ impl About {
         match self {
             Self::Connector => "connector",
             Self::Mpc => "multi-point constraint",
+            Self::Relation => "relation",
             Self::Friction => "friction",
             Self::Belt => "belt around a ring",
             Self::Slopes => "slope of a behaviour",

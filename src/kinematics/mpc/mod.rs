@@ -52,6 +52,7 @@ mod residual;
 pub use care::Margins;
 pub use evaluate::Evaluation;
 pub use kind::{Entry, Kind, TABLE, Translation};
+pub(crate) use residual::turned;
 
 use crate::scalar::{Differentiable, Real};
 use crate::vector;

@@ -8,7 +8,7 @@ use crate::vector;
 use crate::vector::{Matrix, Vector, add, constant, cross, dot_real, sub};
 
 /// C with a nilpotent rotation: exp(θ^) C.
-fn turned<S: Scalar>(rotation: &Matrix<S::Real>, theta: Vector<S>) -> Matrix<S> {
+pub(crate) fn turned<S: Scalar>(rotation: &Matrix<S::Real>, theta: Vector<S>) -> Matrix<S> {
     let constant = [constant(rotation[0]), constant(rotation[1]), constant(rotation[2])];
     vector::product(&so3::matrix(so3::exp(theta)), &constant)
 }

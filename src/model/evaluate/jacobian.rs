@@ -4,7 +4,7 @@
 //! and nothing fixes. The pattern is found once; at each state the entries are written straight into their places from compact rows
 //! ([`pintle_kinematics::connector::CompactRow`]), which as many threads as there are compute.
 //!
-//! Rows come in the order of the plan: connectors, u1 to ur3 of each, then MPCs. Columns are numbered by node, 1 to 6 and 10 of each,
+//! Rows come in the order of the plan: connectors, u1 to ur3 of each, then MPCs, then relations. Columns are numbered by node, 1 to 6 and 10 of each,
 //! in the order of the labels of the nodes. Rotations vary spatially, C → exp(δθ^) C. Columns of a node under `*TRANSFORM` are along
 //! its axes, as its boundary conditions are.
 
@@ -13,11 +13,13 @@ use crate::evaluate::model::{ConnectorElement, Model};
 use crate::evaluate::mpc::MpcElement;
 use crate::evaluate::places::Places;
 use crate::evaluate::plan::Plan;
+use crate::evaluate::relation::RelationElement;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{CompactRow, Components, Group, Mask};
 use pintle_kinematics::mpc;
 use pintle_kinematics::mpc::Kind;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_kinematics::relation;
 use pintle_kinematics::vector::{Matrix, Vector, dot};
 use pintle_scene::{Label, LabelMap};
 use std::ops::Range;
@@ -30,6 +32,8 @@ pub enum Source {
     Connector(usize),
     /// A multi-point constraint, by its index in the model.
     Mpc(usize),
+    /// A relation, by its index in the model.
+    Relation(usize),
 }
 
 /// A row: an equation that is enforced.
@@ -37,7 +41,8 @@ pub enum Source {
 pub struct Equation {
     /// What enforces it.
     pub source: Source,
-    /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`Kind::row_name`].
+    /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`Kind::row_name`];
+    /// that of a relation, in the order of its rows.
     pub component: usize,
 }
 
@@ -54,6 +59,12 @@ impl Equation {
                 let mpc = model.mpcs.get(index);
                 let name = mpc.map(|mpc| mpc.constraint.kind().row_name(self.component));
                 named(mpc.map(MpcElement::title), name.unwrap_or_default())
+            }
+            Source::Relation(index) => {
+                let element = model.relations.get(index);
+                let rows = element.map(|element| element.relation.rows()).unwrap_or_default();
+                let name = rows.get(self.component).map_or("", |(name, _)| *name);
+                named(element.map(RelationElement::title), name)
             }
         }
     }
@@ -100,6 +111,24 @@ struct MpcBlock {
     axes: [Option<u32>; mpc::NODES],
 }
 
+/// Where an entry of a row of a relation comes from.
+#[derive(Clone, Copy, Debug)]
+enum Taken {
+    /// A column of the relation.
+    Column(usize),
+    /// A component, along axes by their number, of those three columns that there are.
+    Along { axes: u32, columns: [Option<usize>; 3], component: usize },
+}
+
+/// Where the entries of one relation go.
+#[derive(Clone, Debug)]
+struct RelationBlock {
+    /// What each of its rows is made of.
+    taken: Vec<Taken>,
+    /// The first of its entries.
+    first: usize,
+}
+
 /// The pattern of a sparse Jacobian in compressed rows (CSR), and how to fill it: [`crate::evaluate::Sequence::assemble`].
 ///
 /// ```
@@ -131,9 +160,12 @@ pub struct Jacobian {
     mpcs: Vec<MpcBlock>,
     /// For each entry of an MPC the equation, and the degree of freedom by which it is.
     mpc_entries: Vec<(u8, u8)>,
+    /// The first entry of an MPC.
+    first_mpc: usize,
+    relations: Vec<RelationBlock>,
     axes: Vec<Matrix<f64>>,
     /// The plan that it belongs to.
-    plan: [Vec<usize>; 2],
+    plan: [Vec<usize>; 3],
     /// What columns made of this pattern know it by.
     origin: Arc<()>,
 }
@@ -159,7 +191,7 @@ fn place_of(number: u8) -> Option<usize> {
 }
 
 impl Jacobian {
-    /// The pattern of what is enforced: the constrained components of the connectors of a plan, and the equations of its MPCs.
+    /// The pattern of what is enforced: the constrained components of the connectors of a plan, and the equations of its constraints.
     ///
     /// Rows follow from the connection types. What behaviour does to them, such as a stop that is reached, a lock, or a failure that
     /// releases a component, is not in the pattern.
@@ -185,8 +217,10 @@ impl Jacobian {
             blocks: Vec::with_capacity(plan.connectors.len()),
             mpcs: Vec::with_capacity(plan.mpcs.len()),
             mpc_entries: Vec::new(),
+            first_mpc: 0,
+            relations: Vec::with_capacity(plan.relations.len()),
             axes: Vec::new(),
-            plan: [plan.connectors.clone(), plan.mpcs.clone()],
+            plan: [plan.connectors.clone(), plan.mpcs.clone(), plan.relations.clone()],
             origin: Arc::default(),
         };
         for (node, has) in nodes.iter().zip(&numbering.has) {
@@ -203,8 +237,12 @@ impl Jacobian {
                 &mut known,
             );
         }
+        jacobian.first_mpc = jacobian.columns.len();
         for index in &plan.mpcs {
             jacobian.add_mpc(*index, &model.mpcs[*index], (&numbering, fixed), &mut known);
+        }
+        for index in &plan.relations {
+            jacobian.add_relation(*index, &model.relations[*index], (&numbering, fixed), &mut known);
         }
         jacobian
     }
@@ -289,6 +327,45 @@ impl Jacobian {
         self.mpcs.push(MpcBlock { entries: from..self.mpc_entries.len(), axes });
     }
 
+    fn add_relation(
+        &mut self,
+        index: usize,
+        element: &RelationElement,
+        (numbering, fixed): (&Numbering, &Fixed),
+        known: &mut LabelMap<u32>,
+    ) {
+        let axes: Vec<Option<u32>> =
+            element.nodes.iter().map(|node| self.axes_of(Some(*node), fixed, known)).collect();
+        let places: Vec<Option<usize>> =
+            element.nodes.iter().map(|node| numbering.places.of(*node)).collect();
+        let own = element.relation.columns();
+        let at = |place: usize, number: u8| own.binary_search(&(place, number)).ok();
+        let mut taken = Vec::new();
+        for (place, number) in element.relation.own_columns(|place| axes[place].is_some()) {
+            let column = places[place].and_then(|of| numbering.column(of, place_of(number)?));
+            let Some(column) = column else { continue };
+            let from = match axes[place].filter(|_| number <= 6) {
+                Some(axes) => {
+                    let component = (usize::from(number) - 1) % 3;
+                    let first = number - component as u8;
+                    let columns = [0, 1, 2].map(|i| at(place, first + i));
+                    Some(Taken::Along { axes, columns, component })
+                }
+                None => at(place, number).map(Taken::Column),
+            };
+            taken.extend(from.map(|from| (column, from)));
+        }
+        taken.sort_unstable_by_key(|(column, _)| *column);
+        let first = self.columns.len();
+        for component in 0..element.relation.rows().len() {
+            self.columns.extend(taken.iter().map(|(column, _)| *column));
+            self.equations.push(Equation { source: Source::Relation(index), component });
+            self.offsets.push(self.columns.len());
+        }
+        let taken = taken.into_iter().map(|(_, from)| from).collect();
+        self.relations.push(RelationBlock { taken, first });
+    }
+
     /// The number of equations.
     pub const fn rows(&self) -> usize {
         self.equations.len()
@@ -357,7 +434,8 @@ impl Jacobian {
     }
 
     pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
-        let is_same = self.plan[0] == plan.connectors && self.plan[1] == plan.mpcs;
+        let is_same =
+            self.plan[0] == plan.connectors && self.plan[1] == plan.mpcs && self.plan[2] == plan.relations;
         if is_same { Ok(()) } else { Err(ForeignPattern::Plan) }
     }
 
@@ -373,13 +451,18 @@ impl Jacobian {
 
     /// The first entry of a connector, by its place in the plan; beyond the last connector, that of the MPCs.
     pub(super) fn first_entry(&self, at: usize) -> usize {
-        self.blocks.get(at).map_or(self.entries() - self.mpc_entries.len(), |block| block.first)
+        self.blocks.get(at).map_or(self.first_mpc, |block| block.first)
     }
 
-    /// The first entry of an MPC, by its place in the plan; beyond the last, the number of entries.
+    /// The first entry of an MPC, by its place in the plan; beyond the last, that of the relations.
     pub(super) fn first_mpc_entry(&self, at: usize) -> usize {
         let all = self.mpc_entries.len();
-        self.entries() - all + self.mpcs.get(at).map_or(all, |block| block.entries.start)
+        self.first_mpc + self.mpcs.get(at).map_or(all, |block| block.entries.start)
+    }
+
+    /// The first entry of a relation, by its place in the plan; beyond the last, the number of entries.
+    pub(super) fn first_relation_entry(&self, at: usize) -> usize {
+        self.relations.get(at).map_or(self.entries(), |block| block.first)
     }
 
     /// The rows of a connector that have columns, by its place in the plan: none between nodes that are fixed.
@@ -437,6 +520,21 @@ impl Jacobian {
                 }
                 _ => row[j],
             });
+        }
+    }
+
+    /// Gives the entries of a relation in the order of the rows.
+    pub(super) fn write_relation(&self, at: usize, rows: &[relation::Row<f64>], mut put: impl FnMut(f64)) {
+        for row in rows {
+            let entry = |at: usize| row.gradient.get(at).copied().unwrap_or(f64::NAN);
+            for taken in &self.relations[at].taken {
+                put(match *taken {
+                    Taken::Column(at) => entry(at),
+                    Taken::Along { axes, columns, component } => {
+                        self.turned(Some(axes), columns.map(|at| at.map_or(0.0, entry)))[component]
+                    }
+                });
+            }
         }
     }
 
@@ -533,6 +631,14 @@ fn number<'a>(nodes: &'a [Label], model: &Model, plan: &Plan, fixed: &Fixed) -> 
             if let Some(node) = element.nodes.get(place) {
                 add(*node, places.of(*node), number);
             }
+        }
+    }
+    for index in &plan.relations {
+        let element = &model.relations[*index];
+        let has_axes = |place: usize| fixed.axes(element.nodes[place]).is_some();
+        for (place, number) in element.relation.own_columns(has_axes) {
+            let node = element.nodes[place];
+            add(node, places.of(node), number);
         }
     }
     let mut next = 0;

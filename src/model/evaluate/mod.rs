@@ -17,6 +17,7 @@ mod parallel;
 mod places;
 mod plan;
 mod plane;
+mod relation;
 mod rules;
 mod sequence;
 mod shared;
@@ -31,6 +32,7 @@ pub use mpc::forces::{Hinge, MpcForces, MpcSlopes};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};
 pub use outputs::{OutputError, request};
 pub use plan::{Plan, Selection, SelectionError};
+pub use relation::{RelationElement, RelationResult};
 pub use sequence::{Branches, ConnectorResult, Item, Sequence, StepResult};
 
 /// The suboptions of `*CONNECTOR BEHAVIOR` that are evaluated; of all others `pintle eval` says that they were read and are not.

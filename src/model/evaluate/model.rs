@@ -5,6 +5,7 @@ use crate::behavior::state::Behavior;
 use crate::evaluate::belt;
 use crate::evaluate::belt::Ring;
 use crate::evaluate::mpc::MpcElement;
+use crate::evaluate::relation::{RelationElement, relations};
 use crate::evaluate::{mpc, plane, rules, shared};
 use pintle_kinematics::catalog::{ConnectionType, NameError, Orientation, Rule};
 use pintle_kinematics::connector::{Connector, Definition, Stop};
@@ -97,6 +98,8 @@ pub struct Model {
     pub rings: BTreeMap<usize, Ring>,
     /// Multi-point constraints in the order of the scene.
     pub mpcs: Vec<MpcElement>,
+    /// Equations, rigid bodies, couplings and ties.
+    pub relations: Vec<RelationElement>,
     /// The springs and dashpots to ground that act on the angles of their hinges, by element number.
     pub grounded: LabelSet,
     /// The MPCs that are kept and not evaluated, by type, with their number.
@@ -213,7 +216,7 @@ impl Model {
                 return model;
             }
         }
-        if let Err(error) = model.join(scene, tell) {
+        if let Err(error) = model.join(scene, &shared.freedom, tell) {
             tell(error.into());
         }
         model.collect_sets(scene);
@@ -428,8 +431,13 @@ impl Model {
         Ok(())
     }
 
-    /// Makes the multi-point constraints. What leaves them all the same is told, and the rest is done where that says to go on.
-    fn join(&mut self, scene: &Scene, tell: &mut dyn FnMut(Refusal) -> bool) -> Result<(), Diagnostic> {
+    /// Makes the constraints. What leaves them all the same is told, and the rest is done where that says to go on.
+    fn join(
+        &mut self,
+        scene: &Scene,
+        freedom: &NodeFreedom,
+        tell: &mut dyn FnMut(Refusal) -> bool,
+    ) -> Result<(), Diagnostic> {
         let flows: LabelSet = self.connectors.iter().flat_map(ConnectorElement::flowing).collect();
         let mut joined = Vec::new();
         for mpc in &scene.mpcs {
@@ -451,6 +459,7 @@ impl Model {
         self.grounded = mpc::ground(scene, &mut joined)?;
         mpc::drive(scene, &self.schedule, &mut joined)?;
         self.mpcs = joined.into_iter().map(|(element, _)| element).collect();
+        self.relations = relations(scene, freedom, &self.mpcs).map_err(|error| error.in_scene(scene))?;
         Ok(())
     }
 

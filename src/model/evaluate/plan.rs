@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 /// The connectors of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Selection {
-    /// All, and all MPCs.
+    /// All, and all constraints.
     All,
     /// Those named by element number or element set.
     Named(Vec<String>),
@@ -31,6 +31,8 @@ pub struct Plan {
     pub connectors: Vec<usize>,
     /// Indices of multi-point constraints in the model.
     pub mpcs: Vec<usize>,
+    /// Indices of relations in the model.
+    pub relations: Vec<usize>,
     /// The nodes whose state is needed.
     pub nodes: BTreeSet<Label>,
     /// What is computed of each.
@@ -50,16 +52,28 @@ impl Plan {
         for name in names {
             chosen.extend(find(model, &labels, name)?);
         }
-        Ok(Self::of(model, chosen.into_iter().collect(), Vec::new(), request))
+        Ok(Self::of(model, chosen.into_iter().collect(), [Vec::new(), Vec::new()], request))
     }
 
-    /// Compiles a request for every connector and multi-point constraint of a model.
+    /// Whether there is nothing to be computed.
+    pub const fn is_empty(&self) -> bool {
+        self.connectors.is_empty() && self.mpcs.is_empty() && self.relations.is_empty()
+    }
+
+    /// Compiles a request for every connector and constraint of a model.
     pub fn everything(model: &Model, request: Request) -> Self {
-        Self::of(model, (0..model.connectors.len()).collect(), (0..model.mpcs.len()).collect(), request)
+        let all = |count: usize| (0..count).collect();
+        let constraints = [all(model.mpcs.len()), all(model.relations.len())];
+        Self::of(model, all(model.connectors.len()), constraints, request)
     }
 
-    /// Of these connectors and multi-point constraints, by index.
-    pub fn of(model: &Model, connectors: Vec<usize>, mpcs: Vec<usize>, request: Request) -> Self {
+    /// Of these connectors, multi-point constraints and relations, by index.
+    pub fn of(
+        model: &Model,
+        connectors: Vec<usize>,
+        [mpcs, relations]: [Vec<usize>; 2],
+        request: Request,
+    ) -> Self {
         let mut nodes = BTreeSet::new();
         for index in &connectors {
             nodes.extend(model.connectors[*index].nodes.iter().flatten());
@@ -70,7 +84,10 @@ impl Plan {
         for index in &mpcs {
             nodes.extend(&model.mpcs[*index].nodes);
         }
-        Self { connectors, mpcs, nodes, request }
+        for index in &relations {
+            nodes.extend(&model.relations[*index].nodes);
+        }
+        Self { connectors, mpcs, relations, nodes, request }
     }
 }
 

@@ -243,8 +243,8 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
     for Loaded { name, model, .. } in loaded.iter().filter(|loaded| !loaded.is_refused) {
         let plan = Plan::compile(model, &selection, Request::nothing(0))
             .map_err(|error| Failure::Usage(error.to_string()))?;
-        if plan.connectors.is_empty() && plan.mpcs.is_empty() {
-            let message = format!("{name} has no connector element and no MPC that is evaluated");
+        if plan.is_empty() {
+            let message = format!("{name} has no connector element and no constraint that is evaluated");
             return Err(Failure::Nothing(message));
         }
         plans.push(plan);

@@ -342,8 +342,9 @@ fn walk(
         let Run { scene, survey, forces, model, .. } = run;
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
-        if plan.connectors.is_empty() && plan.mpcs.is_empty() && arguments.scene.is_some() {
-            let message = format!("{} has no connector element and no MPC that is evaluated", scene.name);
+        if plan.is_empty() && arguments.scene.is_some() {
+            let message =
+                format!("{} has no connector element and no constraint that is evaluated", scene.name);
             return Err(Failure::Nothing(message));
         }
         let branches = match &arguments.resume {
@@ -405,6 +406,7 @@ fn walk(
                         let block = match item {
                             Item::Connector(result) => Block::of_connector(model, request, result),
                             Item::Mpc(result) => Block::of_mpc(model, request, result),
+                            Item::Relation(result) => Block::of_relation(model, request, result),
                         };
                         (to.kind, to.has_numbers) = (block.kind, block.has_numbers());
                         to.text.clear();
@@ -426,6 +428,7 @@ fn walk(
                         let flags = match item {
                             Item::Connector(result) => &result.flags,
                             Item::Mpc(result) => &result.flags,
+                            Item::Relation(result) => &result.flags,
                         };
                         if !flags.is_empty() {
                             care.see(index, &title(model, item), flags);
@@ -455,6 +458,7 @@ fn title(model: &Model, item: Item<'_>) -> String {
     match item {
         Item::Connector(result) => model.connectors[result.index].title(),
         Item::Mpc(result) => model.mpcs[result.index].title(),
+        Item::Relation(result) => model.relations[result.index].title(),
     }
 }
 

@@ -418,12 +418,12 @@ CSV: one line for each state × connector × component, one column for each
 
 JSON: {\"schema\": \"pintle-eval/1\", …, \"scenes\": [{\"scene\", \"states\":
   [{\"index\", \"time\", \"connectors\": [{\"element\", \"type\", \"nodes\",
-  \"components\", \"jacobian\", \"hessian\", \"flags\"}], \"mpcs\"}]}]}. Numbers read
-  back to the same doubles; one that is not finite is null, with the flag
-  not-finite.
+  \"components\", \"jacobian\", \"hessian\", \"flags\"}], \"mpcs\", \"relations\"}]}]}. Numbers
+  read back to the same doubles; one that is not finite is null, with the flag
+  not-finite. Relations are equations, rigid bodies, couplings and ties.
 
 Jacobian (--jacobian): rows are the constrained components of connectors and the
-  equations of MPCs, columns the degrees of freedom of their nodes, numbered by
+  equations of constraints, columns the degrees of freedom of their nodes, numbered by
   node; the ground, and what *BOUNDARY prescribes before or in the first step,
   have none. Columns of a node under *TRANSFORM are along its axes. Comments of
   the file name every row and column. scipy.io.mmread reads it, as do MATLAB,

@@ -15,6 +15,7 @@ use pintle_model::behavior::state::Outcome;
 use pintle_model::behavior::{Forces, Tangent, Unknown};
 use pintle_model::evaluate::{
     ConnectorResult, ForceResult, HingeMoments, Model, MpcElement, MpcForces, MpcResult, MpcSlopes,
+    RelationResult,
 };
 use pintle_scene::Label;
 
@@ -175,6 +176,8 @@ pub enum BlockKind {
     Connector,
     /// A multi-point constraint.
     Mpc,
+    /// An equation, or what a rigid body, a coupling or a tie requires of its nodes.
+    Relation,
 }
 
 /// One connector or MPC at one state: components with the outputs asked for, derivatives, what needs care.
@@ -389,6 +392,53 @@ impl<'a> Block<'a> {
         .with_what_is_not_finite()
     }
 
+    /// A relation.
+    pub fn of_relation(model: &'a Model, request: &Request, result: &RelationResult) -> Self {
+        let element = &model.relations[result.index];
+        let relation = &element.relation;
+        let wanted = |output: Output| request.outputs().any(|wanted| wanted == output);
+        let mut rows = Vec::new();
+        let mut derivatives = Vec::new();
+        for ((name, unit), row) in relation.rows().into_iter().zip(&result.rows) {
+            let value = |output| match output {
+                Output::RES => Some(row.residual),
+                Output::RESV => row.rate,
+                Output::RESB => row.bias,
+                Output::RESA => row.acceleration,
+                _ => None,
+            };
+            let values =
+                Output::ALL.map(|output| value(output).filter(|_| wanted(output)).map(Value::Number));
+            if values != NO_VALUES {
+                rows.push(ComponentRow { name, role: "constrained", unit, values });
+            }
+            if !row.gradient.is_empty() {
+                let gradient = row.gradient.clone();
+                derivatives.push(Derivative { component: name, printed: None, gradient, hessian: None });
+            }
+        }
+        let column = |(place, dof): &(usize, u8)| {
+            let (name, role) = (relation.column_name(*place, *dof), relation.role(*place));
+            Some(Column { name, node: *element.nodes.get(*place)?, role, dof: *dof })
+        };
+        let nodes = element.nodes.iter().enumerate().map(|(place, node)| (relation.role(place), Some(*node)));
+        Self {
+            kind: BlockKind::Relation,
+            label: element.label.clone(),
+            type_name: element.type_name,
+            nodes: nodes.collect(),
+            rows,
+            columns: relation.columns().iter().filter_map(column).collect(),
+            derivatives,
+            tangent: None,
+            nodal: Nodal::default(),
+            branch: None,
+            mpc: None,
+            flags: result.flags.clone(),
+        }
+        .with_what_is_not_finite()
+    }
+
     /// An MPC: the angles of its hinges that the rotations imply, and its equations.
     pub fn of_mpc(model: &Model, request: &Request, result: &MpcResult) -> Self {
         let element = &model.mpcs[result.index];
@@ -534,6 +584,7 @@ impl<'a> Block<'a> {
         match self.kind {
             BlockKind::Connector => format!("{} {}", self.type_name, self.label),
             BlockKind::Mpc => format!("MPC {}", self.type_name),
+            BlockKind::Relation => self.type_name.to_string(),
         }
     }
 

@@ -157,6 +157,7 @@ impl Lines<'_, '_> {
         let kind = match block.kind {
             BlockKind::Connector => "connector",
             BlockKind::Mpc => "mpc",
+            BlockKind::Relation => "relation",
         };
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
         cells([

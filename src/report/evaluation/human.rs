@@ -39,6 +39,8 @@ pub struct Human<'w> {
 /// What is smaller than this, in comparison with the largest number of its table, is shown with four digits at most: it is
 /// rounding, or nearly so, and its size says all.
 const NEGLIGIBLE: f64 = 1e-10;
+/// As many nodes of a constraint as its title tells.
+const NODES_TOLD: usize = 8;
 /// Blanks between columns.
 const GAP: usize = 2;
 /// Blanks before rows.
@@ -113,9 +115,13 @@ impl<'w> Human<'w> {
         let nodes: Vec<String> = block.nodes.iter().map(|(_, node)| node_name(*node)).collect();
         let title = match block.kind {
             BlockKind::Connector => format!("{}  {}", block.title(), nodes.join(" → ")),
-            BlockKind::Mpc => {
-                let nodes: Vec<String> =
-                    block.nodes.iter().map(|(role, node)| format!("{role} {}", node_name(*node))).collect();
+            BlockKind::Mpc | BlockKind::Relation => {
+                let told = block.nodes.iter().take(NODES_TOLD);
+                let mut nodes: Vec<String> =
+                    told.map(|(role, node)| format!("{role} {}", node_name(*node))).collect();
+                if block.nodes.len() > NODES_TOLD {
+                    nodes.push(format!("{} more", block.nodes.len() - NODES_TOLD));
+                }
                 format!("{}  {}", block.title(), nodes.join(", "))
             }
         };
@@ -162,7 +168,7 @@ impl<'w> Human<'w> {
             return writeln!(self.out, "  Jacobian: every entry is 0");
         }
         let largest = largest(block.derivatives.iter().flat_map(|row| row.gradient.iter().copied()));
-        for group in shown.chunk_by(|i, j| block.columns[*i].role == block.columns[*j].role) {
+        for group in shown.chunk_by(|i, j| block.columns[*i].node == block.columns[*j].node) {
             let Some(first) = group.first().map(|j| &block.columns[*j]) else { continue };
             let title = format!("  node {} ({})", first.node, first.role);
             let columns: Vec<(String, Vec<String>)> = group
@@ -460,6 +466,9 @@ impl Format for Human<'_> {
         let mut counts = vec![count(plan.connectors.len(), "connector")];
         if !plan.mpcs.is_empty() {
             counts.push(count(plan.mpcs.len(), "MPC"));
+        }
+        if !plan.relations.is_empty() {
+            counts.push(count(plan.relations.len(), "relation"));
         }
         counts.push(count(subject.states, "state") + &shown(subject));
         let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));

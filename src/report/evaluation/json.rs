@@ -81,8 +81,14 @@ impl Format for Json<'_> {
 
     fn rendered(&mut self, kind: BlockKind, text: &[u8]) -> io::Result<()> {
         if kind != self.kind {
-            (self.blocks, self.kind) = (0, kind);
-            write!(self.out, "],\"mpcs\":[")?;
+            self.blocks = 0;
+            let begins = match (self.kind, kind) {
+                (BlockKind::Connector, BlockKind::Relation) => "],\"mpcs\":[],\"relations\":[",
+                (_, BlockKind::Relation) => "],\"relations\":[",
+                _ => "],\"mpcs\":[",
+            };
+            write!(self.out, "{begins}")?;
+            self.kind = kind;
         }
         writeln!(self.out, "{}", if self.blocks > 0 { "," } else { "" })?;
         self.blocks += 1;
@@ -92,7 +98,7 @@ impl Format for Json<'_> {
     fn end_state(&mut self) -> io::Result<()> {
         match self.kind {
             BlockKind::Connector => write!(self.out, "],\"mpcs\":[]}}"),
-            BlockKind::Mpc => write!(self.out, "]}}"),
+            BlockKind::Mpc | BlockKind::Relation => write!(self.out, "]}}"),
         }
     }
 
@@ -115,7 +121,13 @@ impl Serialize for Block<'_> {
             map.serialize_entry("element", &self.label.parse::<Label>().ok())?;
         }
         map.serialize_entry("type", self.type_name)?;
-        map.serialize_entry("nodes", &named(&self.nodes, |(role, node)| (*role, *node)))?;
+        if self.kind == BlockKind::Relation {
+            let nodes: Vec<Option<Label>> = self.nodes.iter().map(|(_, node)| *node).collect();
+            map.serialize_entry("relation", &self.label)?;
+            map.serialize_entry("nodes", &nodes)?;
+        } else {
+            map.serialize_entry("nodes", &named(&self.nodes, |(role, node)| (*role, *node)))?;
+        }
         map.serialize_entry("components", &named(&self.rows, |row| (row.name, row)))?;
         if !self.derivatives.is_empty() {
             map.serialize_entry("jacobian", &Jacobian { dofs: &self.columns, of: &self.derivatives })?;

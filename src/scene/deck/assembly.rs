@@ -4,6 +4,7 @@
 //! `INSTANCE.NUMBER` and whose sets and orientations `INSTANCE.NAME`; what its own lines add counts in the axes of the part, too.
 
 use crate::deck::connector::RawMpc;
+use crate::deck::constraint::Raw;
 use crate::deck::sets::{OtherElements, SetBuilder};
 use crate::deck::{Deck, keywords};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
@@ -25,6 +26,7 @@ pub(super) struct Level {
     pub(super) element_sets: IndexMap<String, SetBuilder>,
     pub(super) other_elements: OtherElements,
     pub(super) mpcs: Vec<RawMpc>,
+    pub(super) constraints: Raw,
     other_rotations: LabelSet,
     rotation_targets: Vec<Target>,
 }
@@ -35,7 +37,10 @@ impl Level {
         let Scene { nodes, connectors, point_elements, orientations, .. } = &self.scene;
         let entries = |sets: &IndexMap<String, SetBuilder>| sets.values().map(SetBuilder::len).sum::<usize>();
         let of_sets = entries(&self.node_sets) + entries(&self.element_sets);
-        let others = self.mpcs.len() + self.other_rotations.len() + self.rotation_targets.len();
+        let others = self.mpcs.len()
+            + self.constraints.len()
+            + self.other_rotations.len()
+            + self.rotation_targets.len();
         (nodes.len() + connectors.len() + point_elements.len() + orientations.len() + of_sets + others) as u64
     }
 }
@@ -176,6 +181,7 @@ impl Deck<'_> {
         std::mem::swap(&mut self.element_sets, &mut level.element_sets);
         std::mem::swap(&mut self.other_elements, &mut level.other_elements);
         std::mem::swap(&mut self.mpcs, &mut level.mpcs);
+        std::mem::swap(&mut self.constraints, &mut level.constraints);
         std::mem::swap(&mut self.other_rotations, &mut level.other_rotations);
         std::mem::swap(&mut self.rotation_targets, &mut level.rotation_targets);
         // What is skipped is counted for the deck as a whole.
@@ -204,7 +210,7 @@ impl Deck<'_> {
         let assembly = &mut self.assembly;
         let has_parts = !assembly.parts.is_empty() || assembly.begun.is_some();
         match assembly.open.last() {
-            _ if keywords::is_of_assembly(name) => Ok(()),
+            _ if keywords::is_of_assembly(name) || keywords::is_constraint(name) => Ok(()),
             // Below *END ASSEMBLY they belong to the assembly.
             None if keywords::is_of_level(name) && assembly.begun.is_some() => Ok(()),
             None if keywords::is_of_level(name) && has_parts => misplaced(
@@ -284,6 +290,7 @@ impl Deck<'_> {
             element_sets,
             other_elements,
             mpcs,
+            constraints,
             other_rotations,
             rotation_targets,
         } = level;
@@ -372,6 +379,7 @@ impl Deck<'_> {
             }
             self.mpcs.push(mpc);
         }
+        self.constraints.place(constraints, instance, &target);
         self.rotation_targets.extend(rotation_targets.into_iter().map(target));
     }
 

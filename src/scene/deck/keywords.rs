@@ -6,7 +6,8 @@ use crate::behavior::{
     Softening,
 };
 use crate::choice::Choice;
-use crate::deck::{Deck, assembly, behavior, connector, copy, generate, history, mesh, unread};
+use crate::constraint::Weighting;
+use crate::deck::{Deck, assembly, behavior, connector, constraint, copy, generate, history, mesh, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::lexer::Keyword;
 use crate::model::{AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation, TransformKind};
@@ -388,6 +389,84 @@ pub(super) static RULES: &[Rule] = &[
         "each line is: type, node, node …",
         connector::mpc,
     ),
+    rule(
+        "EQUATION",
+        Both,
+        &[may("INPUT", Text), may("REMOVE", FlagOrText)],
+        "a line with the number of terms, then the terms: node, degree of freedom, factor",
+        constraint::equation,
+    )
+    .with_strange(Strange::Skipped),
+    rule(
+        "SURFACE",
+        Model,
+        &[need("NAME", Name), may("TYPE", Text), may("COMBINE", Text), may("CROP", Text)],
+        "each line of TYPE=NODE is: node or node set, area",
+        constraint::surface,
+    )
+    .with_strange(Strange::Skipped),
+    rule(
+        "RIGID BODY",
+        Model,
+        &[
+            may("REF NODE", Name),
+            may("ELSET", Name),
+            may("PIN NSET", Name),
+            may("TIE NSET", Name),
+            may("NSET", Name),
+            may("ROT NODE", Name),
+            may("ANALYTICAL SURFACE", Name),
+            may("POSITION", One(&["INPUT", "CENTER OF MASS"])),
+        ],
+        "it takes a thickness",
+        constraint::rigid_body,
+    )
+    .with_strange(Strange::Skipped),
+    rule(
+        "COUPLING",
+        Model,
+        &[
+            may("CONSTRAINT NAME", Name),
+            may("REF NODE", Name),
+            may("SURFACE", Name),
+            may("ORIENTATION", Name),
+            may("INFLUENCE RADIUS", Number),
+        ],
+        "*KINEMATIC or *DISTRIBUTING follows it",
+        constraint::coupling,
+    )
+    .with_strange(Strange::Skipped),
+    rule("KINEMATIC", Model, &[], "each line is: first, last degree of freedom", constraint::kinematic)
+        .with_strange(Strange::Skipped),
+    rule(
+        "DISTRIBUTING",
+        Model,
+        &[
+            may("COUPLING", One(&["CONTINUUM", "STRUCTURAL"])),
+            may("WEIGHTING METHOD", One(Weighting::SPELLINGS)),
+            may("CYCLIC SYMMETRY", FlagOrText),
+        ],
+        "each line is: first, last degree of freedom",
+        constraint::distributing,
+    )
+    .with_strange(Strange::Skipped),
+    rule(
+        "TIE",
+        Model,
+        &[
+            may("NAME", Name),
+            may("POSITION TOLERANCE", Number),
+            may("TYPE", Text),
+            may("NO ROTATION", Flag),
+            may("CYCLIC SYMMETRY", FlagOrText),
+            may("CONSTRAINT RATIO", Text),
+            may("MULTIPHYSICS", Text),
+            may("FLUID PERIODIC", Text),
+        ],
+        "each line is: dependent surface, other surface",
+        constraint::tie,
+    )
+    .with_strange(Strange::Skipped),
     rule(
         "CONNECTOR SECTION",
         Model,
@@ -797,6 +876,12 @@ pub(super) fn is_of_level(name: &str) -> bool {
     )
 }
 
+/// Is it a constraint beside connectors, or what one is made of? It may stand in parts, in the assembly and outside them, and what it has
+/// besides the parameters that are read does not refuse a deck.
+pub(super) fn is_constraint(name: &str) -> bool {
+    matches!(name, "EQUATION" | "SURFACE" | "RIGID BODY" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "TIE")
+}
+
 /// Procedures that are noted but not read.
 pub(super) fn is_procedure(name: &str) -> bool {
     [
@@ -822,18 +907,14 @@ pub(super) fn is_procedure(name: &str) -> bool {
 }
 
 /// Keywords that constrain nodes and are skipped. Suboptions, such as `*KINEMATIC` below `*COUPLING`, are of their keywords.
-const CONSTRAINTS: [&str; 11] = [
-    "COUPLING",
+const CONSTRAINTS: [&str; 7] = [
     "CYCLIC SYMMETRY MODEL",
     "DISTRIBUTING COUPLING",
     "EMBEDDED ELEMENT",
-    "EQUATION",
     "FASTENER",
     "KINEMATIC COUPLING",
     "PRE-TENSION SECTION",
-    "RIGID BODY",
     "SHELL TO SOLID COUPLING",
-    "TIE",
 ];
 
 /// The name of a keyword that constrains nodes and is skipped, if it is one.

@@ -6,6 +6,7 @@
 mod assembly;
 mod behavior;
 mod connector;
+mod constraint;
 mod copy;
 mod curve;
 mod errors;
@@ -141,6 +142,7 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         rotation_targets: Vec::new(),
         any_rotates: false,
         mpcs: Vec::new(),
+        constraints: constraint::Raw::default(),
         assembly: assembly::Assembly::default(),
         generated: 0,
         system: None,
@@ -183,6 +185,7 @@ struct Deck<'a> {
     /// Elements that are not read were generated, so that any node may be one of theirs.
     any_rotates: bool,
     mpcs: Vec<connector::RawMpc>,
+    constraints: constraint::Raw,
     assembly: assembly::Assembly,
     /// Nodes and elements that were generated.
     generated: u64,

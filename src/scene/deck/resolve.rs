@@ -3,6 +3,7 @@
 use crate::behavior::{Behavior, FrictionKind, Potential, Source};
 use crate::deck::Deck;
 use crate::deck::connector::RawMpc;
+use crate::deck::constraint;
 use crate::deck::errors::Errors;
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
@@ -27,9 +28,10 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
         errors.value(check_behavior(name, behavior));
     }
     properties(&deck.scene, &mut errors);
-    other_rotations(deck);
     let raw = std::mem::take(&mut deck.mpcs);
     deck.scene.mpcs = mpcs(&deck.scene, &raw, &mut errors);
+    constraint::resolve(deck, &mut errors);
+    other_rotations(deck);
     let bearing = unread::bearing(&deck.scene);
     errors.value(transforms(&deck.scene, &bearing));
     deck.errors = errors;
@@ -153,6 +155,8 @@ fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
     let Scene { transforms, steps, connector_sections, masses, rotary_inertias, .. } = &deck.scene;
     let nodes = deck.mpcs.iter().flat_map(|mpc| &mpc.items).filter_map(set);
     let nodes = nodes.chain(transforms.iter().map(|transform| transform.node_set.value.as_str()));
+    let [of_constraints, bodies] = deck.constraints.sets();
+    let nodes = nodes.chain(of_constraints);
     let nodes = sets::closure(&deck.node_sets, nodes);
     let motions = steps.iter().flat_map(|step| &step.connector_motions).chain(&deck.scene.connector_motions);
     let loads = steps.iter().flat_map(|step| &step.connector_loads);
@@ -163,13 +167,14 @@ fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
     let elements = elements.chain(discrete.map(|discrete| discrete.element_set.value.as_str()));
     let elements = elements.chain(motions.filter_map(|motion| set(&motion.target)));
     let elements = elements.chain(loads.filter_map(|load| set(&load.target)));
+    let elements = elements.chain(bodies);
     let of_nodes = nodes.iter().filter_map(|name| deck.node_sets.get(*name));
     let elements = elements.chain(of_nodes.flat_map(|builder| builder.element_sets()));
     let elements = sets::closure(&deck.element_sets, elements);
     (nodes, elements)
 }
 
-fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+pub(super) fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     let names = || scene.element_sets.keys().map(String::as_str);
     scene.element_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Element, name, names()))
 }
@@ -189,7 +194,7 @@ fn check_name<T>(
     Err(Diagnostic::error(code, name.span, message, "not defined").help(remedy))
 }
 
-fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()> {
+pub(super) fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()> {
     check_name(name, &scene.orientations, "orientation", "ORIENTATION", Code::UnknownOrientation)
 }
 
@@ -422,7 +427,7 @@ fn check_degrees_of_freedom(
     Ok(())
 }
 
-fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
+pub(super) fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
     let names = || scene.node_sets.keys().map(String::as_str);
     scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
 }
@@ -441,7 +446,7 @@ fn complete_node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a
         .help("give the set its nodes by *NSET, instead of by ELSET"))
 }
 
-fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
+pub(super) fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
     match &target.value {
         Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
         Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
@@ -460,7 +465,7 @@ fn known_node_target(scene: &Scene, target: &Spanned<Target>) -> Result<()> {
     }
 }
 
-/// Of the nodes to which what is not read gives rotations, those that belong to a connector.
+/// Of the nodes to which what is not read gives rotations, those that belong to a connector or a constraint.
 fn other_rotations(deck: &mut Deck<'_>) {
     let scene = &mut deck.scene;
     for target in &deck.rotation_targets {
@@ -473,8 +478,9 @@ fn other_rotations(deck: &mut Deck<'_>) {
         }
     }
     let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
+    let joined = constraint::nodes(scene);
     let rotates = |node: &Label| deck.any_rotates || deck.other_rotations.contains(node);
-    scene.rotating_nodes = ends.filter(rotates).collect();
+    scene.rotating_nodes = ends.chain(joined).filter(rotates).collect();
     deck.other_rotations = LabelSet::default();
 }
 

@@ -5,6 +5,7 @@ use crate::behavior::{
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialFunction, PotentialOperator,
     RateInterpolation, Softening, TableOptions,
 };
+use crate::constraint::Weighting;
 pub(crate) use crate::document::value::{
     Component, Entries, Item, Member, OneOrMany, Parameter, Point, PointOrNode, Row, Source, Target,
 };
@@ -115,6 +116,16 @@ form! {
         behaviors: Entries<Spanned<Behavior>>,
         /// Multi-point constraints.
         mpcs: List<Mpc>,
+        /// Linear equations between degrees of freedom.
+        equations: List<Equation>,
+        /// Surfaces of nodes by name.
+        surfaces: Entries<List<SurfaceMember>>,
+        /// Rigid bodies.
+        rigid_bodies: List<RigidBody>,
+        /// Couplings of nodes to a reference node.
+        couplings: List<Coupling>,
+        /// Ties of the nodes of one surface to those of another.
+        ties: List<Tie>,
         /// The mass of sets of MASS elements.
         masses: List<Mass>,
         /// The inertia of sets of ROTARYI elements.
@@ -518,6 +529,86 @@ form! {
         nodes: List<Target>;
         /// The type is that of a user subroutine.
         user: bool,
+    }
+}
+
+form! {
+    /// A linear equation: the terms add up to zero.
+    Equation {
+        /// Its terms.
+        terms: List<EquationTerm>;
+    }
+}
+
+form! {
+    /// A factor times a degree of freedom.
+    EquationTerm {
+        /// The node or node set.
+        node: Spanned<Target>,
+        /// The degree of freedom, 1 to 6 or 10.
+        degree_of_freedom: Spanned<u64>,
+        /// The factor.
+        factor: Spanned<f64>;
+    }
+}
+
+form! {
+    /// Nodes of a surface.
+    SurfaceMember {
+        /// The node or node set.
+        node: Spanned<Target>;
+        /// The area, or weight, of each node; 1 unless given.
+        area: Option<Spanned<f64>>,
+    }
+}
+
+form! {
+    /// A rigid body.
+    RigidBody {
+        /// The reference node.
+        reference: Spanned<Target>;
+        /// Elements whose nodes belong to it, with their rotations where they have some.
+        element_set: Option<Name>,
+        /// Nodes that belong to it without their rotations.
+        pin_set: Option<Name>,
+        /// Nodes that belong to it with their rotations.
+        tie_set: Option<Name>,
+    }
+}
+
+form! {
+    /// A coupling, kinematic or distributing.
+    Coupling {
+        /// Its name.
+        name: Name,
+        /// The reference node.
+        reference: Spanned<Target>,
+        /// The surface whose nodes it couples.
+        surface: Name;
+        /// The axes of its degrees of freedom; the global ones unless given.
+        orientation: Option<Name>,
+        /// Nodes that are farther from the reference node are left out.
+        influence_radius: Option<Spanned<f64>>,
+        /// Kinematic: the degrees of freedom in which the reference node carries the others.
+        kinematic: List<u64>,
+        /// Distributing: how the weights fall off with the distance from the reference node.
+        distributing: Option<Weighting>,
+    }
+}
+
+form! {
+    /// A tie between the nodes of two surfaces.
+    Tie {
+        /// Its name.
+        name: Name,
+        /// The surface whose nodes are dependent.
+        slave: Name,
+        /// The surface to whose nodes they are tied.
+        master: Name;
+        /// Nodes that are farther apart are not tied.
+        position_tolerance: Option<Spanned<f64>>,
+        /// Do rotations stay free?
+        no_rotation: bool,
     }
 }
 

@@ -28,6 +28,9 @@ impl CounterExample {
         let failing = self.failing()?;
         let found = match (&failing, self.quantity) {
             (Failing::Mpc(case), _) => of_constraint(self, case),
+            (Failing::Relation(case), None) => {
+                self.law.and_then(|law| case.sum_of_law(law.name, &self.entry))
+            }
             (other, Some(quantity)) => {
                 let tables = other.tables();
                 let entries =

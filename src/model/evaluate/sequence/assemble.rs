@@ -7,7 +7,7 @@ use crate::evaluate::jacobian::{CompressedColumns, ForeignPattern, Jacobian};
 use crate::evaluate::parallel;
 use crate::evaluate::sequence::element::{ConnectorResult, Context};
 use crate::evaluate::sequence::nodes::STILL;
-use crate::evaluate::sequence::{Sequence, at_mpc, turns};
+use crate::evaluate::sequence::{Sequence, at_mpc, at_relation, turns};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{CompactRow, Flag, Request, Tally};
 use pintle_kinematics::mpc::Dofs;
@@ -139,6 +139,7 @@ impl Sequence<'_> {
             velocities,
             conditions,
             mpc_nodes,
+            relation_nodes,
             mpcs,
             ..
         } = self;
@@ -209,6 +210,24 @@ impl Sequence<'_> {
         let told = fill(mpcs, places, values, of_mpcs);
         *tally += told.tally;
         let title = |at: usize| model.mpcs[plan.mpcs[at]].title();
+        care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));
+        let of_relations = |Part { first, memories, entries }: Part<'_, _>| {
+            let mut told = Told::default();
+            let mut put = in_turn(entries);
+            for (at, nodes) in (first..).zip(&*memories) {
+                let index = plan.relations[at];
+                let nodes: &Vec<_> = nodes;
+                let element = &model.relations[index];
+                let result = element.evaluate(index, at_relation(nodes, moved), &request, &mut told.tally);
+                jacobian.write_relation(at, &result.rows, &mut put);
+                told.flags.extend(result.flags.into_iter().map(|flag| (at, flag)));
+            }
+            told
+        };
+        let places = (|at| jacobian.first_relation_entry(at), columns);
+        let told = fill(relation_nodes, places, values, of_relations);
+        *tally += told.tally;
+        let title = |at: usize| model.relations[plan.relations[at]].title();
         care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));
         self.states += 1;
         Ok(care)

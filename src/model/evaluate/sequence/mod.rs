@@ -14,6 +14,7 @@ use crate::evaluate::parallel;
 use crate::evaluate::parallel::in_order;
 use crate::evaluate::places::Places;
 use crate::evaluate::plan::Plan;
+use crate::evaluate::relation::RelationResult;
 use branches::{Saved, followed};
 use element::{Context, Memory, Needed};
 use nodes::{Moved, Orientation, STILL, UNTURNED, follow, is_unturned};
@@ -37,6 +38,8 @@ pub struct StepResult {
     pub connectors: Vec<ConnectorResult>,
     /// Multi-point constraints in the order of the plan.
     pub mpcs: Vec<MpcResult>,
+    /// Equations, rigid bodies, couplings and ties in the order of the plan.
+    pub relations: Vec<RelationResult>,
 }
 
 /// What a walk hands on at one state: results in the room of the walk, which the next ones take again.
@@ -46,6 +49,8 @@ pub enum Item<'a> {
     Connector(&'a ConnectorResult),
     /// A multi-point constraint.
     Mpc(&'a MpcResult),
+    /// A relation.
+    Relation(&'a RelationResult),
 }
 
 /// The place of a node among those of the plan; the ground has none.
@@ -68,9 +73,10 @@ pub struct Sequence<'a> {
     turning: Vec<bool>,
     /// Where the nodes are at the state that is being evaluated.
     moved: Vec<Moved>,
-    /// The nodes of connectors and MPCs, in the order of the plan.
+    /// The nodes of connectors, MPCs and relations, in the order of the plan.
     ends: Vec<[Place; 2]>,
     mpc_nodes: Vec<Vec<Place>>,
+    relation_nodes: Vec<Vec<Place>>,
     connectors: Vec<Memory>,
     /// The components of each connector whose history is followed.
     followed: Vec<Mask>,
@@ -90,23 +96,36 @@ pub struct Sequence<'a> {
 #[derive(Debug, Default)]
 struct Rooms(Vec<Room>);
 
-/// Room for the result of a connector, and for that of an MPC where there are some.
+/// Room for the result of a connector, and for those of constraints where there are some.
 #[derive(Debug)]
 struct Room {
     connector: ConnectorResult,
     mpc: Option<Box<MpcResult>>,
+    relation: Option<Box<RelationResult>>,
+}
+
+/// The parts of a walk, in their order.
+#[derive(Clone, Copy, Debug)]
+enum Phase {
+    Connectors,
+    Mpcs,
+    Relations,
 }
 
 impl Default for Room {
     fn default() -> Self {
-        Self { connector: ConnectorResult::room(), mpc: None }
+        Self { connector: ConnectorResult::room(), mpc: None, relation: None }
     }
 }
 
 impl Room {
     /// The result that was put here for that phase of a walk.
-    fn item(&self, is_mpc: bool) -> Option<Item<'_>> {
-        if is_mpc { self.mpc.as_deref().map(Item::Mpc) } else { Some(Item::Connector(&self.connector)) }
+    fn item(&self, phase: Phase) -> Option<Item<'_>> {
+        match phase {
+            Phase::Connectors => Some(Item::Connector(&self.connector)),
+            Phase::Mpcs => self.mpc.as_deref().map(Item::Mpc),
+            Phase::Relations => self.relation.as_deref().map(Item::Relation),
+        }
     }
 }
 
@@ -139,6 +158,8 @@ impl<'a> Sequence<'a> {
         let place = |label: Label| places.of(label).and_then(|at| u32::try_from(at).ok());
         let ends = |index: &usize| model.connectors[*index].nodes.map(|node| node.and_then(place));
         let of_mpc = |index: &usize| model.mpcs[*index].nodes.iter().map(|node| place(*node)).collect();
+        let of_relation =
+            |index: &usize| model.relations[*index].nodes.iter().map(|node| place(*node)).collect();
         let memory = |index: &usize| {
             let element = &model.connectors[*index];
             match branches.connectors.remove(&element.label) {
@@ -155,6 +176,7 @@ impl<'a> Sequence<'a> {
         let turned = |label: &Label| branches.nodes.get(label).copied().unwrap_or(UNTURNED);
         let ends: Vec<[Place; 2]> = plan.connectors.iter().map(ends).collect();
         let mpc_nodes: Vec<Vec<Place>> = plan.mpcs.iter().map(of_mpc).collect();
+        let relation_nodes: Vec<Vec<Place>> = plan.relations.iter().map(of_relation).collect();
         // What follows from a behaviour is found once for all connectors in a row that share it.
         let (mut followed_of, mut needed) = (Vec::new(), Vec::new());
         let mut last = None;
@@ -175,10 +197,16 @@ impl<'a> Sequence<'a> {
             }
         }
         mpc_nodes.iter().for_each(|nodes| turns(&mut turning, nodes));
+        for (index, nodes) in plan.relations.iter().zip(&relation_nodes) {
+            if model.relations[*index].follows_turns() {
+                turns(&mut turning, nodes);
+            }
+        }
         Self {
             states: branches.states,
             ends,
             mpc_nodes,
+            relation_nodes,
             mpcs: plan.mpcs.iter().map(angles).collect(),
             nodes: labels.iter().map(turned).collect(),
             connectors: plan.connectors.iter().map(memory).collect(),
@@ -238,18 +266,21 @@ impl<'a> Sequence<'a> {
     pub fn step(&mut self, state: &SceneState) -> StepResult {
         let (index, time) = (self.states, state.time);
         let mut mpcs = Vec::with_capacity(self.plan.mpcs.len());
+        let mut relations = Vec::with_capacity(self.plan.relations.len());
         let kept = std::mem::take(&mut self.rooms);
         self.rooms.0.resize_with(self.plan.connectors.len(), Room::default);
         let Ok(()) = self.walk_through(state, true, |item| -> Result<(), Infallible> {
-            if let Item::Mpc(result) = item {
-                mpcs.push(result.clone());
+            match item {
+                Item::Connector(_) => {}
+                Item::Mpc(result) => mpcs.push(result.clone()),
+                Item::Relation(result) => relations.push(result.clone()),
             }
             Ok(())
         });
         let Rooms(rooms) = std::mem::replace(&mut self.rooms, kept);
         let count = self.plan.connectors.len();
         let connectors = rooms.into_iter().take(count).map(|room| room.connector).collect();
-        StepResult { index, time, connectors, mpcs }
+        StepResult { index, time, connectors, mpcs, relations }
     }
 
     /// Evaluates the plan at the next state and hands on one result at a time, connectors first, both in the order of the
@@ -302,8 +333,8 @@ impl<'a> Sequence<'a> {
         mut take: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut rooms = std::mem::take(&mut self.rooms);
-        let done = self.walk(state, is_wanted, &mut rooms.0, &Whole, |room, is_mpc| {
-            room.item(is_mpc).map_or(Ok(()), &mut take)
+        let done = self.walk(state, is_wanted, &mut rooms.0, &Whole, |room, phase| {
+            room.item(phase).map_or(Ok(()), &mut take)
         });
         self.rooms = rooms;
         done
@@ -348,7 +379,7 @@ impl<'a> Sequence<'a> {
         is_wanted: bool,
         rooms: &mut Vec<T>,
         keep: &impl Keep<T>,
-        mut take: impl FnMut(&mut T, bool) -> Result<(), E>,
+        mut take: impl FnMut(&mut T, Phase) -> Result<(), E>,
     ) -> Result<(), E> {
         self.follow_nodes(state);
         let beyond = self.beyond(state);
@@ -366,6 +397,7 @@ impl<'a> Sequence<'a> {
             velocities,
             conditions,
             mpc_nodes,
+            relation_nodes,
             mpcs,
             ..
         } = self;
@@ -377,7 +409,8 @@ impl<'a> Sequence<'a> {
             scene_state: state,
             beyond: &beyond,
         };
-        let held = parallel::held(connectors.len()).max(parallel::held(mpcs.len()));
+        let counts = [connectors.len(), mpcs.len(), relation_nodes.len()];
+        let held = counts.into_iter().map(parallel::held).max().unwrap_or_default();
         rooms.resize_with(rooms.len().max(held), T::default);
         *tally += in_order(
             connectors,
@@ -393,7 +426,7 @@ impl<'a> Sequence<'a> {
                 });
                 tally
             },
-            |room| take(room, false),
+            |room| take(room, Phase::Connectors),
         )?;
         *tally += in_order(
             mpcs,
@@ -409,7 +442,21 @@ impl<'a> Sequence<'a> {
                 keep.mpc(result, room);
                 tally
             },
-            |room| take(room, true),
+            |room| take(room, Phase::Mpcs),
+        )?;
+        *tally += in_order(
+            relation_nodes,
+            rooms,
+            || (),
+            |(), at, nodes, room| {
+                let mut tally = Tally::default();
+                let index = plan.relations[at];
+                let result =
+                    model.relations[index].evaluate(index, at_relation(nodes, moved), request, &mut tally);
+                keep.relation(result, room);
+                tally
+            },
+            |room| take(room, Phase::Relations),
         )?;
         self.states += 1;
         Ok(())
@@ -428,6 +475,9 @@ trait Keep<T>: Sync {
 
     /// Keeps what came of an MPC.
     fn mpc(&self, result: MpcResult, room: &mut T);
+
+    /// Keeps what came of a relation.
+    fn relation(&self, result: RelationResult, room: &mut T);
 }
 
 /// The results themselves.
@@ -447,6 +497,10 @@ impl Keep<Room> for Whole {
             Some(place) => **place = result,
             none => *none = Some(Box::new(result)),
         }
+    }
+
+    fn relation(&self, result: RelationResult, room: &mut Room) {
+        room.relation = Some(Box::new(result));
     }
 }
 
@@ -473,6 +527,10 @@ impl<T, D: Fn(Item<'_>, &mut T) + Sync> Keep<T> for Digest<D> {
     fn mpc(&self, result: MpcResult, room: &mut T) {
         self.0(Item::Mpc(&result), room);
     }
+
+    fn relation(&self, result: RelationResult, room: &mut T) {
+        self.0(Item::Relation(&result), room);
+    }
 }
 
 /// The nodes of a constraint where they are, and how many it has.
@@ -482,6 +540,11 @@ fn at_mpc(places: &[Place], moved: &[Moved]) -> ([Moved; mpc::NODES], usize) {
         *node = place.map_or(STILL, |place| moved[place as usize]);
     }
     (nodes, places.len().min(mpc::NODES))
+}
+
+/// The nodes of a relation where they are.
+fn at_relation<'m>(places: &'m [Place], moved: &'m [Moved]) -> impl Iterator<Item = &'m Moved> {
+    places.iter().map(|place| place.map_or(&STILL, |place| &moved[place as usize]))
 }
 
 /// Marks nodes whose turning matters.

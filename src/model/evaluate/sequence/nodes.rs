@@ -25,6 +25,8 @@ pub(crate) struct Moved {
     pub(super) flow_change: f64,
     /// Component 3 of the rotation as given: degree of freedom 6.
     pub(crate) sixth: Option<f64>,
+    /// The total rotation vector, with its turns.
+    pub(crate) vector: Vector<f64>,
 }
 
 impl Moved {
@@ -46,6 +48,7 @@ pub(super) const STILL: Moved = Moved {
     other_turn: None,
     flow_change: 0.0,
     sixth: None,
+    vector: [0.0; 3],
 };
 
 /// How a node was rotated at the last state: enough to form the increment to the next.
@@ -124,6 +127,7 @@ pub(super) fn follow(
             Rotation::Vector(phi) if given => Some(phi[2]),
             _ => None,
         },
+        vector,
     };
     (node, Orientation { quaternion, vector, flow: motion.flow })
 }

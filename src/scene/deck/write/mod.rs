@@ -4,6 +4,7 @@
 //! place in the document. What the reader of decks checks is therefore checked for them by the same code.
 
 mod behavior;
+mod constraint;
 mod history;
 mod line;
 mod mesh;

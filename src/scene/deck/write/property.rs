@@ -29,6 +29,7 @@ impl Deck {
             }
             self.end(false);
         }
+        self.constraints(document)?;
         for mass in &document.masses {
             self.keyword("MASS", mass.span);
             self.name("ELSET", &mass.value.element_set)?;

@@ -4,6 +4,7 @@ mod behavior;
 mod text;
 
 use crate::behavior::{Independent, Row};
+use crate::constraint::CouplingKind;
 use crate::deck;
 use crate::diagnostic::Result;
 use crate::document::form;
@@ -113,6 +114,11 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         connector_sections,
         behaviors,
         mpcs,
+        equations,
+        surfaces,
+        rigid_bodies,
+        couplings,
+        ties,
         masses,
         rotary_inertias,
         springs,
@@ -179,6 +185,47 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
                 nodes: mpc.nodes.iter().copied().map(label).collect(),
                 user: user.is_some(),
             }
+        }),
+        equations: list(equations, |equation| form::Equation {
+            terms: list(&equation.terms, |term| form::EquationTerm {
+                node: label(term.node),
+                degree_of_freedom: placeless(u64::from(term.degree_of_freedom)),
+                factor: placeless(term.factor),
+            }),
+        }),
+        surfaces: entries(surfaces, |surface| {
+            list(&surface.members, |(node, area)| form::SurfaceMember {
+                node: target(node),
+                area: area.map(placeless),
+            })
+        }),
+        rigid_bodies: list(rigid_bodies, |body| form::RigidBody {
+            reference: label(body.reference),
+            element_set: body.element_set.as_ref().map(name),
+            pin_set: body.pin_set.as_ref().map(name),
+            tie_set: body.tie_set.as_ref().map(name),
+        }),
+        couplings: list(couplings, |coupling| form::Coupling {
+            name: name(&coupling.name),
+            reference: label(coupling.reference),
+            surface: name(&coupling.surface),
+            orientation: coupling.orientation.as_ref().map(name),
+            influence_radius: coupling.influence_radius.map(placeless),
+            kinematic: match &coupling.kind {
+                CouplingKind::Kinematic(numbers) => list(numbers, |number| u64::from(*number)),
+                CouplingKind::Distributing(_) => Vec::new(),
+            },
+            distributing: match coupling.kind {
+                CouplingKind::Distributing(weighting) => Some(weighting),
+                CouplingKind::Kinematic(_) => None,
+            },
+        }),
+        ties: list(ties, |tie| form::Tie {
+            name: name(&tie.name),
+            slave: name(&tie.slave),
+            master: name(&tie.master),
+            position_tolerance: tie.position_tolerance.map(placeless),
+            no_rotation: tie.no_rotation,
         }),
         masses: list(masses, |mass| form::Mass {
             element_set: name(&mass.element_set),

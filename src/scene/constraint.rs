@@ -1,0 +1,249 @@
+//! The constraints of a scene beside connectors and `*MPC`: equations, rigid bodies, couplings, ties.
+
+use crate::choice::choices;
+use crate::label::Label;
+use crate::label::labelled::{LabelMap, LabelSet};
+use crate::model::{Scene, Target};
+use crate::span::{Span, Spanned};
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// A term of an equation: A times a degree of freedom of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EquationTerm {
+    /// The node.
+    pub node: Label,
+    /// The degree of freedom, 1 to 6 or 10, along the axes of the node's `*TRANSFORM`.
+    pub degree_of_freedom: u8,
+    /// A.
+    pub factor: f64,
+}
+
+/// `*EQUATION`: the terms add up to zero.
+#[derive(Debug, Clone, Serialize)]
+pub struct Equation {
+    /// The terms.
+    pub terms: Vec<EquationTerm>,
+    /// The data line that begins it.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*SURFACE, TYPE=NODE`: nodes with their areas.
+#[derive(Debug, Clone, Serialize)]
+pub struct Surface {
+    /// Nodes and node sets, with the area, or weight, of each node.
+    pub members: Vec<(Spanned<Target>, Option<f64>)>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*RIGID BODY`.
+#[derive(Debug, Clone, Serialize)]
+pub struct RigidBody {
+    /// The reference node.
+    pub reference: Label,
+    /// Elements whose nodes belong to it: with their rotations, where they have some.
+    pub element_set: Option<Spanned<String>>,
+    /// Nodes that belong to it without their rotations.
+    pub pin_set: Option<Spanned<String>>,
+    /// Nodes that belong to it with their rotations.
+    pub tie_set: Option<Spanned<String>>,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+choices! {
+    /// How the weights of a distributing coupling fall off with the distance r from the reference node; r₀ is that of the farthest node.
+    pub enum Weighting {
+        /// They do not.
+        Uniform = "UNIFORM",
+        /// 1 − r/r₀.
+        Linear = "LINEAR",
+        /// 1 − (r/r₀)².
+        Quadratic = "QUADRATIC",
+        /// 1 − 3 (r/r₀)² + 2 (r/r₀)³.
+        Cubic = "CUBIC",
+    }
+}
+
+/// What a coupling does to its nodes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingKind {
+    /// `*KINEMATIC`: the reference node carries them in these degrees of freedom, 1 to 6.
+    Kinematic(Vec<u8>),
+    /// `*DISTRIBUTING`: the reference node moves with their mean.
+    Distributing(Weighting),
+}
+
+/// `*COUPLING`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Coupling {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// The reference node.
+    pub reference: Label,
+    /// The surface whose nodes it couples.
+    pub surface: Spanned<String>,
+    /// The axes of its degrees of freedom; the global ones when there is none.
+    pub orientation: Option<Spanned<String>>,
+    /// Nodes that are farther from the reference node are left out.
+    pub influence_radius: Option<f64>,
+    /// What it does.
+    pub kind: CouplingKind,
+    /// The keyword.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// `*TIE` between nodes.
+#[derive(Debug, Clone, Serialize)]
+pub struct Tie {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// The surface whose nodes are dependent.
+    pub slave: Spanned<String>,
+    /// The surface to whose nodes they are tied.
+    pub master: Spanned<String>,
+    /// Nodes that are farther apart are not tied.
+    pub position_tolerance: Option<f64>,
+    /// Whether rotations stay free.
+    pub no_rotation: bool,
+    /// The data line.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+impl Weighting {
+    /// The factor of the weight at r/r₀.
+    #[must_use]
+    pub fn at(self, ratio: f64) -> f64 {
+        match self {
+            Self::Uniform => 1.0,
+            Self::Linear => 1.0 - ratio,
+            Self::Quadratic => 1.0 - ratio * ratio,
+            Self::Cubic => 1.0 - ratio * ratio * (3.0 - 2.0 * ratio),
+        }
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    pintle_kinematics::scalar::elementary::norm([0, 1, 2].map(|i| a[i] - b[i]))
+}
+
+impl Scene {
+    fn coordinates(&self, node: Label) -> [f64; 3] {
+        self.nodes.get(&node).map_or([0.0; 3], |node| node.coordinates)
+    }
+
+    /// The nodes of a surface, each once and in their order, with their weights: 1 unless given.
+    #[must_use]
+    pub fn surface_nodes(&self, surface: &str) -> Vec<(Label, f64)> {
+        let mut known = LabelSet::default();
+        let mut found = Vec::new();
+        for (target, weight) in self.surfaces.get(surface).into_iter().flat_map(|surface| &surface.members) {
+            let labels = match &target.value {
+                Target::Label(label) => std::slice::from_ref(label),
+                Target::Set(name) => self.node_sets.get(name).map_or(&[][..], |set| set.labels.as_slice()),
+            };
+            let new = labels.iter().filter(|label| known.insert(**label));
+            found.extend(new.map(|label| (*label, weight.unwrap_or(1.0))));
+        }
+        found
+    }
+
+    /// The nodes of a coupling, within its radius and without its reference node, with the weights that a distributing one gives them.
+    #[must_use]
+    pub fn coupling_nodes(&self, coupling: &Coupling) -> Vec<(Label, f64)> {
+        let from = self.coordinates(coupling.reference);
+        let radius = |label: Label| distance(self.coordinates(label), from);
+        let mut nodes = self.surface_nodes(&coupling.surface.value);
+        nodes.retain(|(label, _)| {
+            *label != coupling.reference
+                && coupling.influence_radius.is_none_or(|most| radius(*label) <= most)
+        });
+        if let CouplingKind::Distributing(weighting) = coupling.kind {
+            let farthest = nodes.iter().map(|(label, _)| radius(*label)).fold(0.0, f64::max);
+            for (label, weight) in nodes.iter_mut().filter(|_| farthest > 0.0) {
+                *weight *= weighting.at(radius(*label) / farthest);
+            }
+        }
+        nodes
+    }
+
+    /// The nodes of a rigid body, each once, without the reference node; with whether it is tied by its rotations, where that is said.
+    #[must_use]
+    pub fn body_nodes(&self, body: &RigidBody) -> Vec<(Label, Option<bool>)> {
+        let of_elements = || {
+            let set = body.element_set.as_ref().and_then(|name| self.element_sets.get(&name.value));
+            let nodes = set.into_iter().flat_map(|set| &set.labels).flat_map(|label| {
+                let connector = self.connectors.get(label).map(|element| [element.a, element.b]);
+                let point = self.point_elements.get(label);
+                let point = point.map(|element| [Some(element.node), element.second]);
+                connector.or(point).unwrap_or_default()
+            });
+            nodes.flatten().map(|node| (node, None))
+        };
+        let of_set = |name: &Option<Spanned<String>>, tied: bool| {
+            let set = name.as_ref().and_then(|name| self.node_sets.get(&name.value));
+            let labels = set.into_iter().flat_map(|set| set.labels.iter().copied()).collect::<Vec<_>>();
+            labels.into_iter().map(move |node| (node, Some(tied)))
+        };
+        // What a set says comes before what follows from elements.
+        let all = of_set(&body.tie_set, true).chain(of_set(&body.pin_set, false)).chain(of_elements());
+        let mut known = LabelSet::default();
+        all.filter(|(node, _)| *node != body.reference && known.insert(*node)).collect()
+    }
+
+    /// The pairs of nodes that a tie ties, the dependent one first: each node of the one surface with the nearest of the other, unless that is
+    /// farther than the tolerance. Where none is given it is 5 % of the mean distance between neighbours on the other surface, estimated
+    /// from its extent \[R\].
+    #[must_use]
+    pub fn tied_nodes(&self, tie: &Tie) -> Vec<[Label; 2]> {
+        const SHARE: f64 = 0.05;
+        // Nodes that are no farther apart than rounding makes them coincide.
+        const ROUNDED: f64 = 1e-12;
+        let place = |(label, _): (Label, f64)| (label, self.coordinates(label));
+        let slaves: Vec<_> = self.surface_nodes(&tie.slave.value).into_iter().map(place).collect();
+        let masters: Vec<_> = self.surface_nodes(&tie.master.value).into_iter().map(place).collect();
+        let corner = |of: fn(f64, f64) -> f64, from: f64| {
+            masters.iter().fold([from; 3], |corner, (_, x)| [0, 1, 2].map(|i| of(corner[i], x[i])))
+        };
+        let extent = distance(corner(f64::min, f64::INFINITY), corner(f64::max, f64::NEG_INFINITY));
+        let spacing = extent / (masters.len() as f64).sqrt();
+        let within = tie.position_tolerance.unwrap_or(SHARE * spacing);
+        let largest = masters.iter().flat_map(|(_, x)| x).fold(0.0_f64, |most, x| most.max(x.abs()));
+        let within = within.max(ROUNDED * largest).max(f64::MIN_POSITIVE);
+        let cell = |x: [f64; 3]| x.map(|x| (x / within).floor());
+        let bits = |cell: [f64; 3]| cell.map(|x| (x + 0.0).to_bits());
+        let mut cells: HashMap<[u64; 3], Vec<(Label, [f64; 3])>> = HashMap::new();
+        for (label, x) in &masters {
+            cells.entry(bits(cell(*x))).or_default().push((*label, *x));
+        }
+        let mut taken: LabelMap<Label> = LabelMap::default();
+        let mut found = Vec::new();
+        for (slave, x) in slaves {
+            let home = cell(x);
+            let around = (0..27).map(|n| {
+                let step = [n % 3, n / 3 % 3, n / 9].map(|step| f64::from(step) - 1.0);
+                bits([0, 1, 2].map(|i| home[i] + step[i]))
+            });
+            let near = around.filter_map(|key| cells.get(&key)).flatten();
+            let nearest = near
+                .filter(|(label, _)| *label != slave)
+                .map(|(label, at)| (*label, distance(*at, x)))
+                .filter(|(_, apart)| *apart <= within)
+                .min_by(|one, other| one.1.total_cmp(&other.1).then(one.0.cmp(&other.0)));
+            let Some((master, _)) = nearest else { continue };
+            // A surface tied to itself: neither of two nodes depends on the other twice.
+            if taken.get(&master) != Some(&slave) {
+                taken.insert(slave, master);
+                found.push([slave, master]);
+            }
+        }
+        found
+    }
+}

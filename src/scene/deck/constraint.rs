@@ -1,0 +1,522 @@
+//! Equations, rigid bodies, couplings and ties. What of them cannot be read is named as a constraint that was not read.
+
+use crate::constraint::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
+use crate::deck::errors::Errors;
+use crate::deck::history::target;
+use crate::deck::resolve::{check_orientation, element_set, node_set, node_target};
+use crate::deck::{Deck, misplaced};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
+use crate::grammar;
+use crate::label::{Instance, Label};
+use crate::lexer::{Keyword, Value};
+use crate::model::{Scene, SkippedConstraint, Target};
+use crate::span::{Span, Spanned};
+use indexmap::IndexMap;
+
+/// A term of an equation, with sets for nodes.
+#[derive(Debug, Clone)]
+struct RawTerm {
+    node: Spanned<Target>,
+    degree_of_freedom: u64,
+    factor: f64,
+}
+
+/// `*SURFACE`; one of elements is known by name only.
+#[derive(Debug, Clone)]
+struct RawSurface {
+    surface: Surface,
+    is_of_nodes: bool,
+}
+
+#[derive(Debug, Clone)]
+struct RawBody {
+    reference: Spanned<Target>,
+    element_set: Option<Spanned<String>>,
+    pin_set: Option<Spanned<String>>,
+    tie_set: Option<Spanned<String>>,
+    span: Span,
+}
+
+#[derive(Debug, Clone)]
+struct RawCoupling {
+    name: Spanned<String>,
+    reference: Spanned<Target>,
+    surface: Spanned<String>,
+    orientation: Option<Spanned<String>>,
+    influence_radius: Option<f64>,
+    /// None until `*KINEMATIC` or `*DISTRIBUTING` says.
+    kind: Option<CouplingKind>,
+    span: Span,
+}
+
+/// What was read of constraints, before the references are resolved.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Raw {
+    equations: Vec<(Vec<RawTerm>, Span)>,
+    surfaces: IndexMap<String, RawSurface>,
+    bodies: Vec<RawBody>,
+    couplings: Vec<RawCoupling>,
+    ties: Vec<Tie>,
+    /// The last `*COUPLING` is one that is not read.
+    coupling_is_unread: bool,
+}
+
+impl Raw {
+    /// The number of constraints and surfaces, which an instance copies.
+    pub(super) fn len(&self) -> usize {
+        let of_surfaces = self.surfaces.values().map(|raw| 1 + raw.surface.members.len()).sum::<usize>();
+        self.equations.len() + of_surfaces + self.bodies.len() + self.couplings.len() + self.ties.len()
+    }
+
+    /// The node sets, and the element sets, that are named.
+    pub(super) fn sets(&self) -> [Vec<&str>; 2] {
+        fn set(target: &Spanned<Target>) -> Option<&str> {
+            match &target.value {
+                Target::Set(name) => Some(name),
+                Target::Label(_) => None,
+            }
+        }
+        fn all<'a>(names: impl Iterator<Item = &'a Spanned<String>>) -> impl Iterator<Item = &'a str> {
+            names.map(|name| name.value.as_str())
+        }
+        let terms = self.equations.iter().flat_map(|(terms, _)| terms).map(|term| &term.node);
+        let members = self.surfaces.values().filter(|raw| raw.is_of_nodes).flat_map(|raw| &raw.surface.members);
+        let targets = terms.chain(members.map(|(member, _)| member));
+        let targets = targets.chain(self.bodies.iter().map(|body| &body.reference));
+        let targets = targets.chain(self.couplings.iter().map(|coupling| &coupling.reference));
+        let of_bodies = self.bodies.iter().flat_map(|body| body.pin_set.iter().chain(&body.tie_set));
+        let elements = self.bodies.iter().filter_map(|body| body.element_set.as_ref());
+        [targets.filter_map(set).chain(all(of_bodies)).collect(), all(elements).collect()]
+    }
+
+    /// Takes those of a part, for an instance of it.
+    pub(super) fn place(&mut self, part: Self, instance: Instance, target: &impl Fn(Target) -> Target) {
+        let Self { equations, surfaces, bodies, couplings, ties, coupling_is_unread: _ } = part;
+        let placed = |node: &mut Spanned<Target>| node.value = target(node.value.clone());
+        let scoped = |name: &mut Spanned<String>| name.value = instance.scoped(&name.value);
+        for (mut terms, span) in equations {
+            terms.iter_mut().for_each(|term| placed(&mut term.node));
+            self.equations.push((terms, span));
+        }
+        for (name, mut raw) in surfaces {
+            raw.surface.members.iter_mut().for_each(|(member, _)| placed(member));
+            self.surfaces.insert(instance.scoped(&name), raw);
+        }
+        for mut body in bodies {
+            placed(&mut body.reference);
+            let sets = [&mut body.element_set, &mut body.pin_set, &mut body.tie_set];
+            sets.into_iter().flatten().for_each(scoped);
+            self.bodies.push(body);
+        }
+        for mut coupling in couplings {
+            placed(&mut coupling.reference);
+            scoped(&mut coupling.name);
+            scoped(&mut coupling.surface);
+            coupling.orientation.iter_mut().for_each(scoped);
+            self.couplings.push(coupling);
+        }
+        for mut tie in ties {
+            [&mut tie.name, &mut tie.slave, &mut tie.master].into_iter().for_each(scoped);
+            self.ties.push(tie);
+        }
+    }
+}
+
+impl Deck<'_> {
+    /// Names a constraint that is not read, and counts it with the keywords that are skipped.
+    fn leave_out(&mut self, keyword: &'static str, span: Span) {
+        self.scene.skipped.constraints.push(SkippedConstraint { keyword, span });
+        let skipped = self.scene.skipped.keywords.entry(keyword.to_owned()).or_default();
+        if skipped.count == 0 {
+            skipped.first_line = span.line();
+        }
+        skipped.count += 1;
+    }
+
+    /// The same with the data of the keyword that is being read; what gives nodes rotations does so all the same.
+    fn pass_constraint(&mut self, keyword: &Keyword, name: &'static str) -> Result<()> {
+        self.leave_out(name, keyword.span);
+        for parameter in ["REF NODE", "TIE NSET"] {
+            let node = keyword.get(parameter).and_then(|value| named(value).ok());
+            self.rotation_targets.extend(node.map(|node| node.value));
+        }
+        let lines = self.lexer.skip()?;
+        if let Some(skipped) = self.scene.skipped.keywords.get_mut(name) {
+            skipped.data_lines += lines;
+        }
+        Ok(())
+    }
+}
+
+/// A node, or a set, that a parameter names.
+fn named(value: &Value) -> Result<Spanned<Target>> {
+    let name = value.name()?;
+    let target = name.value.parse().map_or_else(|_| Target::Set(name.value.clone()), Target::Label);
+    Ok(Spanned::new(target, name.span))
+}
+
+pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    // In a step it is not of the model throughout.
+    if keyword.has("REMOVE") || deck.step.is_some() {
+        return deck.pass_constraint(keyword, "EQUATION");
+    }
+    crate::deck::mesh::take_input(deck, keyword)?;
+    while let Some(line) = deck.lexer.row()? {
+        let span = line.span;
+        let mut items = line.items();
+        let count = items.need("the number of terms")?.integer("the number of terms")?;
+        items.end("the number of terms; the terms follow on the next lines")?;
+        let mut terms: Vec<RawTerm> = Vec::new();
+        while (terms.len() as u64) < count {
+            let Some(line) = deck.lexer.row()? else {
+                let message = format!("an equation of {} has {}", grammar::count(count, "term"), terms.len());
+                return Err(Diagnostic::error(Code::MissingData, span, message, "begins here").help(
+                    "give node, degree of freedom and factor of each term, up to four terms on a line",
+                ));
+            };
+            let mut items = line.items();
+            while let Some(item) = items.maybe() {
+                let node = target(&item, "the node of a term")?;
+                let number = "the degree of freedom of a term";
+                let degree_of_freedom = items.need(number)?.integer(number)?;
+                let factor = items.need("the factor of a term")?.number()?;
+                terms.push(RawTerm { node, degree_of_freedom, factor });
+            }
+        }
+        if terms.len() as u64 > count {
+            let message = format!("an equation of {} has {}", grammar::count(count, "term"), terms.len());
+            return Err(Diagnostic::error(Code::SurplusData, span, message, "begins here")
+                .help("correct the number of terms, or begin the next equation on a line of its own"));
+        }
+        deck.constraints.equations.push((terms, span));
+    }
+    Ok(())
+}
+
+pub(super) fn surface(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let name = keyword.need_name("NAME")?;
+    let is_of_nodes = keyword.get("TYPE").is_some_and(|value| crate::lexer::normal(value.text()) == "NODE");
+    let is_read = is_of_nodes && !keyword.has("COMBINE") && !keyword.has("CROP");
+    let mut members = Vec::new();
+    if is_read {
+        while let Some(line) = deck.lexer.row()? {
+            let mut items = line.items();
+            let member = target(&items.need("a node or node set")?, "a node or node set")?;
+            let area = items.number()?;
+            members.push((member, area));
+        }
+    } else {
+        let skipped = deck.scene.skipped.keywords.entry("SURFACE".to_owned()).or_default();
+        if skipped.count == 0 {
+            skipped.first_line = keyword.span.line();
+        }
+        skipped.count += 1;
+        skipped.data_lines += deck.lexer.skip()?;
+    }
+    let surface = Surface { members, span: keyword.span };
+    let of_nodes = RawSurface { surface, is_of_nodes: is_read };
+    if let Some(known) = deck.constraints.surfaces.get_mut(&name.value) {
+        // A surface may be given in several parts.
+        known.is_of_nodes &= is_read;
+        known.surface.members.extend(of_nodes.surface.members);
+    } else {
+        deck.constraints.surfaces.insert(name.value, of_nodes);
+    }
+    Ok(())
+}
+
+pub(super) fn rigid_body(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let is_elsewhere = keyword.get("POSITION").is_some_and(|value| value.text().starts_with(['C', 'c']));
+    let is_other = keyword.has("NSET") || keyword.has("ROT NODE") || keyword.has("ANALYTICAL SURFACE");
+    let has_nodes = ["ELSET", "PIN NSET", "TIE NSET"].iter().any(|parameter| keyword.has(parameter));
+    let Some(reference) = keyword.get("REF NODE").filter(|_| !is_elsewhere && !is_other && has_nodes) else {
+        return deck.pass_constraint(keyword, "RIGID BODY");
+    };
+    let body = RawBody {
+        reference: named(reference)?,
+        element_set: keyword.name_of("ELSET")?,
+        pin_set: keyword.name_of("PIN NSET")?,
+        tie_set: keyword.name_of("TIE NSET")?,
+        span: keyword.span,
+    };
+    deck.constraints.bodies.push(body);
+    deck.lexer.skip()?;
+    Ok(())
+}
+
+pub(super) fn coupling(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let (Some(reference), Some(surface)) = (keyword.get("REF NODE"), keyword.name_of("SURFACE")?) else {
+        deck.constraints.coupling_is_unread = true;
+        return deck.pass_constraint(keyword, "COUPLING");
+    };
+    let name = keyword.name_of("CONSTRAINT NAME")?;
+    let coupling = RawCoupling {
+        name: name.unwrap_or_else(|| Spanned::new(String::new(), keyword.span)),
+        reference: named(reference)?,
+        surface,
+        orientation: keyword.name_of("ORIENTATION")?,
+        influence_radius: keyword.number("INFLUENCE RADIUS")?,
+        kind: None,
+        span: keyword.span,
+    };
+    deck.constraints.coupling_is_unread = false;
+    deck.constraints.couplings.push(coupling);
+    Ok(())
+}
+
+/// The degrees of freedom on data lines; all where there are none. Those of other physics are passed over.
+fn degrees_of_freedom(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Vec<u8>> {
+    let mut found: Vec<u8> = Vec::new();
+    let mut any = false;
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let Some(first) = items.maybe() else { continue };
+        let first = first.integer("the first degree of freedom")?;
+        let last = items.maybe().map_or(Ok(first), |item| item.integer("the last degree of freedom"))?;
+        items.end("the first and the last degree of freedom")?;
+        if first == 0 || last < first {
+            let message = format!("*{} names no degrees of freedom from {first} to {last}", keyword.name);
+            return Err(Diagnostic::error(Code::BadDegreeOfFreedom, line.span, message, "this line")
+                .help("write the first and the last degree of freedom, 1 to 6"));
+        }
+        any = true;
+        found.extend((first..=last.min(6)).filter_map(|number| u8::try_from(number).ok()));
+    }
+    found.sort_unstable();
+    found.dedup();
+    Ok(if any { found } else { (1..=6).collect() })
+}
+
+/// Says what the coupling above does.
+fn decide(deck: &mut Deck<'_>, keyword: &Keyword, kind: Option<CouplingKind>) -> Result<()> {
+    if deck.constraints.coupling_is_unread {
+        return Ok(());
+    }
+    let Some(coupling) = deck.constraints.couplings.last_mut().filter(|coupling| coupling.kind.is_none())
+    else {
+        return Err(misplaced(keyword, "*COUPLING"));
+    };
+    coupling.kind = kind;
+    if coupling.kind.is_none() {
+        let Some(left) = deck.constraints.couplings.pop() else { return Ok(()) };
+        deck.rotation_targets.push(left.reference.value);
+        deck.leave_out("COUPLING", left.span);
+        deck.constraints.coupling_is_unread = true;
+    }
+    Ok(())
+}
+
+pub(super) fn kinematic(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let numbers = degrees_of_freedom(deck, keyword)?;
+    // Degrees of freedom of other physics alone.
+    let kind = (!numbers.is_empty()).then_some(CouplingKind::Kinematic(numbers));
+    decide(deck, keyword, kind)
+}
+
+/// A mean of rotations, a released rotation, and cyclic symmetry are not read.
+pub(super) fn distributing(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let weighting = keyword.choice::<Weighting>("WEIGHTING METHOD")?.unwrap_or(Weighting::Uniform);
+    let is_structural = keyword.word("COUPLING", &["CONTINUUM", "STRUCTURAL"])? == Some("STRUCTURAL");
+    let numbers = degrees_of_freedom(deck, keyword)?;
+    let is_whole = [4, 5, 6].iter().all(|number| numbers.contains(number));
+    let is_read = is_whole && !is_structural && !keyword.has("CYCLIC SYMMETRY");
+    decide(deck, keyword, is_read.then_some(CouplingKind::Distributing(weighting)))
+}
+
+pub(super) fn tie(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let is_other = ["CYCLIC SYMMETRY", "MULTIPHYSICS", "FLUID PERIODIC", "CONSTRAINT RATIO"];
+    let is_nodal =
+        keyword.get("TYPE").is_some_and(|value| crate::lexer::normal(value.text()) == "NODE TO SURFACE");
+    if is_other.iter().any(|parameter| keyword.has(parameter)) || (keyword.has("TYPE") && !is_nodal) {
+        return deck.pass_constraint(keyword, "TIE");
+    }
+    let name = keyword.name_of("NAME")?.unwrap_or_else(|| Spanned::new(String::new(), keyword.span));
+    let mut others = Vec::new();
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let slave = items.need("the dependent surface")?.name()?;
+        let Some(master) = items.maybe() else {
+            // One surface alone, or node sets, tie something else.
+            others.push(line.span);
+            continue;
+        };
+        let tie = Tie {
+            name: name.clone(),
+            slave,
+            master: master.name()?,
+            position_tolerance: keyword.number("POSITION TOLERANCE")?,
+            no_rotation: keyword.has("NO ROTATION"),
+            span: line.span,
+        };
+        deck.constraints.ties.push(tie);
+    }
+    others.into_iter().for_each(|span| deck.leave_out("TIE", span));
+    Ok(())
+}
+
+/// The nodes of the constraints of a scene.
+pub(super) fn nodes(scene: &Scene) -> Vec<Label> {
+    let mut found: Vec<Label> =
+        scene.equations.iter().flat_map(|equation| &equation.terms).map(|term| term.node).collect();
+    for body in &scene.rigid_bodies {
+        found.extend(scene.body_nodes(body).into_iter().map(|(node, _)| node));
+    }
+    for coupling in &scene.couplings {
+        found.extend(scene.coupling_nodes(coupling).into_iter().map(|(node, _)| node));
+    }
+    found.extend(scene.ties.iter().flat_map(|tie| scene.tied_nodes(tie)).flatten());
+    found
+}
+
+/// The one node that is named.
+fn one_node(scene: &Scene, target: &Spanned<Target>) -> Result<Label> {
+    match node_target(scene, target)?.as_slice() {
+        [node] => Ok(*node),
+        nodes => {
+            let message = format!("a reference node is one node, and the set has {}", nodes.len());
+            Err(Diagnostic::error(Code::BadConnectivity, target.span, message, "not one node")
+                .help("name a node, or a set of one node"))
+        }
+    }
+}
+
+/// An equation for each place of its sets; none of one in degrees of freedom of other physics.
+fn equations(scene: &Scene, terms: &[RawTerm], span: Span) -> Result<Option<Vec<Equation>>> {
+    let number = |term: &RawTerm| match term.degree_of_freedom {
+        number @ (1..=6 | 10) => u8::try_from(number).ok(),
+        _ => None,
+    };
+    let Some(numbers) = terms.iter().map(number).collect::<Option<Vec<u8>>>() else {
+        let bad = terms.iter().find(|term| term.degree_of_freedom == 0);
+        let Some(bad) = bad else { return Ok(None) };
+        let message = "a term is about degree of freedom 0";
+        return Err(Diagnostic::error(Code::BadDegreeOfFreedom, bad.node.span, message, "this term")
+            .help("degrees of freedom are 1 to 6, and 10"));
+    };
+    let nodes = terms.iter().map(|term| node_target(scene, &term.node)).collect::<Result<Vec<_>>>()?;
+    let count = nodes.first().map_or(0, Vec::len);
+    if count == 0 || nodes.iter().any(|members| members.len() != count && members.len() != 1) {
+        let lengths: Vec<_> = nodes.iter().map(|members| members.len().to_string()).collect();
+        let message = format!("the terms of an equation have {} nodes", lengths.join(", "));
+        return Err(Diagnostic::error(Code::BadConnectivity, span, message, "this equation")
+            .help("give sets of the size of the first one, or single nodes"));
+    }
+    let equation = |index: usize| {
+        let terms = terms.iter().zip(&numbers).zip(&nodes).filter_map(|((term, number), members)| {
+            let node = *members.get(index).or(members.first())?;
+            Some(EquationTerm { node, degree_of_freedom: *number, factor: term.factor })
+        });
+        Equation { terms: terms.collect(), span }
+    };
+    Ok(Some((0..count).map(equation).collect()))
+}
+
+/// The references of the constraints; those that cannot be read are left out, and named.
+pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
+    let raw = std::mem::take(&mut deck.constraints);
+    for (terms, span) in &raw.equations {
+        if !terms.iter().all(|term| is_whole(&deck.scene, &term.node)) {
+            deck.leave_out("EQUATION", *span);
+            continue;
+        }
+        let Some(found) = errors.value(equations(&deck.scene, terms, *span)) else { continue };
+        match found {
+            Some(found) => deck.scene.equations.extend(found),
+            None => {
+                let what = "*EQUATION in degrees of freedom of other physics".to_owned();
+                deck.scene.skipped.count(what, span.line());
+            }
+        }
+    }
+    let has = |name: &Spanned<String>| match raw.surfaces.get(&name.value) {
+        Some(surface) => Ok(surface.is_of_nodes),
+        None => {
+            let message = format!("there is no surface {}", name.value);
+            let names = raw.surfaces.keys().map(String::as_str);
+            let remedy = suggest_scoped(&name.value, names, || {
+                format!("define it by *SURFACE, TYPE=NODE, NAME={}", name.value)
+            });
+            Err(Diagnostic::error(Code::UnknownSurface, name.span, message, "not defined").help(remedy))
+        }
+    };
+    for (name, surface) in raw.surfaces.iter().filter(|(_, surface)| surface.is_of_nodes) {
+        let members = &surface.surface.members;
+        // A set that lacks nodes of skipped elements makes what uses it one of those that are not read.
+        let is_whole = members.iter().all(|(member, _)| is_whole(&deck.scene, member));
+        if is_whole {
+            for (member, _) in members {
+                errors.value(node_target(&deck.scene, member));
+            }
+            deck.scene.surfaces.insert(name.clone(), surface.surface.clone());
+        }
+    }
+    for body in raw.bodies {
+        let found = self::body(deck, body);
+        errors.value(found);
+    }
+    for coupling in raw.couplings {
+        let found = self::resolved_coupling(deck, coupling, &has);
+        errors.value(found);
+    }
+    for tie in raw.ties {
+        let known = [&tie.slave, &tie.master].map(|name| {
+            let is_of_nodes = errors.value(has(name)).unwrap_or(true);
+            is_of_nodes && deck.scene.surfaces.contains_key(&name.value)
+        });
+        if known == [true; 2] {
+            deck.scene.ties.push(tie);
+        } else {
+            deck.leave_out("TIE", tie.span);
+        }
+    }
+}
+
+fn body(deck: &mut Deck<'_>, body: RawBody) -> Result<()> {
+    let reference = one_node(&deck.scene, &body.reference)?;
+    // Nodes of elements of other types are not known: what is known of the body is read, and that it is not all is said.
+    let mut lacks = false;
+    for name in [&body.pin_set, &body.tie_set].into_iter().flatten() {
+        lacks |= node_set(&deck.scene, name)?.unmodelled > 0;
+    }
+    if let Some(name) = &body.element_set {
+        lacks |= element_set(&deck.scene, name)?.unmodelled > 0;
+    }
+    if lacks {
+        deck.leave_out("RIGID BODY", body.span);
+    }
+    let RawBody { element_set, pin_set, tie_set, span, .. } = body;
+    deck.scene.rigid_bodies.push(RigidBody { reference, element_set, pin_set, tie_set, span });
+    Ok(())
+}
+
+fn resolved_coupling(
+    deck: &mut Deck<'_>,
+    coupling: RawCoupling,
+    has: &impl Fn(&Spanned<String>) -> Result<bool>,
+) -> Result<()> {
+    let reference = one_node(&deck.scene, &coupling.reference)?;
+    let is_known = has(&coupling.surface)? && deck.scene.surfaces.contains_key(&coupling.surface.value);
+    let Some(kind) = coupling.kind.filter(|_| is_known) else {
+        deck.rotation_targets.push(Target::Label(reference));
+        deck.leave_out("COUPLING", coupling.span);
+        return Ok(());
+    };
+    check_orientation(&deck.scene, coupling.orientation.as_ref())?;
+    let RawCoupling { name, surface, orientation, influence_radius, span, .. } = coupling;
+    let coupling = Coupling { name, reference, surface, orientation, influence_radius, kind, span };
+    if deck.scene.coupling_nodes(&coupling).is_empty() {
+        let message = "a coupling has no coupling nodes";
+        return Err(Diagnostic::error(Code::EmptySet, coupling.surface.span, message, "no nodes")
+            .help("give the surface other nodes than the reference node, within the influence radius"));
+    }
+    deck.scene.couplings.push(coupling);
+    Ok(())
+}
+
+/// Whether a member of a surface lacks no nodes.
+fn is_whole(scene: &Scene, member: &Spanned<Target>) -> bool {
+    match &member.value {
+        Target::Label(_) => true,
+        Target::Set(name) => scene.node_sets.get(name).is_none_or(|set| set.unmodelled == 0),
+    }
+}

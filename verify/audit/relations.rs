@@ -1,0 +1,123 @@
+//! Relations are judged as connectors are: right numbers pass everywhere, mutants of them are noticed, and so is what is planted.
+
+use pintle_audit::{Against, Planted, RelationCase, Settings, Verdict};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::relation::{Point, Relation};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::Vector;
+
+const FORMS: [&str; 12] = [
+    "EQUATION", "EQUATION with angles", "RIGID BODY", "RIGID BODY pinned", "KINEMATIC 4", "KINEMATIC 5", "KINEMATIC 6",
+    "KINEMATIC 45", "KINEMATIC 1346", "DISTRIBUTING", "DISTRIBUTING line", "DISTRIBUTING many",
+];
+
+/// Anywhere, small, far away, everything at rest, turned beyond half a turn.
+const REGIONS: usize = 5;
+
+fn case(form: &str, region: usize) -> RelationCase {
+    let mut draw = Draw::new(&format!("{form} {region}"));
+    let length = if region == 1 { 1e-6 } else { 1.0 };
+    let mut three = |size: f64| -> Vector<f64> { [0; 3].map(|_| draw.between(-size, size)) };
+    let axes = so3::matrix(so3::exp(three(2.0)));
+    let places: Vec<Vector<f64>> = (0..200).map(|_| three(length)).collect();
+    let count = match form {
+        "DISTRIBUTING many" => 200,
+        "DISTRIBUTING" => 6,
+        "DISTRIBUTING line" | "EQUATION" | "EQUATION with angles" => 4,
+        _ => 2,
+    };
+    let far = if region == 2 { three(1e4) } else { [0.0; 3] };
+    let mut nodes = Vec::new();
+    for place in 0..count {
+        let phi = match region {
+            3 => [0.0; 3],
+            4 if place == 0 => [3.0, 2.0, -2.5],
+            _ => three(1.2),
+        };
+        let moved = if region == 3 { [0.0; 3] } else { three(0.7 * length) };
+        let mut rates = || {
+            let (x, turn, flow) = (three(2.0 * length), three(2.0), three(length));
+            [x[0], x[1], x[2], turn[0], turn[1], turn[2], flow[0]]
+        };
+        nodes.push(Point {
+            displacement: [0, 1, 2].map(|i| far[i] + moved[i]),
+            rotation: so3::matrix(so3::exp(phi)),
+            vector: phi,
+            flow: 0.3 * length,
+            velocity: rates(),
+            acceleration: rates(),
+        });
+    }
+    let fixed = |numbers: &str| [1, 2, 3, 4, 5, 6].map(|number: u8| numbers.contains(&number.to_string()));
+    let carried = |numbers: &str| Relation::carried(places[0], places[1], axes, fixed(numbers));
+    let mean = |places: &[Vector<f64>]| {
+        let share = |(i, x): (usize, &Vector<f64>)| (1.0 + 0.1 * i as f64, *x);
+        Relation::mean(places[0], &places[1..].iter().enumerate().map(share).collect::<Vec<_>>())
+    };
+    let relation = match form {
+        "EQUATION" => Relation::linear(&[
+            (0, axes[0], 3, 1.5),
+            (1, axes[1], 1, -2.0 / length),
+            (2, axes[2], 5, 0.7),
+            (3, axes[0], 6, 0.25 / length),
+        ]),
+        "EQUATION with angles" => {
+            let terms = [(0, axes[0], 5, 1.5), (1, axes[1], 3, -2.0), (2, axes[2], 0, 0.5 / length)];
+            Relation::linear(&terms).with_angles(|place| place == 1)
+        }
+        "RIGID BODY" => carried("123456"),
+        "RIGID BODY pinned" => carried("123"),
+        "DISTRIBUTING line" => {
+            let line: Vec<Vector<f64>> = [0.3, -1.0, 0.5, 2.0].map(|t| places[1].map(|x| t * x)).to_vec();
+            mean(&[&places[..1], &line[1..]].concat())
+        }
+        "DISTRIBUTING" | "DISTRIBUTING many" => mean(&places[..count]),
+        kinematic => carried(kinematic.rsplit(' ').next().unwrap_or_default()),
+    };
+    let type_name = form.split(' ').next().unwrap_or_default().to_string();
+    RelationCase { name: format!("{form} in region {region}"), type_name, relation, nodes, length }
+}
+
+/// Every number is right and every law holds, in every region; of the mutants that change enough none survives.
+#[test]
+fn relations_pass_and_their_mutants_do_not() {
+    let (mut compared, mut noticed, mut laws) = (0, 0, 0);
+    for form in FORMS {
+        for region in 0..REGIONS {
+            let case = case(form, region);
+            for check in case.audit(&Settings::default(), true) {
+                let state = format!("{}: {:?} {:?}", case.name, check.against, check.quantity);
+                assert!(
+                    matches!(check.verdict, Verdict::Pass | Verdict::IllConditioned),
+                    "{state} {:?} {:?}",
+                    check.verdict,
+                    check.worst
+                );
+                assert_eq!(check.score.survived, 0, "{state} {:?}", check.score.survivors);
+                compared += check.compared;
+                noticed += check.score.killed;
+                laws += usize::from(matches!(check.against, Against::Law(_)));
+            }
+        }
+    }
+    assert!(compared > 10_000 && noticed > 30_000, "{compared} {noticed}");
+    // Three laws of what is carried and of means, one of equations.
+    assert_eq!(laws, REGIONS * (10 * 3 + 2));
+}
+
+/// A row, a value, a rate and an acceleration with a wrong number are wrong, and say so.
+#[test]
+fn planted_mistakes_are_wrong() {
+    let mut found = 0;
+    for form in FORMS {
+        for planted in
+            [Planted::WrongEntry, Planted::WrongSign, Planted::WrongValue, Planted::WrongRate, Planted::WrongAcceleration]
+        {
+            let settings = Settings { planted: Some(planted), ..Settings::default() };
+            let checks = case(form, 0).audit(&settings, false);
+            assert!(checks.iter().any(|check| check.verdict == Verdict::Wrong), "{form} {planted:?}");
+            found += 1;
+        }
+    }
+    assert_eq!(found, 5 * FORMS.len());
+}

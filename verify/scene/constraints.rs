@@ -1,0 +1,562 @@
+//! Constraints beside connectors and `*MPC`: what decks say, what they require in closed form, and what an assembly makes of them.
+
+use super::n;
+use pintle_assembly::analyse;
+use pintle_kinematics::connector::{Request, Tally};
+use pintle_kinematics::mpc::{Body, Constraint, Kind, State as MpcState, Turning};
+use pintle_kinematics::relation::{Point, Relation};
+use pintle_kinematics::so3;
+use pintle_kinematics::so3::turn;
+use pintle_kinematics::vector::{Vector, add, apply, apply_transposed, cross, dot, product, sub};
+use pintle_model::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence, StepResult};
+use pintle_scene::{Format, NodeMotion, Rotation, Scene, State};
+
+fn read(text: &str) -> Scene {
+    Scene::parse("deck.inp", text).unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)))
+}
+
+fn model(scene: &Scene) -> Model {
+    Model::compile(scene).unwrap_or_else(|error| panic!("{}", error.render(110, false)))
+}
+
+fn evaluate(scene: &Scene, state: &State) -> (Model, StepResult) {
+    let model = model(scene);
+    let plan = Plan::compile(&model, &Selection::All, Request::everything(1)).unwrap();
+    let result = Sequence::new(&model, &plan).step(state);
+    (model, result)
+}
+
+/// A frame of nodes, a beam that gives 5 and 6 rotations, and one constraint of each kind.
+const ALL: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 0., 1., 0.
+4, 0., 0., 1.
+5, 2., 0., 0.
+6, 2., 1., 0.
+7, 0.25, 0.25, 3.
+8, 2., 0., 0.
+9, 1., 1., 1.
+*ELEMENT, TYPE=B31
+50, 5, 6
+*ELEMENT, TYPE=C3D4
+51, 2, 3, 4, 9
+*NSET, NSET=CLOUD
+1, 2, 3
+*NSET, NSET=REF
+7
+*NSET, NSET=PINS
+3, 9
+*NSET, NSET=TIES
+5
+*SURFACE, TYPE=NODE, NAME=TOP
+CLOUD, 2.
+4, 1.
+*SURFACE, TYPE=NODE, NAME=ENDS
+6,
+9,
+*SURFACE, TYPE=NODE, NAME=LEFT
+8,
+*SURFACE, TYPE=NODE, NAME=RIGHT
+5,
+*ORIENTATION, NAME=TURNED
+0., 1., 0., -1., 0., 0.
+*EQUATION
+3
+2, 1, 1., 3, 2, -2., 4, 3, 0.5
+*COUPLING, CONSTRAINT NAME=MEAN, REF NODE=REF, SURFACE=TOP
+*DISTRIBUTING
+*COUPLING, CONSTRAINT NAME=HOLD, REF NODE=1, SURFACE=ENDS, ORIENTATION=TURNED
+*KINEMATIC
+1, 1
+5, 6
+*RIGID BODY, REF NODE=7, PIN NSET=PINS, TIE NSET=TIES
+*TIE, NAME=GLUE
+LEFT, RIGHT
+";
+
+fn titles(model: &Model) -> Vec<String> {
+    model.relations.iter().map(|element| element.title()).collect()
+}
+
+/// Each becomes what it says, with the degrees of freedom that its nodes have; nothing of it is skipped.
+#[test]
+fn every_kind_is_read() {
+    let scene = read(ALL);
+    let model = model(&scene);
+    assert_eq!(
+        titles(&model),
+        [
+            "EQUATION 2(1)-3(2)-4(3)",
+            "RIGID BODY 5-7",
+            "RIGID BODY 3-7",
+            "RIGID BODY 9-7",
+            "DISTRIBUTING COUPLING 7",
+            "KINEMATIC COUPLING 6-1",
+            "KINEMATIC COUPLING 9-1",
+            "TIE 8(1)-5(1)",
+            "TIE 8(2)-5(2)",
+            "TIE 8(3)-5(3)",
+        ]
+    );
+    let rows = |title: &str| {
+        let element = model.relations.iter().find(|element| element.title() == title).unwrap();
+        element.relation.rows().into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+    };
+    // A solid's node has no rotations, and a beam's has.
+    assert_eq!(rows("KINEMATIC COUPLING 9-1"), ["δ1"]);
+    assert_eq!(rows("KINEMATIC COUPLING 6-1"), ["δ1", "ρ2", "ρ3"]);
+    assert_eq!(rows("RIGID BODY 3-7"), ["δ1", "δ2", "δ3"]);
+    assert_eq!(rows("RIGID BODY 5-7").len(), 6);
+    assert_eq!(rows("DISTRIBUTING COUPLING 7").len(), 6);
+    assert!(scene.skipped.constraints.is_empty(), "{:?}", scene.skipped.constraints);
+    assert_eq!(scene.skipped.keywords.len(), 0, "{:?}", scene.skipped.keywords);
+}
+
+/// Deck, TOML, JSON and back: the same scene, to the last bit of every factor.
+#[test]
+fn conversions_keep_constraints() {
+    let scene = read(&ALL.replace("0.5", "0.30000000000000004"));
+    let content = |scene: &Scene| {
+        let mut content = serde_json::to_value(scene).unwrap();
+        for key in ["name", "skipped"] {
+            content.as_object_mut().unwrap().remove(key);
+        }
+        content
+    };
+    let want = content(&scene);
+    for key in ["equations", "surfaces", "rigid_bodies", "couplings", "ties"] {
+        assert!(want[key].as_array().map_or_else(|| !want[key].is_null(), |all| !all.is_empty()), "{key}");
+    }
+    let names = |scene: &Scene| titles(&model(scene));
+    let mut last = scene.clone();
+    for format in [Format::Toml, Format::Json, Format::Toml] {
+        let text = last.write(format).unwrap().text;
+        last = match format {
+            Format::Toml => Scene::parse_toml("scene.toml", &text),
+            _ => Scene::parse_json("scene.json", &text),
+        }
+        .unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)));
+        assert_eq!(content(&last), want, "{format:?}");
+        assert_eq!(names(&last), names(&scene), "{format:?}");
+    }
+    let mut back = read(&last.write(Format::Deck).unwrap().text);
+    // A deck says by elements which nodes rotate.
+    back.rotating_nodes.clone_from(&scene.rotating_nodes);
+    assert_eq!(content(&back), want);
+}
+
+/// What stands in a part is of each instance.
+#[test]
+fn instances_have_their_constraints() {
+    let deck = "\
+*PART, NAME=P
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 2., 0., 0.
+*NSET, NSET=S
+2, 3
+*SURFACE, TYPE=NODE, NAME=F
+S,
+*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=F
+*KINEMATIC
+1, 3
+*EQUATION
+2
+2, 2, 1., 3, 2, -1.
+*END PART
+*ASSEMBLY, NAME=A
+*INSTANCE, NAME=L, PART=P
+*END INSTANCE
+*INSTANCE, NAME=R, PART=P
+0., 5., 0.
+*END INSTANCE
+*RIGID BODY, REF NODE=L.1, PIN NSET=R.S
+*END ASSEMBLY
+";
+    let scene = read(deck);
+    let want = [
+        "EQUATION L.2(2)-L.3(2)",
+        "EQUATION R.2(2)-R.3(2)",
+        "RIGID BODY R.2-L.1",
+        "RIGID BODY R.3-L.1",
+        "KINEMATIC COUPLING L.2-L.1",
+        "KINEMATIC COUPLING L.3-L.1",
+        "KINEMATIC COUPLING R.2-R.1",
+        "KINEMATIC COUPLING R.3-R.1",
+    ];
+    assert_eq!(titles(&model(&scene)), want);
+    let again = read(&scene.write(Format::Deck).unwrap().text);
+    assert_eq!(titles(&model(&again)), want);
+}
+
+/// What cannot be read is named, and refuses nothing; what is wrong is an error.
+#[test]
+fn what_is_left_out_is_named() {
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=C3D8, ELSET=SOLID\n7, 1, 2, 3, 1, 2, 3, 1, 2\n";
+    let surfaces =
+        "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n";
+    let left_out = [
+        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*KINEMATIC", "COUPLING"),
+        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING\n1, 3", "COUPLING"),
+        (
+            "*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING, COUPLING=STRUCTURAL",
+            "COUPLING",
+        ),
+        ("*TIE, NAME=T\nFACES, DOTS", "TIE"),
+        ("*RIGID BODY, REF NODE=1, ELSET=SOLID", "RIGID BODY"),
+        ("*RIGID BODY, NSET=N, REF NODE=1, ROT NODE=2", "RIGID BODY"),
+        ("*FASTENER", "FASTENER"),
+        ("*STEP\n*STATIC\n0.1, 1.\n*EQUATION, REMOVE\n2\n*END STEP", "EQUATION"),
+    ];
+    for (text, keyword) in left_out {
+        let scene = read(&format!("{nodes}{surfaces}{text}\n"));
+        let found: Vec<_> = scene.skipped.constraints.iter().map(|skipped| skipped.keyword).collect();
+        assert_eq!(found, [keyword], "{text}");
+        assert!(model(&scene).relations.is_empty(), "{text}");
+    }
+    // Equations of temperatures constrain no motion.
+    let other = read(&format!("{nodes}*EQUATION\n2\n2, 11, 1., 3, 11, -1.\n"));
+    assert!(other.skipped.constraints.is_empty() && other.equations.is_empty());
+    assert_eq!(other.skipped.parameters.len(), 1);
+    let wrong = [
+        ("*EQUATION\n2\n2, 1, 1.\n", "deck::missing-data"),
+        ("*EQUATION\n1\n2, 1, 1., 3, 1, 1.\n", "deck::surplus-data"),
+        ("*EQUATION\n2\n2, 1, 1., 9, 1, 1.\n", "deck::unknown-node"),
+        ("*EQUATION\n2\n2, 0, 1., 3, 1, 1.\n", "deck::bad-degree-of-freedom"),
+        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOT\n*KINEMATIC\n", "deck::unknown-surface"),
+        ("*KINEMATIC\n", "deck::misplaced-keyword"),
+    ];
+    for (text, code) in wrong {
+        let error = Scene::parse("deck.inp", &format!("{nodes}{surfaces}{text}")).unwrap_err();
+        assert_eq!(error.code().as_str(), code, "{text}: {error}");
+    }
+}
+
+const ROTATED: Vector<f64> = [0.7, -0.4, 1.1];
+
+/// Everything turned about the origin and moved.
+fn rigid(x: Vector<f64>) -> NodeMotion {
+    let moved = add(apply(&turn(ROTATED), x), [3.0, -2.0, 5.0]);
+    NodeMotion { displacement: sub(moved, x), rotation: Rotation::Vector(ROTATED), ..NodeMotion::default() }
+}
+
+/// What moves as one body meets every rigid body and coupling, and rows are blind to it.
+#[test]
+fn rigid_motion_is_met() {
+    let scene = read(ALL);
+    let motions = scene.nodes.iter().map(|(label, node)| (*label, rigid(node.coordinates)));
+    let (model, result) = evaluate(&scene, &State { nodes: motions.collect(), ..State::default() });
+    let mut compared = 0;
+    for result in &result.relations {
+        let element = &model.relations[result.index];
+        if matches!(element.type_name, "EQUATION" | "TIE") {
+            continue;
+        }
+        for row in &result.rows {
+            assert!(row.residual.abs() < 1e-14, "{} {}", element.title(), row.residual);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 6 + 3 + 3 + 6 + 3 + 1);
+}
+
+fn point(displacement: Vector<f64>, phi: Vector<f64>) -> Point<f64> {
+    Point { displacement, rotation: so3::matrix(so3::exp(phi)), vector: phi, ..Point::at_rest() }
+}
+
+const AXES: [Vector<f64>; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+
+/// All six degrees of freedom fixed are a BEAM: the same residuals and rows, along axes that M carries.
+#[test]
+fn a_whole_kinematic_coupling_is_a_beam() {
+    let (slave, master) = ([0.3, -1.2, 0.5], [1.0, 0.2, -0.7]);
+    let [s, m] = [point([0.1, 0.4, -0.2], [0.5, 1.0, -0.3]), point([-0.3, 0.2, 0.6], [0.4, 1.1, -0.2])];
+    let relation = Relation::<f64>::carried(slave, master, AXES, [true; 6]);
+    let rows = relation.evaluate(&[s, m], &Request::everything(1), &mut Tally::default());
+    let beam = Constraint::<f64>::new(Kind::Beam, slave, master, [[0.0; 3]; 2]);
+    let body =
+        |point: &Point<f64>| Body { displacement: point.displacement, rotation: point.rotation, flow: 0.0 };
+    let state = MpcState { slave: body(&s), master: body(&m), ..MpcState::at_rest() };
+    let start = [pintle_kinematics::connector::Turns { turns: 0.0, principal: 0.0 }; 2];
+    let found =
+        beam.evaluate(&state, &start, &Turning::none(), &Request::everything(1), &mut Tally::default());
+    let mut compared = 0;
+    for (k, row) in rows.iter().enumerate() {
+        let axis = apply(&m.rotation, AXES[k % 3]);
+        let along = |of: &dyn Fn(usize) -> f64| {
+            let first = k - k % 3;
+            dot(axis, [of(first), of(first + 1), of(first + 2)])
+        };
+        let residual = along(&|i| found.residual[i].unwrap());
+        assert!((row.residual - residual).abs() < 4e-16, "{k}: {} {residual}", row.residual);
+        for (at, (place, number)) in relation.columns().iter().enumerate() {
+            let j = 7 * place + usize::from(*number) - 1;
+            let mut want = along(&|i| found.jacobian[i].unwrap()[j]);
+            if *place == 1 && *number > 3 {
+                // The axes turn with M: e × r along them.
+                let first = k - k % 3;
+                let r = [0, 1, 2].map(|i| found.residual[first + i].unwrap());
+                let mut e = [0.0; 3];
+                e[usize::from(*number) - 4] = 1.0;
+                want += dot(cross(e, axis), r);
+            }
+            assert!((row.gradient[at] - want).abs() < 1e-15, "{k} {place} {number}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 72);
+}
+
+/// One and two fixed rotations: those of a universal and of a revolute joint. Free turns cost nothing, and fixed ones their sine.
+#[test]
+fn free_rotations_are_free() {
+    let mut compared = 0;
+    for mask in 1..7_u8 {
+        let fixed = [false, false, false, mask & 1 != 0, mask & 2 != 0, mask & 4 != 0];
+        let relation = Relation::<f64>::carried([0.0; 3], [0.0; 3], AXES, fixed);
+        let master = point([0.0; 3], [0.3, -0.8, 0.4]);
+        let free: Vec<usize> = (0..3).filter(|i| !fixed[3 + i]).collect();
+        let at = |turns: &[(usize, f64)]| {
+            let by = turns.iter().fold(so3::matrix(so3::exp([0.0; 3])), |by, (i, angle)| {
+                product(&by, &turn(AXES[*i].map(|x| x * angle)))
+            });
+            let slave = Point { rotation: product(&master.rotation, &by), ..Point::at_rest() };
+            relation.evaluate(&[slave, master], &Request::everything(1), &mut Tally::default())
+        };
+        // First about the axis of M, then about that of S.
+        let turns: Vec<(usize, f64)> = free.iter().copied().zip([0.9, -0.6]).collect();
+        for row in at(&turns) {
+            assert!(row.residual.abs() < 2e-16, "{mask}: {}", row.residual);
+            compared += 1;
+        }
+        for (row, i) in (0..3).filter(|i| fixed[3 + i]).enumerate() {
+            let rows = at(&[(i, 0.2)]);
+            for (other, got) in rows.iter().enumerate() {
+                let want = if other == row { 0.2_f64.sin() } else { 0.0 };
+                assert!((got.residual - want).abs() < 4e-16, "{mask} {i} {other}: {}", got.residual);
+                compared += 1;
+            }
+            // δρ_i = e_i·(δθ_S − δθ_M) where the constraint holds.
+            let rest = at(&[]);
+            let axis = apply(&master.rotation, AXES[i]);
+            for (at, (place, number)) in relation.columns().iter().enumerate() {
+                let sign = if *place == 0 { 1.0 } else { -1.0 };
+                let want = if *number > 3 { sign * axis[usize::from(*number) - 4] } else { 0.0 };
+                assert!((rest[row].gradient[at] - want).abs() < 4e-16, "{mask} {i}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 100, "{compared}");
+}
+
+/// A mean in closed form: of two nodes, of three with weights; of a cloud that moved as a body M is carried exactly.
+#[test]
+fn means_in_closed_form() {
+    let mean = |master: Vector<f64>, nodes: &[(f64, Vector<f64>)]| Relation::<f64>::mean(master, nodes);
+    let rows = |relation: &Relation<f64>, points: &[Point<f64>]| {
+        relation.evaluate(points, &Request::everything(1), &mut Tally::default())
+    };
+    // Two nodes on the 1-axis at ±1, M above their middle. One goes up by h: the middle by h/2, and the line turns by −atan(h/2).
+    let pair = mean([0.0, 0.0, 1.0], &[(1.0, [-1.0, 0.0, 0.0]), (1.0, [1.0, 0.0, 0.0])]);
+    assert_eq!(pair.rows().len(), 5);
+    let (h, angle) = (0.5, -(0.25_f64.atan()));
+    let lifted = [angle.sin(), 0.0, h / 2.0 + angle.cos() - 1.0];
+    let points = [point(lifted, [0.0, angle, 0.0]), Point::at_rest(), point([0.0, 0.0, h], [0.0; 3])];
+    let found = rows(&pair, &points);
+    assert!(found.iter().all(|row| row.residual.abs() < 2e-16), "{found:?}");
+    // Turned about the line as well: nobody minds, but M stays on its circle.
+    let also = product(&points[0].rotation, &turn([0.4, 0.0, 0.0]));
+    let swung = apply(&also, [0.0, 0.0, 1.0]);
+    let about = Point {
+        displacement: sub(add(swung, [0.0, 0.0, h / 2.0]), [0.0, 0.0, 1.0]),
+        rotation: also,
+        ..Point::at_rest()
+    };
+    let found = rows(&pair, &[about, points[1], points[2]]);
+    assert!(found.iter().all(|row| row.residual.abs() < 2e-16), "{found:?}");
+    // Three nodes with weights 1, 1, 2 at rest: the rows are those of the theory, δθ − T⁻¹ Σ ŵ r × δx.
+    let places = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let triangle = mean([1.0, 1.0, 1.0], &[(1.0, places[0]), (1.0, places[1]), (2.0, places[2])]);
+    // Centre (1, 1, 0); r = (−1, −1), (3, −1), (−1, 1); T = [[1, 1, 0], [1, 3, 0], [0, 0, 4]].
+    let still = rows(&triangle, &[Point::at_rest(); 4]);
+    let arms = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let inverse = [[1.5, -0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 0.25]];
+    let mut compared = 0;
+    for (i, line) in inverse.iter().enumerate() {
+        for (node, (arm, weight)) in arms.iter().zip([0.25, 0.25, 0.5]).enumerate() {
+            for j in 0..3 {
+                let mut unit = [0.0; 3];
+                unit[j] = 1.0;
+                let want = -weight * dot(*line, cross(*arm, unit));
+                let at = triangle.columns().binary_search(&(node + 1, 1 + j as u8)).unwrap();
+                assert!((still[3 + i].gradient[at] - want).abs() < 1e-15, "{i} {node} {j}");
+                let slid = if i == j { -weight } else { 0.0 };
+                assert!((still[i].gradient[at] - slid).abs() < 1e-15);
+                compared += 2;
+            }
+        }
+        let at = triangle.columns().binary_search(&(0, 4 + i as u8)).unwrap();
+        assert!((still[3 + i].gradient[at] - 1.0).abs() < 1e-15);
+        compared += 1;
+    }
+    assert_eq!(compared, 57);
+    // Any cloud that moved as a body.
+    let body = |x: Vector<f64>| {
+        let NodeMotion { displacement, .. } = rigid(x);
+        point(displacement, ROTATED)
+    };
+    let all = [body([1.0, 1.0, 1.0]), body(places[0]), body(places[1]), body(places[2])];
+    assert!(rows(&triangle, &all).iter().all(|row| row.residual.abs() < 4e-15));
+}
+
+/// The row of an equation is its coefficients, along the axes of a node that has some; rotations beyond half a turn keep their turns.
+#[test]
+fn the_row_of_an_equation_is_its_coefficients() {
+    let deck = "\
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 2., 0., 0.
+*NSET, NSET=T
+2
+*TRANSFORM, NSET=T
+0., 1., 0., -1., 0., 0.
+*EQUATION
+3
+1, 3, 2., 2, 1, -3., 3, 6, 0.5
+*BOUNDARY
+T, 3
+";
+    let scene = read(deck);
+    let nodes = [
+        (n(1), NodeMotion { displacement: [5.0, 5.0, 1.5], ..NodeMotion::default() }),
+        (n(2), NodeMotion { displacement: [7.0, 0.25, 7.0], ..NodeMotion::default() }),
+        (n(3), NodeMotion { rotation: Rotation::Vector([0.0, 0.0, 9.0]), ..NodeMotion::default() }),
+    ];
+    let state = State { nodes: nodes.into(), ..State::default() };
+    let (model, result) = evaluate(&scene, &state);
+    // The local 1-axis of node 2 is the global 2-axis.
+    assert_eq!(result.relations[0].rows[0].residual, 2.0 * 1.5 - 3.0 * 0.25 + 0.5 * 9.0);
+    let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+    let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::of(&scene).unwrap());
+    let mut values = Vec::new();
+    let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
+    let names: Vec<_> = jacobian
+        .row(0)
+        .iter()
+        .map(|at| jacobian.freedoms()[*at as usize])
+        .map(|f| (f.node, f.number))
+        .collect();
+    assert_eq!(names, [(n(1), 3), (n(2), 1), (n(3), 6)]);
+    assert_eq!(values, [2.0, -3.0, 0.5]);
+    assert!(care.is_empty());
+    assert_eq!(jacobian.equations()[0].title(&model), "EQUATION 1(3)-2(1)-3(6) g");
+}
+
+/// Redundancy, mobility and over-constraint are those of the model.
+#[test]
+fn assemblies_count_them() {
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n*NSET, NSET=ALL\n2, 3, 4\n\
+                 *SURFACE, TYPE=NODE, NAME=S\nALL,\n";
+    let rank = |text: &str| {
+        let scene = read(&format!("{nodes}{text}"));
+        let found = analyse(&scene, &model(&scene), &[], 1).unwrap();
+        assert!(found.unread.is_empty(), "{text}");
+        let position = found.positions.first().unwrap();
+        (found.degrees_of_freedom, found.constraints, position.mobility, found.redundant.len())
+    };
+    // A body of three pinned nodes and its reference node moves as one.
+    assert_eq!(rank("*RIGID BODY, REF NODE=1, PIN NSET=ALL\n"), (15, 9, Some(6), 0));
+    // So does the mean, whose nodes are free.
+    let mean = "*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=S\n*DISTRIBUTING\n";
+    assert_eq!(rank(mean), (15, 6, Some(9), 0));
+    // An equation that the body meets already is redundant: the 1-distance of nodes 3 and 4 in the first order.
+    let twice = "*RIGID BODY, REF NODE=1, PIN NSET=ALL\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=S\n*KINEMATIC\n2, 2\n";
+    assert_eq!(rank(twice), (15, 12, Some(6), 3));
+    let equation = "*RIGID BODY, REF NODE=1, PIN NSET=ALL\n*EQUATION\n2\n1, 1, 1., 2, 1, -1.\n";
+    assert_eq!(rank(equation), (15, 10, Some(6), 1));
+}
+
+/// A body of many nodes costs linear time, and so does a mean of them.
+#[test]
+fn large_bodies_cost_linear_time() {
+    let deck = |count: usize, text: &str| {
+        let mut deck = String::from("*NODE\n");
+        for i in 1..=count {
+            let x = i as f64;
+            deck += &format!("{i}, {x}, {}, {}\n", (0.1 * x).sin(), (0.1 * x).cos());
+        }
+        deck += &format!("{}, 0., 0., 5.\n*NSET, NSET=ALL, GENERATE\n1, {count}\n", count + 1);
+        deck + "*SURFACE, TYPE=NODE, NAME=S\nALL,\n" + &text.replace('@', &(count + 1).to_string())
+    };
+    for text in [
+        "*RIGID BODY, REF NODE=@, TIE NSET=ALL\n",
+        "*COUPLING, CONSTRAINT NAME=C, REF NODE=@, SURFACE=S\n*DISTRIBUTING\n",
+    ] {
+        let time = |count: usize| {
+            let begun = std::time::Instant::now();
+            let scene = read(&deck(count, text));
+            let motions = scene.nodes.iter().map(|(label, node)| (*label, rigid(node.coordinates)));
+            let state = State { nodes: motions.collect(), ..State::default() };
+            let (_, result) = evaluate(&scene, &state);
+            let worst = result.relations.iter().flat_map(|result| &result.rows);
+            let worst = worst.map(|row| row.residual.abs()).fold(0.0_f64, f64::max);
+            // Roundings of the coordinates, which grow with the length of the row.
+            assert!(worst < 1e-15 * count as f64, "{worst}");
+            begun.elapsed().as_secs_f64()
+        };
+        let (short, long) = (time(1_000), time(10_000));
+        assert!(long < 60.0 * short.max(0.01), "{text}: {short} s of 1,000 nodes, {long} s of 10,000");
+    }
+}
+
+/// Where a cloud is bent M takes the best fit: no other turn brings the cloud nearer.
+#[test]
+fn the_mean_rotation_is_the_best_fit() {
+    let places = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.5, 3.0]];
+    let weights = [1.0, 1.0, 2.0, 0.5];
+    let nodes: Vec<(f64, Vector<f64>)> = weights.into_iter().zip(places).collect();
+    let relation = Relation::<f64>::mean([0.0; 3], &nodes);
+    let moved = [[0.3, 0.1, -0.4], [-0.2, 0.9, 0.5], [0.1, -0.3, 0.8], [0.7, 0.2, -0.6]];
+    let mut points = vec![Point::at_rest()];
+    points.extend(moved.map(|u| point(u, [0.0; 3])));
+    // Newton with the relation's own rows, on the rotation of M.
+    for _ in 0..30 {
+        let rows = relation.evaluate(&points, &Request::everything(1), &mut Tally::default());
+        let matrix = [3, 4, 5].map(|k| [rows[k].gradient[3], rows[k].gradient[4], rows[k].gradient[5]]);
+        let [a, b, c] = [0, 1, 2].map(|j| [matrix[0][j], matrix[1][j], matrix[2][j]]);
+        let right = [3, 4, 5].map(|k| -rows[k].residual);
+        let volume = dot(a, cross(b, c));
+        let step = [
+            dot(right, cross(b, c)) / volume,
+            dot(a, cross(right, c)) / volume,
+            dot(a, cross(b, right)) / volume,
+        ];
+        points[0].rotation = product(&turn(step), &points[0].rotation);
+    }
+    let misfit = |rotation: &[Vector<f64>; 3]| {
+        let sum: f64 = weights.iter().sum();
+        let mean = |of: &dyn Fn(usize) -> Vector<f64>| {
+            (0..4).fold([0.0; 3], |all, k| add(all, of(k).map(|x| x * weights[k] / sum)))
+        };
+        let (before, after) = (mean(&|k| places[k]), mean(&|k| add(places[k], moved[k])));
+        (0..4)
+            .map(|k| {
+                let now = sub(add(places[k], moved[k]), after);
+                let off = sub(apply_transposed(rotation, now), sub(places[k], before));
+                weights[k] * dot(off, off)
+            })
+            .sum::<f64>()
+    };
+    let best = misfit(&points[0].rotation);
+    for n in 0..26 {
+        let by = [n % 3, n / 3 % 3, n / 9].map(|i| 1e-3 * (f64::from(i) - 1.0));
+        if by != [0.0; 3] {
+            assert!(misfit(&product(&turn(by), &points[0].rotation)) > best, "{by:?}");
+        }
+    }
+}
