@@ -250,7 +250,7 @@ impl Walk<'_> {
             let of_length = unit == Unit::Length;
             let size = if of_length && length > 0.0 { length } else { 1.0 };
             if row.residual.is_finite() && row.residual.abs() > VIOLATED * size {
-                found.push(violated(component, row.residual, of_length));
+                found.push(violated((component, CONSTRAINED), row.residual, of_length));
             }
         }
         let section = usize::MAX - self.model.mpcs.len() - result.index;

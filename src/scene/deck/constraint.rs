@@ -80,7 +80,8 @@ impl Raw {
             names.map(|name| name.value.as_str())
         }
         let terms = self.equations.iter().flat_map(|(terms, _)| terms).map(|term| &term.node);
-        let members = self.surfaces.values().filter(|raw| raw.is_of_nodes).flat_map(|raw| &raw.surface.members);
+        let members =
+            self.surfaces.values().filter(|raw| raw.is_of_nodes).flat_map(|raw| &raw.surface.members);
         let targets = terms.chain(members.map(|(member, _)| member));
         let targets = targets.chain(self.bodies.iter().map(|body| &body.reference));
         let targets = targets.chain(self.couplings.iter().map(|coupling| &coupling.reference));
@@ -160,7 +161,6 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if keyword.has("REMOVE") || deck.step.is_some() {
         return deck.pass_constraint(keyword, "EQUATION");
     }
-    crate::deck::mesh::take_input(deck, keyword)?;
     while let Some(line) = deck.lexer.row()? {
         let span = line.span;
         let mut items = line.items();
@@ -455,7 +455,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
         errors.value(found);
     }
     for coupling in raw.couplings {
-        let found = self::resolved_coupling(deck, coupling, &has);
+        let found = resolved_coupling(deck, coupling, &has);
         errors.value(found);
     }
     for tie in raw.ties {

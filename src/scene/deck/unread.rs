@@ -1,7 +1,7 @@
 //! What bears on a connector or constraint only where one uses it: it is skipped and counted elsewhere, and an error there.
 
-use crate::deck::Deck;
 use crate::deck::history::target;
+use crate::deck::{Deck, constraint};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
 use crate::label::labelled::LabelSet;
@@ -129,7 +129,8 @@ fn named<'a>(scene: &'a Scene, target: &'a Target, among: impl Fn(&Label) -> boo
 /// The nodes of connectors and constraints.
 pub(super) fn bearing(scene: &Scene) -> LabelSet {
     let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
-    ends.chain(scene.mpcs.iter().flat_map(|mpc| &mpc.nodes).copied()).collect()
+    let of_mpcs = scene.mpcs.iter().flat_map(|mpc| &mpc.nodes).copied();
+    ends.chain(of_mpcs).chain(constraint::nodes(scene)).collect()
 }
 
 /// Tells which of what was passed over bears on connectors and constraints. The sets and constraints must be resolved.
