@@ -2,7 +2,6 @@
 
 pub(crate) mod audit;
 pub(crate) mod bench;
-mod budget;
 pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod eval;
@@ -10,7 +9,6 @@ pub(crate) mod export;
 mod failure;
 mod history;
 pub(crate) mod manual;
-mod page;
 pub(crate) mod replay;
 mod save;
 mod show;

@@ -1,7 +1,7 @@
 //! Connector sections and multi-point constraints.
 
 use crate::deck::Deck;
-use crate::deck::history::target;
+use crate::deck::lookup::target;
 use crate::diagnostic::{Code, Diagnostic, Result, nearest};
 use crate::lexer::{Data, Item, Keyword, normal};
 use crate::model::{ConnectorSection, MpcKind, Target};

@@ -2,8 +2,7 @@
 
 use crate::constraint::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::deck::errors::Errors;
-use crate::deck::history::target;
-use crate::deck::resolve::{check_orientation, element_set, node_set, node_target};
+use crate::deck::lookup::{check_orientation, element_set, node_set, node_target, target};
 use crate::deck::{Deck, misplaced};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::grammar;

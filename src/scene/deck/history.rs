@@ -1,24 +1,16 @@
 //! Steps and what happens in them: procedures, motions, loads, boundary conditions, output requests.
 
 use crate::choice::Choice;
+use crate::deck::lookup::target;
 use crate::deck::mesh::{any_degree_of_freedom, is_mechanical};
 use crate::deck::{Deck, misplaced, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::lexer::{Item, Keyword, normal};
 use crate::model::{
     Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
-    ConnectorMotion, DistributedLoad, MotionType, Operation, OutputRequest, Procedure, Solver, Step, Target,
-    Times,
+    ConnectorMotion, DistributedLoad, MotionType, Operation, OutputRequest, Procedure, Solver, Step, Times,
 };
-use crate::span::Spanned;
 use indexmap::IndexMap;
-
-/// A number or a set.
-pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
-    let target =
-        if item.is_label() { Target::Label(item.label(what)?) } else { Target::Set(item.name()?.value) };
-    Ok(Spanned::new(target, item.span))
-}
 
 /// How a keyword applies its conditions. OP=NEW is noted for the step, for a keyword without data lines is how all of a kind are removed.
 fn application(deck: &mut Deck<'_>, keyword: &Keyword, kind: ConditionKind) -> Result<Application> {

@@ -7,7 +7,7 @@ use crate::behavior::{
 };
 use crate::choice::Choice;
 use crate::constraint::Weighting;
-use crate::deck::{Deck, assembly, behavior, connector, constraint, copy, generate, history, mesh, unread};
+use crate::deck::{Deck, assembly, behavior, connector, constraint, generate, history, mesh, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::lexer::Keyword;
 use crate::model::{AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation, TransformKind};
@@ -248,7 +248,7 @@ pub(super) static RULES: &[Rule] = &[
         Model,
         &[may("NSET", Name), may("BIAS", Number), may("TWO STEP", Flag), may("SINGULAR", Count)],
         "each line is: first node set, last node set, number of intervals, increment",
-        copy::fill,
+        generate::copy::fill,
     ),
     rule(
         "NCOPY",
@@ -263,7 +263,7 @@ pub(super) static RULES: &[Rule] = &[
             may("POLE", Flag),
         ],
         "its lines give a shift and a rotation, or the points that define the reflection, or the pole",
-        copy::nodes,
+        generate::copy::nodes,
     ),
     rule(
         "ELCOPY",
@@ -276,7 +276,7 @@ pub(super) static RULES: &[Rule] = &[
             pass("REFLECT", FlagOrText),
         ],
         "it takes no data lines",
-        copy::elements,
+        generate::copy::elements,
     ),
     rule("SYSTEM", Model, &[], "line 1 gives points a and b, line 2 point c", mesh::system),
     rule(

@@ -5,15 +5,18 @@ use crate::deck::Deck;
 use crate::deck::connector::RawMpc;
 use crate::deck::constraint;
 use crate::deck::errors::Errors;
+use crate::deck::lookup::{
+    check_name, check_orientation, complete_node_set, element_set, node_set, node_target, undefined, unknown,
+};
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
 use crate::deck::sets::{Kind, Known, Member, OtherElements, unknown_set};
 use crate::deck::unread;
-use crate::diagnostic::{Code, Diagnostic, Result, suggest, suggest_scoped};
+use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::label::Label;
 use crate::label::labelled::{Beside, LabelMap, LabelSet};
 use crate::model::{ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target};
-use crate::span::{Span, Spanned};
+use crate::span::Spanned;
 use std::cell::OnceCell;
 use std::collections::HashSet;
 
@@ -42,20 +45,6 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     let mut errors = std::mem::take(&mut deck.errors);
     actuation(deck, &mut errors);
     deck.errors = errors;
-}
-
-/// What to do about a node or element that is not there.
-fn undefined(kind: Kind) -> impl Fn() -> String {
-    move || match kind {
-        Kind::Node => "define it under *NODE".to_owned(),
-        Kind::Element => "define it under *ELEMENT".to_owned(),
-    }
-}
-
-fn unknown(kind: Kind, label: Label, span: Span) -> Diagnostic {
-    let name = kind.name();
-    let message = format!("there is no {name} {label}");
-    Diagnostic::error(kind.unknown(), span, message, "not defined").help(undefined(kind)())
 }
 
 fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
@@ -172,30 +161,6 @@ fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
     let elements = elements.chain(of_nodes.flat_map(|builder| builder.element_sets()));
     let elements = sets::closure(&deck.element_sets, elements);
     (nodes, elements)
-}
-
-pub(super) fn element_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
-    let names = || scene.element_sets.keys().map(String::as_str);
-    scene.element_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Element, name, names()))
-}
-
-fn check_name<T>(
-    name: Option<&Spanned<String>>,
-    known: &indexmap::IndexMap<String, T>,
-    what: &str,
-    keyword: &str,
-    code: Code,
-) -> Result<()> {
-    let Some(name) = name.filter(|name| !known.contains_key(&name.value)) else { return Ok(()) };
-    let message = format!("there is no {what} {}", name.value);
-    let remedy = suggest_scoped(&name.value, known.keys().map(String::as_str), || {
-        format!("define it by *{keyword}, NAME={}", name.value)
-    });
-    Err(Diagnostic::error(code, name.span, message, "not defined").help(remedy))
-}
-
-pub(super) fn check_orientation(scene: &Scene, name: Option<&Spanned<String>>) -> Result<()> {
-    check_name(name, &scene.orientations, "orientation", "ORIENTATION", Code::UnknownOrientation)
 }
 
 /// Names on connector sections, and one section for each connector.
@@ -425,35 +390,6 @@ fn check_degrees_of_freedom(
         }
     }
     Ok(())
-}
-
-pub(super) fn node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
-    let names = || scene.node_sets.keys().map(String::as_str);
-    scene.node_sets.get(&name.value).ok_or_else(|| unknown_set(Kind::Node, name, names()))
-}
-
-/// A node set that may lack nothing.
-fn complete_node_set<'a>(scene: &'a Scene, name: &Spanned<String>) -> Result<&'a Set> {
-    let set = node_set(scene, name)?;
-    if set.unmodelled == 0 {
-        return Ok(set);
-    }
-    let message = format!(
-        "set {} lacks the nodes of {} elements of types that are not read",
-        name.value, set.unmodelled
-    );
-    Err(Diagnostic::error(Code::NodesOfSkipped, name.span, message, "must be complete")
-        .help("give the set its nodes by *NSET, instead of by ELSET"))
-}
-
-pub(super) fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec<Label>> {
-    match &target.value {
-        Target::Label(label) if scene.nodes.contains_key(label) => Ok(vec![*label]),
-        Target::Label(label) => Err(unknown(Kind::Node, *label, target.span)),
-        Target::Set(name) => {
-            Ok(complete_node_set(scene, &Spanned::new(name.clone(), target.span))?.labels.clone())
-        }
-    }
 }
 
 /// A node or set that loads and boundary conditions act on; a set that lacks nodes has been warned about.

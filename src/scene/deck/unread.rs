@@ -1,6 +1,6 @@
 //! What bears on a connector or constraint only where one uses it: it is skipped and counted elsewhere, and an error there.
 
-use crate::deck::history::target;
+use crate::deck::lookup::target;
 use crate::deck::{Deck, constraint};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;

@@ -1,7 +1,10 @@
 //! `*NGEN` and `*ELGEN`: nodes on lines between two, and elements in rows, of which a deck gives the first.
 
+pub(super) mod copy;
+mod curve;
+
 use crate::deck::Deck;
-use crate::deck::curve::Curve;
+use crate::deck::generate::curve::Curve;
 use crate::deck::mesh::{add_connector, add_point};
 use crate::deck::sets::{MAX_MEMBERS, SetBuilder};
 use crate::diagnostic::{Code, Diagnostic, Result};

@@ -1,6 +1,6 @@
 //! How long an audit takes: what it may, and what is left.
 
-use super::tell::complain;
+use crate::cli::tell::complain;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use pintle_audit::Progress;
 use std::io::{self, IsTerminal};

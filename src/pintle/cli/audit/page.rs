@@ -1,7 +1,7 @@
 //! The page of `pintle audit --html`, and its figures as files.
 
-use super::audit::{Audit, AuditFormat};
-use super::{Failure, Files};
+use super::{Audit, AuditFormat};
+use crate::cli::{Failure, Files};
 use pintle_audit::singular::atlas::atlas;
 use pintle_audit::{Approach, Illustration, Report, Target, illustrate_catalogue, illustrate_scene};
 use pintle_kinematics::catalog::ConnectionType;

@@ -56,7 +56,7 @@ fn fractions(intervals: u64, bias: f64, two_step: bool, singular: Option<u64>) -
     fractions
 }
 
-pub(super) fn fill(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+pub(in crate::deck) fn fill(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let set = keyword.name_of("NSET")?;
     let bias = keyword.number("BIAS")?.unwrap_or(1.0);
     let two_step = keyword.has("TWO STEP");
@@ -190,7 +190,7 @@ fn three(items: &mut Items<'_>) -> Result<[f64; 3]> {
     Ok(vector)
 }
 
-pub(super) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+pub(in crate::deck) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let whole = |name| keyword.get(name).map(|value| value.integer(name)).transpose();
     let step = whole("CHANGE NUMBER")?.unwrap_or(0);
     let times = whole("MULTIPLE")?.unwrap_or(1);
@@ -219,7 +219,7 @@ pub(super) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     Ok(())
 }
 
-pub(super) fn elements(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+pub(in crate::deck) fn elements(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let whole = |name| keyword.get(name).map_or(Ok(0), |value| value.integer(name));
     let (shift, of_nodes) = (whole("ELEMENT SHIFT")?, whole("SHIFT NODES")?);
     let old = keyword.need_name("OLD SET")?;

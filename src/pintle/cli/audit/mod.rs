@@ -1,9 +1,12 @@
 //! `pintle audit`.
 
-use super::budget::{Bar, seconds};
+mod budget;
+mod page;
+
 use super::eval::{Source, read, source};
 use super::tell::{complain, show_diagnostic};
-use super::{ConditionOptions, Failure, Files, Sign, page, page_width};
+use super::{ConditionOptions, Failure, Files, Sign, page_width};
+use budget::{Bar, seconds};
 use clap::{Args, ValueEnum};
 use pintle_audit::model::{Level, Levels, audit_model};
 use pintle_audit::{
@@ -173,7 +176,7 @@ pub(crate) struct Audit {
     counter_examples: Option<PathBuf>,
     /// Write the report as a self-contained page of HTML too
     #[arg(long, value_name = "FILE")]
-    pub(super) html: Option<PathBuf>,
+    pub(in crate::cli) html: Option<PathBuf>,
     /// Write the figures of the page into this folder, as SVG files
     #[arg(long, value_name = "FOLDER")]
     pub(super) plots: Option<PathBuf>,
