@@ -125,13 +125,7 @@ fn run(cases: &[Case]) -> Tallies {
         };
         let rows = numbers.entries(Quantity::FirstDerivatives);
         let Some(subject) = Subject::of(case, rows) else { continue };
-        let bound = Bound::new(
-            &numbers,
-            &step.state.velocity,
-            &step.state.acceleration,
-            case.length,
-            narrow.nearness(),
-        );
+        let bound = Bound::new(&numbers, &step.state, case.length, narrow.nearness());
         let Some(judges) = Judges::of(case, &subject, &bound) else { continue };
         let quantity = Quantity::FirstDerivatives;
         found.states += 1;

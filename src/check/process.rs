@@ -100,6 +100,14 @@ pub enum Misbehaviour {
         /// What it was asked.
         asked: u64,
     },
+    /// A second answer to an earlier question.
+    #[error("the process answered id {got} a second time, or late, when it was asked id {asked}")]
+    Again {
+        /// What it answered.
+        got: u64,
+        /// What it was asked.
+        asked: u64,
+    },
     /// An answer too many.
     #[error(
         "the process wrote {what} though nothing was asked: a second answer, or a line that belongs on stderr"
@@ -400,6 +408,9 @@ impl<'a> Session<'a> {
         let answer = self.receive(DUE)?;
         match answer.get("id") {
             Some(got) if got.as_u64() == Some(id) => {}
+            Some(got) if got.as_u64().is_some_and(|got| got < id) => {
+                return Err(Misbehaviour::Again { got: got.as_u64().unwrap_or_default(), asked: id });
+            }
             got => {
                 let got = got.map_or_else(|| "none".to_string(), ToString::to_string);
                 return Err(Misbehaviour::WrongId { got: protocol::excerpt(&got), asked: id });

@@ -68,7 +68,7 @@ pub fn turn<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
 /// J_l(φ) of the rotation vector φ in radians: δθ = J_l δφ, with exp((φ + δφ)^) = exp(δθ^) exp(φ^) to first order.
 ///
 /// J_l = 1 + (1 − cos|φ|)/|φ|² φ^ + (|φ| − sin|φ|)/|φ|³ φ^², of the factor k(|φ|²) = sin(|φ|/2)/|φ| of [`exp`] and its derivative, so that
-/// nothing cancels near φ = 0. Of numbers with up to three orders of derivatives; 4 u of the largest entry on doubles, where |φ| ≤ 10.
+/// nothing cancels near φ = 0. Of numbers with up to three orders of derivatives; 8 u of the largest entry on doubles, where |φ| ≤ 10.
 /// Spatial: rows by the total rotation vector are rows by δθ times J_l.
 ///
 /// ```
@@ -85,7 +85,7 @@ pub fn left_jacobian<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
     quadratic(phi, odd, odd + slope.scale(S::Real::integer(16)))
 }
 
-/// J_l(φ)⁻¹ = 1 − φ^/2 + (1/|φ|² − cot(|φ|/2)/(2|φ|)) φ^²: δφ = J_l⁻¹ δθ, as [`left_jacobian`]; 4 u for |φ| ≤ 3.
+/// J_l(φ)⁻¹ = 1 − φ^/2 + (1/|φ|² − cot(|φ|/2)/(2|φ|)) φ^²: δφ = J_l⁻¹ δθ, as [`left_jacobian`]; 10 u for |φ| ≤ 3.
 ///
 /// At whole turns |φ| = 2πk, k ≠ 0, it does not exist, and beside them it grows without bound.
 pub fn inverse_left_jacobian<S: Scalar>(phi: Vector<S>) -> Matrix<S> {

@@ -178,7 +178,7 @@ fn misbehaviours_are_named() {
             OPEN,
             "[send({'id': id, 'answers': [right(asked)]}) for _ in range(2)]; time.sleep(0.05)",
             CLOSE,
-            "a second answer",
+            "a second ",
         ),
         ("no-answers", HELLO, OPEN, "send({'id': id})", CLOSE, "\"answers\" is no list"),
         (

@@ -260,7 +260,7 @@ mod tests {
         assert!(audit.contains("[--deny <CODE[@FILE[:LINE]]>]") && audit.contains(" [SCENE]..."), "{audit}");
         assert!(
             text("pintle")
-                .contains("\\fBpintle\\fR [--threads <COUNT>] [-h|--help] [-V|--version] <COMMAND>")
+                .contains("\\fBpintle\\fR [--threads <COUNT>] [--force] [-h|--help] [-V|--version] <COMMAND>")
         );
         assert!(text("pintle").contains("70 internal error") && !text("pintle").contains("panic"));
         assert!(text("pintle-eval").contains("  CSLST          stop and lock status"));

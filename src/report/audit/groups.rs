@@ -143,6 +143,9 @@ pub(super) fn faults(report: &Report) -> Vec<Fault<'_>> {
             known.subjects.first().is_some_and(|first| is_same((first, known.check), (subject, check)))
         });
         match same {
+            Some(known) if known.subjects.last().is_some_and(|last| std::ptr::eq(*last, subject)) => {
+                known.also.push(check);
+            }
             Some(known) => known.subjects.push(subject),
             None => found.push(Fault { subjects: vec![subject], check, also }),
         }

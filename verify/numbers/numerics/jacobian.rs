@@ -66,5 +66,5 @@ fn jacobians_of_rotation_vectors() {
         }
     }
     assert_eq!(compared, 14 * 20 * 9);
-    assert!(worst < 4.0 && worst_inverse < 8.0, "{worst} {worst_inverse}");
+    assert!(worst < 8.0 && worst_inverse < 10.0, "{worst} {worst_inverse}");
 }
