@@ -40,7 +40,7 @@ pub(crate) enum Offer {
 /// What a routine answered for one state.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Answer {
-    Given(Own),
+    Given(Box<Own>),
     /// It does not cover this state.
     OutOfDomain(String),
     /// It failed.
@@ -166,7 +166,7 @@ pub(crate) fn answer(
         own.values[k] = number(value, &format!("\"values\"[{k}]"))?;
     }
     if !wants_rows {
-        return Ok(Answer::Given(own));
+        return Ok(Answer::Given(Box::new(own)));
     }
     let width = convention.columns.len();
     match convention.storage {
@@ -191,7 +191,7 @@ pub(crate) fn answer(
         }
     }
     debug_assert!(width <= DOFS);
-    Ok(Answer::Given(own))
+    Ok(Answer::Given(Box::new(own)))
 }
 
 /// A list of that many items; none where it is missing or null.

@@ -105,7 +105,7 @@ fn bound_of(case: &Case, answers: &WideAnswers, nearness: f64) -> Bound {
         numbers.set(quantity, answers.differences.entries(quantity).map(|_, _, x| x.to_f64()));
     }
     let state = &case.last().unwrap().state;
-    Bound::new(&numbers, &state, case.length, nearness)
+    Bound::new(&numbers, state, case.length, nearness)
 }
 
 /// On a singular set of one component another one is judged as ever: what is wrong there is no kink.

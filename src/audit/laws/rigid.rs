@@ -223,7 +223,7 @@ impl Context<'_> {
         // No multiple of the tolerance here limits that: at a symmetric state it may be nothing here.
         let there = turned.last().map(|Step { state, .. }| {
             let length = self.case.length;
-            Bound::of_components(&twin, &state, length, &self.nearness)
+            Bound::of_components(&twin, state, length, &self.nearness)
         });
         let mut found = Vec::new();
         for (k, measure) in self.components() {

@@ -81,7 +81,7 @@ pub fn remainder_along(case: &Case, component: usize, v: &[f64; DOFS]) -> Option
     let nearness = truth.nearness_of_components();
     let trusted = WideAnswers::of(&truth).trusted(&nearness.map(|near| near > 0.0));
     let state = &step.state;
-    let bound = Bound::of_components(&trusted, &state, case.length, &nearness);
+    let bound = Bound::of_components(&trusted, state, case.length, &nearness);
     let rows = numbers.entries(Quantity::FirstDerivatives);
     let mut all = remainders(&truth, rows, &bound, v, &nearness).into_iter();
     all.find(|remainder| remainder.component == component)

@@ -102,7 +102,7 @@ fn verdict(case: &Case, quantity: Quantity, k: usize, change: &dyn Fn(usize, f64
     let nearness = truth.nearness_of_components();
     let trusted = answers.trusted(&nearness.map(|near| near > 0.0));
     let state = &case.last().unwrap().state;
-    let bound = Bound::of_components(&trusted, &state, case.length, &nearness);
+    let bound = Bound::of_components(&trusted, state, case.length, &nearness);
     let sides = truth.sides(&bound);
     let around = Surroundings::of(case, &truth, &bound, Some(&sides));
     let answer = answers.answer(Oracle::WideDifferences, quantity).unwrap();

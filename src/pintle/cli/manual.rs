@@ -259,8 +259,9 @@ mod tests {
         let audit = text("pintle-audit");
         assert!(audit.contains("[--deny <CODE[@FILE[:LINE]]>]") && audit.contains(" [SCENE]..."), "{audit}");
         assert!(
-            text("pintle")
-                .contains("\\fBpintle\\fR [--threads <COUNT>] [--force] [-h|--help] [-V|--version] <COMMAND>")
+            text("pintle").contains(
+                "\\fBpintle\\fR [--threads <COUNT>] [--force] [-h|--help] [-V|--version] <COMMAND>"
+            )
         );
         assert!(text("pintle").contains("70 internal error") && !text("pintle").contains("panic"));
         assert!(text("pintle-eval").contains("  CSLST          stop and lock status"));
