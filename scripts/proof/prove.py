@@ -471,7 +471,7 @@ def self_test(exports):
                     raise AssertionError(f"self-test: {type_name} with place {place} of {function} changed was not refused")
                 refused += 1
     right = exports["TRANSLATOR"].text
-    wrong = re.sub(r"\b2 / L\b", "4 / L", right, count=1)
+    wrong = re.sub(r"\b2 \* reciprocal\(L\)", "4 * reciprocal(L)", right, count=1)
     found = Friction("TRANSLATOR", proof_export.Export(wrong)).lines()
     if wrong == right or all(line.verdict != DIFFERS for line, _ in found):
         raise AssertionError("self-test: TRANSLATOR with 4/L for 2/L was not refused")
