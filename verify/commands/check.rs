@@ -260,6 +260,10 @@ fn conventions_are_undone() {
         |change: &str| format!("answer = right(asked); {change}; send({{'id': id, 'answers': [answer]}})");
     let turned = "M = lambda n: list(map(list, zip(*[[sum(asked['states'][0][n]['triad'][k][i] * connector['initial'][n]['triad'][k][j] for k in range(3)) for j in range(3)] for i in range(3)]))); \
                   answer['rows'] = [r and r[:3] + [sum(M('a')[i][j] * r[3 + j] for j in range(3)) for i in range(3)] + r[6:] for r in answer['rows']]";
+    let total = "import math; p = asked['states'][0]['a']['rotation_vector']; t = math.hypot(*p); K = [[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]]; \
+                 e, f = ((1 - math.cos(t)) / t ** 2, (t - math.sin(t)) / t ** 3) if t > 1e-2 else (0.5 - t * t / 24 + t ** 4 / 720, 1 / 6 - t * t / 120 + t ** 4 / 5040); \
+                 J = [[(i == j) + e * K[i][j] + f * sum(K[i][k] * K[k][j] for k in range(3)) for j in range(3)] for i in range(3)]; \
+                 answer['rows'] = [r and r[:3] + [sum(r[3 + i] * J[i][j] for i in range(3)) for j in range(3)] + r[6:] for r in answer['rows']]";
     let cases = [
         (
             "signs",
@@ -283,6 +287,7 @@ fn conventions_are_undone() {
             "{'column_angles': 'deg'}".to_string(),
             "answer['rows'] = [r and [x * (0.017453292519943295 if j % 7 in (3, 4, 5) else 1) for j, x in enumerate(r)] for r in answer['rows']]",
         ),
+        ("total", "{'rotations': 'total-vector'}".to_string(), total),
         ("body", "{'rotations': 'body'}".to_string(), turned),
     ];
     for (name, convention, change) in cases {
