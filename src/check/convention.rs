@@ -1,6 +1,7 @@
 //! In which order, unit and frame a routine answers, and how that is undone.
 
-use pintle_kinematics::connector::{Components, Connector, Definition, NodalRow, State};
+use pintle_audit::{Given, Quantity};
+use pintle_kinematics::connector::{Components, Connector, Definition, NodalMatrix, NodalRow, State};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::so3;
@@ -59,6 +60,30 @@ pub enum Storage {
     Columns,
 }
 
+/// Along which axes a row differentiates by displacements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Frame {
+    /// Along global axes.
+    #[default]
+    Global,
+    /// Along the axes of node a.
+    A,
+    /// Along the axes of node b.
+    B,
+}
+
+/// Whether angles go on through half a turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Turns {
+    /// They go on from the values before.
+    #[default]
+    Continued,
+    /// They are principal, from −π to π: only states without whole turns are judged.
+    Principal,
+}
+
 /// The conventions of a routine. Those left out are pintle's own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -67,6 +92,10 @@ pub struct Convention {
     pub columns: Vec<String>,
     /// The variation of rotations.
     pub rotations: Variation,
+    /// The axes of displacements.
+    pub displacements: Frame,
+    /// Whether angles go on through half a turn.
+    pub turns: Turns,
     /// The unit of components that are angles, in values and rows.
     pub angles: Angle,
     /// The unit of the rotations by which rows differentiate.
@@ -84,6 +113,8 @@ impl Default for Convention {
         Self {
             columns: COLUMNS.map(String::from).to_vec(),
             rotations: Variation::default(),
+            displacements: Frame::default(),
+            turns: Turns::default(),
             angles: Angle::default(),
             column_angles: Angle::default(),
             length: 1.0,
@@ -94,6 +125,14 @@ impl Default for Convention {
 }
 
 impl Convention {
+    /// Those that a TOML document declares.
+    ///
+    /// # Errors
+    /// In words, what is no convention, and where.
+    pub fn from_toml(text: &str) -> Result<Self, String> {
+        toml::from_str(text).map_err(|error| error.to_string())
+    }
+
     /// The place of each of the routine's columns among pintle's.
     ///
     /// # Errors
@@ -137,39 +176,93 @@ impl Convention {
         of_unit / self.factors[k]
     }
 
+    /// What a convention cannot say of the quantities offered.
+    ///
+    /// # Errors
+    /// In words, which of them have no rule.
+    pub(crate) fn covers(&self, offers: &[Quantity]) -> Result<(), String> {
+        let second = offers.contains(&Quantity::SecondDerivatives);
+        let changes = offers.contains(&Quantity::GeometricStiffness);
+        if self.rotations == Variation::TotalVector && (second || changes) {
+            return Err("second_derivatives and geometric_stiffness are read by spatial or body variations, not by total-vector".into());
+        }
+        let turns = self.rotations == Variation::Body || self.displacements != Frame::Global;
+        if changes && turns {
+            return Err(
+                "geometric_stiffness is read by spatial variations and global displacements alone".into()
+            );
+        }
+        if second && self.displacements != Frame::Global {
+            return Err("second_derivatives are read by global displacements alone".into());
+        }
+        Ok(())
+    }
+
+    /// Derivatives by the routine's columns as derivatives by pintle's.
+    fn line(&self, of_routine: &[f64], places: &[usize], turned: &[Turned; 2]) -> NodalRow<f64> {
+        let mut row = [0.0; DOFS];
+        for (entry, place) in of_routine.iter().zip(places) {
+            let is_rotation = matches!(place % 7, 3..=5);
+            let column = if is_rotation { self.column_angles.size() } else { self.length };
+            row[*place] = entry / column;
+        }
+        let block = |row: &NodalRow<f64>, at: usize| [row[at], row[at + 1], row[at + 2]];
+        for (end, own) in turned.iter().enumerate() {
+            let axes = match self.displacements {
+                Frame::Global => None,
+                Frame::A => Some(&turned[0].triad),
+                Frame::B => Some(&turned[1].triad),
+            };
+            if let Some(axes) = axes {
+                // δx = T δx_local.
+                let global = apply(axes, block(&row, 7 * end));
+                row[7 * end..7 * end + 3].copy_from_slice(&global);
+            }
+            let at = 7 * end + 3;
+            let spatial = match self.rotations {
+                Variation::Spatial => continue,
+                // δΘ = Cᵀ δθ.
+                Variation::Body => apply(&own.rotation, block(&row, at)),
+                // δφ = J_l(φ)⁻¹ δθ.
+                Variation::TotalVector => {
+                    apply_transposed(&so3::inverse_left_jacobian(own.vector), block(&row, at))
+                }
+            };
+            row[at..at + 3].copy_from_slice(&spatial);
+        }
+        row
+    }
+
     /// A row of the routine in pintle's conventions: columns in place, by unit columns, for spatial variations.
-    pub(crate) fn row(
+    fn row(&self, of_routine: &[f64], places: &[usize], unit: f64, turned: &[Turned; 2]) -> NodalRow<f64> {
+        self.line(of_routine, places, turned).map(|x| x * unit)
+    }
+
+    /// A matrix of second derivatives, row by row, in pintle's conventions.
+    fn matrix(
         &self,
         of_routine: &[f64],
         places: &[usize],
         unit: f64,
         turned: &[Turned; 2],
-    ) -> NodalRow<f64> {
-        let mut row = [0.0; DOFS];
-        for (entry, place) in of_routine.iter().zip(places) {
-            let is_rotation = matches!(place % 7, 3..=5);
-            let column = if is_rotation { self.column_angles.size() } else { self.length };
-            row[*place] = entry * unit / column;
+    ) -> NodalMatrix<f64> {
+        let lines: Vec<NodalRow<f64>> =
+            of_routine.chunks(places.len().max(1)).map(|line| self.line(line, places, turned)).collect();
+        let mut matrix = Box::new([[0.0; DOFS]; DOFS]);
+        for j in 0..DOFS {
+            let column: Vec<f64> = lines.iter().map(|line| line[j]).collect();
+            for (entry, x) in matrix.iter_mut().zip(self.row(&column, places, unit, turned)) {
+                entry[j] = x;
+            }
         }
-        for (end, turned) in turned.iter().enumerate() {
-            let at = 7 * end + 3;
-            let own = [row[at], row[at + 1], row[at + 2]];
-            let spatial = match self.rotations {
-                Variation::Spatial => continue,
-                // δΘ = Cᵀ δθ.
-                Variation::Body => apply(&turned.rotation, own),
-                // δφ = J_l(φ)⁻¹ δθ.
-                Variation::TotalVector => apply_transposed(&so3::inverse_left_jacobian(turned.vector), own),
-            };
-            row[at..at + 3].copy_from_slice(&spatial);
-        }
-        row
+        matrix
     }
 }
 
 /// How a node is turned from its initial orientation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turned {
+    pub(crate) triad: Matrix<f64>,
     pub(crate) rotation: Matrix<f64>,
     /// The principal rotation vector.
     pub(crate) vector: Vector<f64>,
@@ -181,16 +274,18 @@ impl Turned {
         let initial = &definition.initial;
         [(&state.pair.a, &initial.a), (&state.pair.b, &initial.b)].map(|(now, first)| {
             let rotation = product(&now.triad, &transpose(&first.triad));
-            Self { rotation, vector: so3::log(&rotation) }
+            Self { triad: now.triad, rotation, vector: so3::log(&rotation) }
         })
     }
 }
 
 /// What a routine answered, in its own conventions.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Own {
-    pub(crate) values: [Option<f64>; 6],
-    pub(crate) rows: [Option<Vec<f64>>; 6],
+    /// Of each quantity that was wanted, the numbers of each component; matrices row by row.
+    pub(crate) given: Vec<(Quantity, Components<Vec<f64>>)>,
+    /// What it keeps for the next state.
+    pub(crate) memory: Option<serde_json::Value>,
 }
 
 impl Own {
@@ -201,12 +296,28 @@ impl Own {
         places: &[usize],
         (definition, connector): (&Definition, &Connector<f64>),
         state: &State<f64>,
-    ) -> (Components<f64>, Components<NodalRow<f64>>) {
+    ) -> Given {
         let turned = Turned::of(definition, state);
         let unit = |k: usize| convention.unit(k, connector);
-        (
-            std::array::from_fn(|k| Some(self.values[k]? * unit(k))),
-            std::array::from_fn(|k| Some(convention.row(self.rows[k].as_ref()?, places, unit(k), &turned))),
-        )
+        let mut given = Given::default();
+        for (quantity, of) in &self.given {
+            let scalars = || std::array::from_fn(|k| Some(of[k].as_ref()?.first()? * unit(k)));
+            let rows =
+                || std::array::from_fn(|k| Some(convention.row(of[k].as_ref()?, places, unit(k), &turned)));
+            let matrices = || {
+                std::array::from_fn(|k| Some(convention.matrix(of[k].as_ref()?, places, unit(k), &turned)))
+            };
+            given = match quantity {
+                Quantity::Value => given.values(scalars()),
+                Quantity::Rate => given.rates(scalars()),
+                Quantity::Acceleration => given.accelerations(scalars()),
+                Quantity::FirstDerivatives => given.rows(rows()),
+                Quantity::NodalForces => given.nodal_forces(rows()),
+                Quantity::SecondDerivatives => given.second_derivatives(matrices()),
+                Quantity::GeometricStiffness => given.geometric_stiffness(matrices()),
+                _ => given,
+            };
+        }
+        given
     }
 }

@@ -1,5 +1,5 @@
 """Asks a Python function by the protocol pintle-candidate/1."""
-import importlib, json, math, os, sys
+import importlib, inspect, json, math, os, sys
 sys.path.insert(0, os.getcwd())
 try:
     import numpy
@@ -7,6 +7,7 @@ except ImportError:
     numpy = None
 # What the routine prints belongs on stderr: stdout carries messages.
 messages, sys.stdout = os.fdopen(os.dup(1), "w"), sys.stderr
+AS_IT_IS = "memory", "out_of_domain", "error"
 def send(message):
     messages.write(json.dumps(message, allow_nan=False) + "\n")
     messages.flush()
@@ -27,11 +28,15 @@ def arrays(x):
     return x
 def answer(state, connector, want):
     try:
-        given = routine(arrays(state), connector)
+        memory = state.get("previous", {}).pop("memory", None)
+        state = arrays(state)
+        if memory is not None:
+            state["previous"]["memory"] = memory
+        given = routine(state, connector, want) if takes_want else routine(state, connector)
         if not isinstance(given, dict):
             values, rows = given
             given = {"values": values, "rows": rows}
-        return {key: plain(value) for key, value in given.items()}
+        return {key: value if key in AS_IT_IS else plain(value) for key, value in given.items()}
     except Exception as error:
         return {"error": f"{type(error).__name__}: {error}"}
 name, function = sys.argv[1:3]
@@ -39,15 +44,17 @@ module = importlib.import_module(name)
 routine = module
 for part in function.split("."):
     routine = getattr(routine, part)
-convention = getattr(module, "CONVENTION", {})
-components = getattr(module, "COMPONENTS", None)
-offers = getattr(module, "OFFERS", ["values", "rows"])
+try:
+    takes_want = len(inspect.signature(routine).parameters) > 2
+except (TypeError, ValueError):
+    takes_want = False
+own = {"offers": getattr(module, "OFFERS", ["values", "rows"]), "components": getattr(module, "COMPONENTS", None)}
+own |= {"convention": getattr(module, "CONVENTION", {}), "memory": getattr(module, "MEMORY", False)}
 connector = None
 for line in sys.stdin:
     message = json.loads(line)
     if "hello" in message:
-        hello = {"protocol": "pintle-candidate/1", "name": f"{name}:{function}", "offers": offers, "components": components, "convention": convention}
-        send({"hello": hello})
+        send({"hello": {"protocol": "pintle-candidate/1", "name": f"{name}:{function}", **own}})
     elif "open" in message:
         connector = arrays(message["open"])
         send({"opened": True})

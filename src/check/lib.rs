@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `protocol` | what is sent, and what must come back? |
 //! | `convention` | in which order, unit and frame does the routine answer? |
+//! | `session` | what is asked, and what was answered? |
 //! | `process` | does the process behave? |
 //! | `python` | how is a Python function asked? |
 //!
@@ -13,15 +14,16 @@ mod convention;
 mod process;
 mod protocol;
 mod python;
+mod session;
 
 pub use convention::Convention;
-pub use process::{Misbehaviour, Patience, Session};
-pub use protocol::PROTOCOL;
+pub use process::{Misbehaviour, Patience, Process};
+pub use protocol::{OFFERS, PROTOCOL};
 pub use python::command as python_command;
+pub use session::{Door, Session};
 
 use pintle_audit::{Candidate, Question, Report, Settings};
 use pintle_kinematics::connector::Definition;
-use std::cell::{Cell, RefCell};
 
 /// A report, and what it rests on.
 #[derive(Debug)]
@@ -34,39 +36,41 @@ pub struct Checked {
     pub outside: u64,
     /// What it does not offer: values, rows, components of the connector.
     pub not_offered: Vec<&'static str>,
-    /// How often it was asked, differences of its own values and all.
+    /// How many requests it got, for differences of its own values and all.
     pub asked: u64,
 }
 
-/// Starts `command` in a shell, opens `definition`, and checks what the process answers.
+/// Asks a routine behind a door to be `definition`, and checks what it answers. A convention given here stands for that of its hello;
+/// so many of the states end a history, where its angles go on.
 ///
 /// # Errors
-/// [`Misbehaviour`]: what the process did that the protocol does not allow.
-pub fn check(
-    command: &str,
+/// [`Misbehaviour`]: what the routine did that the protocol does not allow.
+pub fn check<D: Door>(
+    door: D,
     definition: &Definition,
-    settings: Settings,
-    patience: Patience,
+    (settings, histories): (Settings, usize),
+    convention: Option<&Convention>,
 ) -> Result<Checked, Misbehaviour> {
-    let session = Session::start(command, definition, patience)?;
+    let mut session = Session::open(door, definition, convention)?;
     let name = session.name().to_string();
-    let (values, rows, components) = session.offers();
-    let session = RefCell::new(session);
-    let (states, outside) = (Cell::new(0), Cell::new(0));
-    let candidate = Candidate::new(&name, definition).settings(settings).offers(values, rows, components);
-    let report = candidate.try_check(|asked: &Question<'_>| {
-        let given = session.borrow_mut().ask(asked)?;
-        // Values alone are asked for where they are differenced.
-        if asked.is_drawn {
-            states.set(states.get() + 1);
-            outside.set(outside.get() + u64::from(given.is_none()));
+    let (mut states, mut outside) = (0, 0);
+    let is_principal = session.is_principal();
+    let candidate = Candidate::new(&name, definition)
+        .settings(settings)
+        .histories(if is_principal { 0 } else { histories })
+        .principal_angles(is_principal)
+        .offers(session.offers(), session.components());
+    let report = candidate.try_check(|asked: &[Question<'_>]| {
+        let given = session.ask(asked)?;
+        for (_, given) in asked.iter().zip(&given).filter(|(asked, _)| asked.is_drawn) {
+            states += 1;
+            outside += u64::from(given.is_none());
         }
         Ok(given)
     })?;
-    let mut session = session.into_inner();
     let not_offered = session.not_offered();
     session.ask_again()?;
     let asked = session.asked();
     session.close()?;
-    Ok(Checked { report, states: states.get(), outside: outside.get(), not_offered, asked })
+    Ok(Checked { report, states, outside, not_offered, asked })
 }

@@ -1,11 +1,8 @@
 //! A process that answers: started, asked with a time limit, and ended whatever it does.
 
-use crate::protocol::{self, Answer, Hello, Offer, PROTOCOL};
-use pintle_audit::{Given, Question};
-use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::connector::{Connector, Definition, State};
+use crate::protocol::{self, PROTOCOL};
+use crate::session::Door;
 use serde_json::{Map, Value};
-use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -27,8 +24,8 @@ impl Default for Patience {
     }
 }
 
-/// The longest line that is read: an answer has some kilobytes.
-const LONGEST: u64 = 1 << 20;
+/// The longest line that is read: second derivatives at 32 states take a megabyte or two.
+const LONGEST: u64 = 1 << 24;
 
 /// Lines that may wait to be read: one answer, and what must not be there.
 const WAITING: usize = 16;
@@ -62,7 +59,7 @@ pub enum Misbehaviour {
     #[error("the process closed its standard input before it was asked to {0}")]
     ClosedInput(&'static str),
     /// A line without end.
-    #[error("the process wrote a line longer than 1 MB when it was to {0}")]
+    #[error("the process wrote a line longer than 16 MB when it was to {0}")]
     Flood(&'static str),
     /// Bytes that are no text.
     #[error("the process wrote a line that is no UTF-8 when it was to {0}")]
@@ -87,7 +84,7 @@ pub enum Misbehaviour {
     #[error("the hello of the process has no valid convention: {0}")]
     BadConvention(String),
     /// It offers nothing.
-    #[error("the process offers nothing: \"offers\" is to name values, rows or both")]
+    #[error("the process offers nothing: \"offers\" is to name values, rows or more")]
     OffersNothing,
     /// It did not open the connector.
     #[error("the process cannot be this connector: {0}")]
@@ -155,19 +152,13 @@ enum Line {
     Half,
 }
 
-/// A process that was greeted and opened. Dropped, it is ended with all that it started.
+/// A process that was started. Dropped, it is ended with all that it started.
 #[derive(Debug)]
-pub struct Session<'a> {
-    definition: &'a Definition,
-    connector: Connector<f64>,
+pub struct Process {
     child: Child,
     input: Option<ChildStdin>,
     lines: Receiver<LineOrEnd>,
     patience: Patience,
-    hello: Hello,
-    places: Vec<usize>,
-    asked: u64,
-    first: Option<(State<f64>, Option<State<f64>>, Answer)>,
 }
 
 type LineOrEnd = Option<Line>;
@@ -208,16 +199,12 @@ fn in_words(status: Option<ExitStatus>) -> String {
     status.map_or_else(|| "of what, is not known".to_string(), |status| status.to_string())
 }
 
-impl<'a> Session<'a> {
-    /// Starts a command in a shell, greets it, and opens the connector.
+impl Process {
+    /// Starts a command in a shell.
     ///
     /// # Errors
-    /// [`Misbehaviour`].
-    pub fn start(
-        command: &str,
-        definition: &'a Definition,
-        patience: Patience,
-    ) -> Result<Self, Misbehaviour> {
+    /// [`Misbehaviour::NotStarted`].
+    pub fn start(command: &str, patience: Patience) -> Result<Self, Misbehaviour> {
         let mut shell = Command::new("sh");
         shell.arg("-c").arg(command).stdin(Stdio::piped()).stdout(Stdio::piped());
         // In a group of its own, so that all that it starts can be ended with it.
@@ -229,102 +216,7 @@ impl<'a> Session<'a> {
             thread::spawn(move || read(output, &to));
         }
         let input = child.stdin.take();
-        let mut session = Self {
-            definition,
-            connector: Connector::new(definition),
-            child,
-            input,
-            lines,
-            patience,
-            hello: Hello::default(),
-            places: Vec::new(),
-            asked: 0,
-            first: None,
-        };
-        session.greet()?;
-        Ok(session)
-    }
-
-    /// The name that the routine gave itself.
-    pub fn name(&self) -> &str {
-        &self.hello.name
-    }
-
-    /// Whether it offers values, and rows, and which components.
-    pub fn offers(&self) -> (bool, bool, [bool; 6]) {
-        let offers = |what| self.hello.offers.contains(&what);
-        let has = |name: &str| {
-            self.hello.components.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
-        };
-        (offers(Offer::Values), offers(Offer::Rows), COMPONENT.map(has))
-    }
-
-    /// What the connector has and the routine does not offer.
-    pub fn not_offered(&self) -> Vec<&'static str> {
-        let (values, rows, components) = self.offers();
-        let mut names = Vec::new();
-        names.extend((!values).then_some("values"));
-        names.extend((!rows).then_some("rows"));
-        let has = |k: &usize| self.connector.differentiated(*k).is_some() && !components[*k];
-        names.extend((0..6).filter(has).map(|k| COMPONENT[k]));
-        names
-    }
-
-    /// How often it was asked.
-    pub const fn asked(&self) -> u64 {
-        self.asked
-    }
-
-    fn greet(&mut self) -> Result<(), Misbehaviour> {
-        const DUE: &str = "say hello";
-        const OPEN: &str = "open the connector";
-        self.send(&protocol::hello(), DUE)?;
-        let mut answer = self.receive(DUE)?;
-        let hello = answer.remove("hello").ok_or_else(|| {
-            Misbehaviour::BadHello(format!(
-                "it has no \"hello\", but {}",
-                protocol::excerpt(&Value::Object(answer).to_string())
-            ))
-        })?;
-        let spoken = hello.get("protocol").and_then(Value::as_str).unwrap_or("none");
-        if spoken != PROTOCOL {
-            return Err(Misbehaviour::BadHello(format!("its protocol is {spoken:?}")));
-        }
-        self.hello =
-            serde_json::from_value(hello).map_err(|error| Misbehaviour::BadHello(error.to_string()))?;
-        self.places = self.hello.convention.places().map_err(Misbehaviour::BadConvention)?;
-        let unknown = |name: &&String| !COMPONENT.contains(&name.as_str());
-        if let Some(name) = self.hello.components.iter().flatten().find(unknown) {
-            let names = COMPONENT.join(", ");
-            return Err(Misbehaviour::BadHello(format!("its components name {name:?}; there are {names}")));
-        }
-        if self.hello.offers.is_empty() {
-            return Err(Misbehaviour::OffersNothing);
-        }
-        self.send(&protocol::open(self.definition, &self.hello.convention), OPEN)?;
-        let answer = self.receive(OPEN)?;
-        if let Some(why) = answer.get("error") {
-            return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
-        }
-        if answer.get("opened") != Some(&Value::Bool(true)) {
-            let what = protocol::excerpt(&Value::Object(answer).to_string());
-            return Err(Misbehaviour::NoMessage {
-                due: OPEN,
-                what: format!("{what} is not {{\"opened\": true}}"),
-            });
-        }
-        Ok(())
-    }
-
-    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour> {
-        let mut line = message.to_string();
-        line.push('\n');
-        let sent =
-            self.input.as_mut().map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
-        match sent {
-            Some(Ok(())) => Ok(()),
-            _ => Err(self.ended(due).unwrap_or(Misbehaviour::ClosedInput(due))),
-        }
+        Ok(Self { child, input, lines, patience })
     }
 
     /// That the process has ended, if it does so now.
@@ -349,6 +241,19 @@ impl<'a> Session<'a> {
             }
         }
     }
+}
+
+impl Door for Process {
+    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour> {
+        let mut line = message.to_string();
+        line.push('\n');
+        let sent =
+            self.input.as_mut().map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
+        match sent {
+            Some(Ok(())) => Ok(()),
+            _ => Err(self.ended(due).unwrap_or(Misbehaviour::ClosedInput(due))),
+        }
+    }
 
     fn receive(&mut self, due: &'static str) -> Result<Map<String, Value>, Misbehaviour> {
         match self.lines.recv_timeout(self.patience.answer) {
@@ -365,89 +270,17 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Asks for one state.
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    pub fn ask(&mut self, asked: &Question<'_>) -> Result<Option<Given>, Misbehaviour> {
-        let answer = self.answer(asked)?;
-        if self.first.is_none() && asked.is_drawn {
-            self.first = Some((*asked.state, asked.before.copied(), answer.clone()));
-        }
-        match answer {
-            Answer::OutOfDomain(_) => Ok(None),
-            Answer::Error(why) => Err(Misbehaviour::Failed { id: self.asked, why }),
-            Answer::Given(own) => {
-                let of = (self.definition, &self.connector);
-                let (mut values, mut rows) = own.read(&self.hello.convention, &self.places, of, asked.state);
-                let offered = self.offers();
-                for k in 0..6 {
-                    values[k] = values[k].filter(|_| offered.0 && offered.2[k]);
-                    rows[k] = rows[k].filter(|_| offered.1 && offered.2[k]);
-                }
-                Ok(Some((values, rows)))
-            }
-        }
-    }
-
-    fn answer(&mut self, asked: &Question<'_>) -> Result<Answer, Misbehaviour> {
-        const DUE: &str = "answer";
-        // What is there before the question is no answer to it.
+    fn is_silent(&mut self) -> Result<(), Misbehaviour> {
         match self.lines.try_recv() {
             Ok(Some(Line::Text(line))) => {
-                return Err(Misbehaviour::Unasked { what: format!("{:?}", protocol::excerpt(&line)) });
+                Err(Misbehaviour::Unasked { what: format!("{:?}", protocol::excerpt(&line)) })
             }
-            Ok(Some(Line::Flood)) => return Err(Misbehaviour::Flood(DUE)),
-            _ => {}
+            Ok(Some(Line::Flood)) => Err(Misbehaviour::Flood("answer")),
+            _ => Ok(()),
         }
-        self.asked += 1;
-        let id = self.asked;
-        let wants_rows = asked.wants_rows && self.hello.offers.contains(&Offer::Rows);
-        let asked = Question { wants_rows, ..*asked };
-        self.send(&protocol::evaluate(id, &asked, self.definition, &self.hello.convention), DUE)?;
-        let answer = self.receive(DUE)?;
-        match answer.get("id") {
-            Some(got) if got.as_u64() == Some(id) => {}
-            Some(got) if got.as_u64().is_some_and(|got| got < id) => {
-                return Err(Misbehaviour::Again { got: got.as_u64().unwrap_or_default(), asked: id });
-            }
-            got => {
-                let got = got.map_or_else(|| "none".to_string(), ToString::to_string);
-                return Err(Misbehaviour::WrongId { got: protocol::excerpt(&got), asked: id });
-            }
-        }
-        protocol::answer(&answer, &self.hello.convention, wants_rows)
-            .map_err(|what| Misbehaviour::WrongShape { id, what })
     }
 
-    /// Asks for the first state once more: a routine has no memory but what it is given.
-    ///
-    /// # Errors
-    /// [`Misbehaviour::Changed`], and what else may happen.
-    pub fn ask_again(&mut self) -> Result<(), Misbehaviour> {
-        let Some((state, before, first)) = self.first.take() else { return Ok(()) };
-        let again = self.answer(&Question {
-            state: &state,
-            before: before.as_ref(),
-            wants_rows: true,
-            is_drawn: false,
-        })?;
-        // Bit for bit, NaN included.
-        let text = |answer: &Answer| {
-            let mut text = String::new();
-            let _ = write!(text, "{answer:?}");
-            text
-        };
-        if text(&first) == text(&again) { Ok(()) } else { Err(Misbehaviour::Changed) }
-    }
-
-    /// Says goodbye and waits for the end.
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    pub fn close(mut self) -> Result<(), Misbehaviour> {
-        const DUE: &str = "end";
-        self.send(&protocol::close(), DUE)?;
+    fn close(mut self) -> Result<(), Misbehaviour> {
         self.input = None;
         let limit = self.patience.close;
         let Some(status) = self.wait(limit) else { return Err(Misbehaviour::StayedOn(limit)) };
@@ -458,7 +291,7 @@ impl<'a> Session<'a> {
     }
 }
 
-impl Drop for Session<'_> {
+impl Drop for Process {
     /// Ends the process and all that it started.
     fn drop(&mut self) {
         self.input = None;

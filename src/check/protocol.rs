@@ -1,10 +1,10 @@
-//! The messages of `pintle-candidate/1`: one JSON document a line, in both directions.
+//! The messages of `pintle-candidate/1`: one JSON document each, in both directions.
 
 use crate::convention::{Convention, Own, Storage};
-use pintle_audit::Question;
+use pintle_audit::{Quantity, Question};
 use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::connector::{Connector, Definition};
-use pintle_kinematics::node::{DOFS, Node};
+use pintle_kinematics::connector::{Components, Connector, Definition, State};
+use pintle_kinematics::node::{DOFS, Node, Pair};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Vector, add, column, product, transpose};
 use serde::Deserialize;
@@ -13,6 +13,17 @@ use serde_json::{Map, Value, json};
 /// The name and version of the protocol.
 pub const PROTOCOL: &str = "pintle-candidate/1";
 
+/// What a routine may offer, as the protocol names it.
+pub const OFFERS: [(&str, Quantity); 7] = [
+    ("values", Quantity::Value),
+    ("rows", Quantity::FirstDerivatives),
+    ("second_derivatives", Quantity::SecondDerivatives),
+    ("rates", Quantity::Rate),
+    ("accelerations", Quantity::Acceleration),
+    ("nodal_forces", Quantity::NodalForces),
+    ("geometric_stiffness", Quantity::GeometricStiffness),
+];
+
 /// What a routine says first.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,21 +31,36 @@ pub(crate) struct Hello {
     #[serde(rename = "protocol")]
     _protocol: Value,
     pub(crate) name: String,
-    pub(crate) offers: Vec<Offer>,
+    offers: Vec<String>,
     /// The components that it has; without them, all.
     pub(crate) components: Option<Vec<String>>,
     #[serde(default)]
     pub(crate) convention: Convention,
+    /// Whether it keeps something from one state of a history to the next.
+    #[serde(default)]
+    pub(crate) memory: bool,
 }
 
-/// What a routine offers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Offer {
-    /// Residuals of constrained components, displacements of others.
-    Values,
-    /// Their derivatives by the degrees of freedom of the nodes.
-    Rows,
+impl Hello {
+    /// The quantities offered.
+    ///
+    /// # Errors
+    /// In words, what is none.
+    pub(crate) fn offers(&self) -> Result<Vec<Quantity>, String> {
+        let of = |name: &String| {
+            let known = OFFERS.iter().find(|(known, _)| known == name).map(|(_, quantity)| *quantity);
+            known.ok_or_else(|| {
+                let names = OFFERS.map(|(name, _)| name).join(", ");
+                format!("its offers name {name:?}; there are {names}")
+            })
+        };
+        self.offers.iter().map(of).collect()
+    }
+}
+
+/// The name of a quantity in messages.
+pub(crate) fn name(quantity: Quantity) -> &'static str {
+    OFFERS.iter().find(|(_, known)| *known == quantity).map_or("", |(name, _)| name)
 }
 
 /// What a routine answered for one state.
@@ -78,13 +104,8 @@ fn directions(node: &Node<f64>) -> [Vector<f64>; 3] {
     [0, 1, 2].map(|i| column(&node.triad, i))
 }
 
-/// A request for values or rows at one state, which may follow another.
-pub(crate) fn evaluate(
-    id: u64,
-    asked: &Question<'_>,
-    definition: &Definition,
-    convention: &Convention,
-) -> Value {
+/// A place, rotation and flow of each node.
+fn places(pair: &Pair<f64>, definition: &Definition, convention: &Convention) -> Map<String, Value> {
     let initial = &definition.initial;
     let node = |now: &Node<f64>, first: &Node<f64>, x: Vector<f64>| {
         let rotation = product(&now.triad, &transpose(&first.triad));
@@ -98,18 +119,50 @@ pub(crate) fn evaluate(
             "flow": now.flow / convention.length,
         })
     };
-    let state = |state: &pintle_kinematics::connector::State<f64>| {
-        json!({
-            "a": node(&state.pair.a, &initial.a, [0.0; 3]),
-            "b": node(&state.pair.b, &initial.b, initial.reference),
-        })
-    };
-    let mut one = state(asked.state);
-    if let (Some(before), Some(one)) = (asked.before, one.as_object_mut()) {
-        one.insert("previous".to_string(), state(before));
+    [("a", node(&pair.a, &initial.a, [0.0; 3])), ("b", node(&pair.b, &initial.b, initial.reference))]
+        .into_iter()
+        .map(|(name, node)| (name.to_string(), node))
+        .collect()
+}
+
+/// One state of a request: what it is, what was before, what the routine kept.
+pub(crate) fn state(
+    asked: &Question<'_>,
+    (definition, connector): (&Definition, &Connector<f64>),
+    convention: &Convention,
+    memory: Option<&Value>,
+) -> Value {
+    let now: &State<f64> = asked.state();
+    let mut one = places(&now.pair, definition, convention);
+    let has_rates = asked.wants.iter().any(|of| matches!(of, Quantity::Rate | Quantity::Acceleration));
+    for (end, name) in ["a", "b"].into_iter().enumerate() {
+        let Some(node) = one.get_mut(name).and_then(Value::as_object_mut) else { continue };
+        node.insert("increment".into(), json!(asked.step.increment.rotation[end]));
+        if has_rates {
+            for (kind, of) in [("velocity", &now.velocity), ("acceleration", &now.acceleration)] {
+                let of = &of[7 * end..7 * end + 7];
+                let lengths = |x: &[f64]| x.iter().map(|x| x / convention.length).collect::<Vec<f64>>();
+                node.insert(kind.into(), json!(lengths(&of[..3])));
+                node.insert(format!("angular_{kind}"), json!(of[3..6]));
+                node.insert(format!("flow_{kind}"), json!(of[6] / convention.length));
+            }
+        }
     }
-    let want: &[&str] = if asked.wants_rows { &["values", "rows"] } else { &["values"] };
-    json!({ "evaluate": { "id": id, "want": want, "states": [one] } })
+    let before = asked.before().map_or(definition.initial, |before| before.pair);
+    let mut previous = places(&before, definition, convention);
+    let value = |k: usize| asked.values_before[k].map(|x| x / convention.unit(k, connector));
+    previous.insert("values".into(), json!([0, 1, 2, 3, 4, 5].map(value)));
+    if let Some(memory) = memory {
+        previous.insert("memory".into(), memory.clone());
+    }
+    one.insert("previous".into(), Value::Object(previous));
+    Value::Object(one)
+}
+
+/// A request at several states.
+pub(crate) fn evaluate(id: u64, wants: &[Quantity], states: Vec<Value>) -> Value {
+    let wants: Vec<&str> = wants.iter().map(|of| name(*of)).collect();
+    json!({ "evaluate": { "id": id, "want": wants, "states": states } })
 }
 
 /// The last message.
@@ -139,19 +192,25 @@ pub(crate) fn excerpt(text: &str) -> String {
     shown
 }
 
-/// The answers to one state of an object `{"id": …, "answers": […]}`.
+/// The answers to so many states of an object `{"id": …, "answers": […]}`.
 ///
 /// # Errors
 /// In words, what has the wrong shape.
-pub(crate) fn answer(
+pub(crate) fn answers(
     object: &Map<String, Value>,
     convention: &Convention,
-    wants_rows: bool,
-) -> Result<Answer, String> {
+    wants: &[Quantity],
+    count: usize,
+) -> Result<Vec<Answer>, String> {
     let answers = object.get("answers").and_then(Value::as_array).ok_or("\"answers\" is no list")?;
-    let [one] = answers.as_slice() else {
-        return Err(format!("\"answers\" has {} items, and one state was asked", answers.len()));
-    };
+    if answers.len() != count {
+        let states = if count == 1 { "one state was" } else { &format!("{count} states were") };
+        return Err(format!("\"answers\" has {} items, and {states} asked", answers.len()));
+    }
+    answers.iter().map(|one| answer(one, convention, wants)).collect()
+}
+
+fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<Answer, String> {
     let one = one.as_object().ok_or("an item of \"answers\" is no object")?;
     let text = |key: &str| one.get(key).map(|why| why.as_str().map_or_else(|| why.to_string(), String::from));
     if let Some(why) = text("error") {
@@ -160,47 +219,80 @@ pub(crate) fn answer(
     if let Some(why) = text("out_of_domain") {
         return Ok(Answer::OutOfDomain(excerpt(&why)));
     }
-    let mut own = Own { values: [None; 6], rows: [const { None }; 6] };
-    let values = list(one.get("values"), 6, "\"values\"")?;
-    for (k, value) in values.into_iter().flatten().enumerate() {
-        own.values[k] = number(value, &format!("\"values\"[{k}]"))?;
-    }
-    if !wants_rows {
-        return Ok(Answer::Given(Box::new(own)));
-    }
     let width = convention.columns.len();
-    match convention.storage {
-        Storage::Rows => {
-            for (k, row) in list(one.get("rows"), 6, "\"rows\"")?.into_iter().flatten().enumerate() {
-                let place = format!("\"rows\"[{k}]");
-                let Some(row) = list(Some(row), width, &place)? else { continue };
-                let entry = |(j, x)| Ok(number(x, &format!("{place}[{j}]"))?.unwrap_or(0.0));
-                own.rows[k] = Some(row.iter().enumerate().map(entry).collect::<Result<_, String>>()?);
+    debug_assert!(width <= DOFS);
+    let mut own = Own { given: Vec::new(), memory: one.get("memory").cloned() };
+    for quantity in wants {
+        let name = name(*quantity);
+        let Some(given) = one.get(name).filter(|given| !given.is_null()) else { continue };
+        let mut of: Components<Vec<f64>> = [const { None }; 6];
+        let by_columns = convention.storage == Storage::Columns;
+        match quantity.entries() {
+            1 => {
+                for (k, value) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
+                    of[k] = number(value, &format!("{name:?}[{k}]"))?.map(|x| vec![x]);
+                }
             }
-        }
-        Storage::Columns => {
-            let columns = list(one.get("rows"), width, "\"rows\", which are stored by columns,")?;
-            for (j, column) in columns.into_iter().flatten().enumerate() {
-                let place = format!("\"rows\"[{j}]");
-                for (k, x) in list(Some(column), 6, &place)?.into_iter().flatten().enumerate() {
-                    if let Some(x) = number(x, &format!("{place}[{k}]"))? {
-                        own.rows[k].get_or_insert_with(|| vec![0.0; width])[j] = x;
+            DOFS => {
+                let (outer, inner) = if by_columns { (width, 6) } else { (6, width) };
+                for (i, j, x) in table(given, outer, inner, name)? {
+                    let (k, column) = if by_columns { (j, i) } else { (i, j) };
+                    if let Some(x) = x {
+                        of[k].get_or_insert_with(|| vec![0.0; width])[column] = x;
                     }
                 }
             }
+            _ => {
+                for (k, matrix) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
+                    if matrix.is_null() {
+                        continue;
+                    }
+                    let entries = table(matrix, width, width, &format!("{name}[{k}]"))?;
+                    of[k] = Some(entries.into_iter().map(|(_, _, x)| x.unwrap_or(0.0)).collect());
+                }
+            }
         }
+        own.given.push((*quantity, of));
     }
-    debug_assert!(width <= DOFS);
     Ok(Answer::Given(Box::new(own)))
 }
 
-/// A list of that many items; none where it is missing or null.
-fn list<'a>(value: Option<&'a Value>, count: usize, name: &str) -> Result<Option<&'a Vec<Value>>, String> {
+/// The numbers of a list of lists, or of one flat list, with their places; those of a line that is null are none.
+fn table(
+    value: &Value,
+    outer: usize,
+    inner: usize,
+    name: &str,
+) -> Result<Vec<(usize, usize, Option<f64>)>, String> {
+    let mut found = Vec::with_capacity(outer * inner);
+    let is_flat = value.as_array().is_some_and(|items| {
+        items.len() == outer * inner && !items.iter().any(Value::is_array) && !items.is_empty()
+    });
+    if is_flat {
+        for (n, x) in list(value, outer * inner, &format!("{name:?}"))?.iter().enumerate() {
+            found.push((n / inner, n % inner, number(x, &format!("{name:?}[{n}]"))?));
+        }
+        return Ok(found);
+    }
+    for (i, line) in list(value, outer, &format!("{name:?}"))?.iter().enumerate() {
+        if line.is_null() {
+            found.extend((0..inner).map(|j| (i, j, None)));
+            continue;
+        }
+        let place = format!("{name:?}[{i}]");
+        for (j, x) in list(line, inner, &place)?.iter().enumerate() {
+            found.push((i, j, number(x, &format!("{place}[{j}]"))?));
+        }
+    }
+    Ok(found)
+}
+
+/// A list of that many items.
+fn list<'a>(value: &'a Value, count: usize, name: &str) -> Result<&'a Vec<Value>, String> {
     match value {
-        None | Some(Value::Null) => Ok(None),
-        Some(Value::Array(items)) if items.len() == count => Ok(Some(items)),
-        Some(Value::Array(items)) => Err(format!("{name} has {} items, not {count}", items.len())),
-        Some(other) => Err(format!("{name} is {}, not a list of {count}", excerpt(&other.to_string()))),
+        Value::Array(items) if items.len() == count => Ok(items),
+        Value::Array(items) => Err(format!("{name} has {} items, not {count}", items.len())),
+        other => Err(format!("{name} is {}, not a list of {count}", excerpt(&other.to_string()))),
     }
 }
 

@@ -44,19 +44,9 @@ fn mistaken(connector: &Connector<f64>, case: &Case, quantity: Quantity, code: C
         return None;
     }
     let changed = wrong.applied(entries);
-    let mut values: [Option<f64>; 6] = std::array::from_fn(|k| numbers.entries(GIVEN[0]).get(k, 0));
-    let row = |k: usize| {
-        let row = numbers.entries(GIVEN[1]).0[k].clone()?;
-        <[f64; DOFS]>::try_from(row).ok()
-    };
-    let mut rows = std::array::from_fn(row);
-    for k in 0..6 {
-        match quantity {
-            Quantity::Value => values[k] = changed.get(k, 0),
-            _ => rows[k] = changed.0[k].clone().and_then(|row| row.try_into().ok()),
-        }
-    }
-    Some((values, rows))
+    let mut numbers = numbers;
+    numbers.set(quantity, changed);
+    Some(numbers.into())
 }
 
 /// The mistakes that can be made in a quantity of a connector.
@@ -89,16 +79,8 @@ fn every_mistake_in_a_users_routine_is_diagnosed_as_itself() {
                 let planted = std::cell::Cell::new(false);
                 let report = Candidate::new("mine", &definition).settings(settings.clone()).check(|state| {
                     let case = case(state);
-                    mistaken(&connector, &case, quantity, code).inspect(|_| planted.set(true)).unwrap_or_else(
-                        || {
-                            let numbers = judged(&case).0;
-                            let row = |k: usize| numbers.entries(GIVEN[1]).0[k].clone()?.try_into().ok();
-                            (
-                                std::array::from_fn(|k| numbers.entries(GIVEN[0]).get(k, 0)),
-                                std::array::from_fn(row),
-                            )
-                        },
-                    )
+                    let made = mistaken(&connector, &case, quantity, code).inspect(|_| planted.set(true));
+                    made.unwrap_or_else(|| judged(&case).0.into())
                 });
                 if !planted.get() {
                     continue;

@@ -220,7 +220,7 @@ impl<T: Copy> Entries<T> {
 }
 
 /// Everything that an audit judges of one evaluation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Numbers<T>([Entries<T>; COUNT]);
 
 impl<T> Default for Numbers<T> {
@@ -254,6 +254,11 @@ impl<T: Copy> Numbers<T> {
     /// The entries of one quantity.
     pub const fn entries(&self, quantity: Quantity) -> &Entries<T> {
         &self.0[quantity as usize]
+    }
+
+    /// The same, to be changed.
+    pub const fn entries_mut(&mut self, quantity: Quantity) -> &mut Entries<T> {
+        &mut self.0[quantity as usize]
     }
 
     /// Replaces the entries of one quantity.

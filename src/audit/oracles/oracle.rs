@@ -14,6 +14,7 @@ use pintle_kinematics::scalar::{Differentiable, Wide};
 use pintle_kinematics::vector::sub;
 use pintle_symbolic::{Model, nodal_inputs};
 use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
 
 /// What an oracle shares with the product: an error in a shared part is invisible to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
@@ -327,7 +328,10 @@ impl Narrow {
         };
         let size = |j: usize| dof_size(j, self.length) * near;
         let components = std::array::from_fn(has_function);
-        central_differences(|by| self.values(by), components, &size, self.connector.active(), bound)
+        let values = |all: &[[f64; DOFS]]| Ok(all.iter().map(|by| self.values(by)).collect());
+        let Ok(answer) =
+            central_differences::<Infallible>(values, components, &size, self.connector.active(), bound);
+        answer
     }
 
     /// Σ_jk v_j w_k ∂²f/∂q_j∂q_k of every component, by hyper-dual numbers in the nodal degrees of freedom.
@@ -406,28 +410,37 @@ pub(super) fn derivatives<R: Differentiable<Mask = bool>>(
 }
 
 /// Central differences of a function of the nodal degrees of freedom on doubles: the best of a ladder of steps h·`size`(j), the
-/// error estimated from its neighbours and from the rounding of the values.
-pub fn central_differences(
-    values: impl Fn(&[f64; DOFS]) -> Components<f64>,
+/// error estimated from its neighbours and from the rounding of the values. The function is asked for all places at once.
+///
+/// # Errors
+/// Those of the function.
+pub fn central_differences<E>(
+    values: impl FnOnce(&[[f64; DOFS]]) -> Result<Vec<Components<f64>>, E>,
     components: [bool; 6],
     size: &dyn Fn(usize) -> f64,
     active: &[bool; DOFS],
     bound: &Bound,
-) -> Answer {
+) -> Result<Answer, E> {
     const LADDER: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+    let mut places = Vec::new();
+    for j in (0..DOFS).filter(|j| active[*j]) {
+        for h in LADDER {
+            for sign in [1.0, -1.0] {
+                let mut by = [0.0; DOFS];
+                by[j] = sign * h * size(j);
+                places.push(by);
+            }
+        }
+    }
+    let mut values = values(&places)?.into_iter();
     let mut numbers: Components<Vec<Wanted>> =
         components.map(|is| is.then(|| vec![Wanted::exactly(0.0); DOFS]));
     let mut errors: Components<Vec<f64>> = components.map(|is| is.then(|| vec![0.0; DOFS]));
     for j in (0..DOFS).filter(|j| active[*j]) {
         let estimates = LADDER.map(|h| {
-            let h = h * size(j);
-            let along = |sign: f64| {
-                let mut by = [0.0; DOFS];
-                by[j] = sign * h;
-                values(&by)
-            };
-            let (plus, minus) = (along(1.0), along(-1.0));
-            std::array::from_fn::<_, 6, _>(|k| Some((plus[k]? - minus[k]?) / (2.0 * h)))
+            let mut next = || values.next().unwrap_or([None; 6]);
+            let (plus, minus) = (next(), next());
+            std::array::from_fn::<_, 6, _>(|k| Some((plus[k]? - minus[k]?) / (2.0 * h * size(j))))
         });
         for k in 0..6 {
             let (Some(numbers), Some(errors)) = (&mut numbers[k], &mut errors[k]) else { continue };
@@ -447,7 +460,7 @@ pub fn central_differences(
             errors[j] = best.1;
         }
     }
-    Answer { oracle: Oracle::Differences, numbers: Entries(numbers), error: Entries(errors) }
+    Ok(Answer { oracle: Oracle::Differences, numbers: Entries(numbers), error: Entries(errors) })
 }
 
 /// The order at which the remainder f(q + hv) − f(q) − h ∂f·v vanishes, for a row that is to be judged.

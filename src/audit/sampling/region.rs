@@ -442,6 +442,44 @@ pub fn about_initial(
     None
 }
 
+/// The end of a history of a connector, in increments of at most 0.6 rad: b turned against a by 3.3 to 20 rad about an axis about which it
+/// may turn without end, a turned and both moved besides. A type that holds all rotations turns as a whole. `None` where an end does not
+/// turn, or where a singular set is in the way.
+pub fn along_initial(definition: &Definition, length: f64, name: &str, draw: &mut Draw) -> Option<Case> {
+    const CLEAR: f64 = 0.01;
+    let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
+    let connection = &definition.connection;
+    if turns != [true, true] || turns_shafts_over(connection) {
+        return None;
+    }
+    let whole = turning(connection) == Turning::Align;
+    (0..ATTEMPTS).find_map(|_| {
+        let axis = spin_axis(connection, &definition.initial.a.triad, draw);
+        let axis = if definition.planar { [0.0, 0.0, 1.0] } else { axis };
+        let size = draw.between(3.3, 20.0);
+        let turned = scale(axis, if draw.unit() < 0.5 { -size } else { size });
+        let mut motion = Motion::random(draw, length, turned);
+        motion.common = scale(motion.common, 0.5);
+        if whole {
+            (motion.common, motion.spin) = (turned, scale(draw.direction(), draw.between(0.0, 0.3)));
+        }
+        if definition.planar {
+            for end in &mut motion.displacement {
+                end[2] = 0.0;
+            }
+            (motion.common, motion.spin) = ([0.0, 0.0, motion.common[2]], [0.0, 0.0, motion.spin[2]]);
+        }
+        motion.steps = (size / 0.35).ceil() as usize;
+        let mut path = motion.path(&definition.initial);
+        let end = path.last_mut()?;
+        end.state.velocity = rates(definition, length, draw);
+        end.state.acceleration = rates(definition, length, draw);
+        let name = format!("{name}, through {size:.1} rad");
+        let case = Case { name, definition: definition.clone(), start: None, path, length };
+        case.is_clear(0.0, CLEAR).then_some(case)
+    })
+}
+
 /// Random rates of the degrees of freedom that there are.
 pub(crate) fn rates(definition: &Definition, length: f64, draw: &mut Draw) -> [f64; DOFS] {
     let mut rates = draw.rates(length);

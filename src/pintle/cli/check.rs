@@ -6,11 +6,12 @@ use super::tell::complain;
 use super::{Failure, connection};
 use clap::Args;
 use pintle_audit::sampling::{aligned, definition, pair};
-use pintle_check::{Misbehaviour, Patience};
+use pintle_check::{Convention, Misbehaviour, Patience, Process};
 use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 const HELP: &str = "\
@@ -30,6 +31,12 @@ rows: two lists of six, None where the connector has no such component.
       d = state[\"b\"][\"x\"] - state[\"a\"][\"x\"]
       ...
       return values, rows
+
+Angles go on through half a turn: state[\"previous\"] has the values before. A
+module with MEMORY = True gives \"memory\" beside its numbers, and gets it back
+there. CONVENTION = {\"turns\": \"principal\"} says that angles do not go on.
+OFFERS names what else it gives: rates, accelerations, second_derivatives,
+nodal_forces, geometric_stiffness. The third argument is what is wanted now.
 
 A routine in another language prints hello, opened and answers as JSON lines.
 A state that it does not cover is answered by {\"out_of_domain\": \"why\"}.
@@ -62,6 +69,12 @@ pub(crate) struct Check {
     /// How many of all are judged by differences on 237 bits
     #[arg(long, value_name = "COUNT", default_value_t = 30)]
     wide_states: usize,
+    /// How many of the states about the initial one end a history, through half a turn and whole ones
+    #[arg(long, value_name = "COUNT", default_value_t = 40)]
+    histories: usize,
+    /// A TOML file with what differs from pintle's conventions, in place of what the routine says
+    #[arg(long, value_name = "FILE")]
+    convention: Option<PathBuf>,
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value = "pintle")]
     seed: String,
@@ -107,6 +120,13 @@ fn definition_of(name: &str) -> Result<Definition, Failure> {
     Ok(definition(&connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2))
 }
 
+/// The conventions that a file declares.
+fn convention(file: &Path) -> Result<Convention, Failure> {
+    let named = |why: String| Failure::Input(format!("{}: {why}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|error| named(error.to_string()))?;
+    Convention::from_toml(&text).map_err(named)
+}
+
 /// Checks a routine and writes the report.
 pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     let definition = definition_of(&arguments.of)?;
@@ -123,7 +143,10 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         atlas: false,
         ..pintle_audit::Settings::default()
     };
-    let checked = pintle_check::check(&command, &definition, settings, patience);
+    let convention = arguments.convention.as_deref().map(convention).transpose()?;
+    let checked = Process::start(&command, patience).and_then(|process| {
+        pintle_check::check(process, &definition, (settings, arguments.histories), convention.as_ref())
+    });
     let mut checked =
         checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
     // A counter-example would ask pintle again, not the routine.

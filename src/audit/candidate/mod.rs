@@ -25,8 +25,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::case::quantity::{Entries, Numbers, Quantity};
-use crate::case::{Case, moved};
+mod given;
+
+pub use given::{Given, Question};
+
+use crate::case::quantity::{Entries, Quantity};
+use crate::case::{Case, Step, moved};
 use crate::engine::checks_of;
 use crate::judge::components::{Surroundings, judge};
 use crate::judge::examined::{Examined, Trusted};
@@ -37,40 +41,22 @@ use crate::oracles::certificate::certificate;
 use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use crate::oracles::referee::Referee;
 use crate::oracles::truth::Truth;
-use crate::sampling::about_initial;
 use crate::sampling::coverage::{Coverage, Lack};
+use crate::sampling::{about_initial, along_initial};
 use crate::settings::Settings;
 use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
-use pintle_kinematics::connector::{Components, Connector, Definition, NodalRow, State};
+use pintle_kinematics::connector::{Components, Connector, Definition, Evaluation, Output, Request, State};
 use pintle_kinematics::draw::Draw;
+use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::node::dof_size;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_scene::{Diagnostic, Span};
-use std::cell::Cell;
+use std::cell::LazyCell;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
-
-/// What a candidate gives at a state: the residual of each constrained component and the displacement of any other, and their
-/// rows of derivatives by the nodal degrees of freedom; `None` where the connector has no such component.
-///
-/// A one-form, as of FLOW-CONVERTER and RETRACTOR, has a row that is the derivative of no function of the state: what it sums up follows
-/// from the path, and its value may be `None`.
-pub type Given = (Components<f64>, Components<NodalRow<f64>>);
-
-/// What a routine is asked.
-#[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
-    /// The state.
-    pub state: &'a State<f64>,
-    /// The state before it; `None` where that is the initial one.
-    pub before: Option<&'a State<f64>>,
-    /// Whether rows are wanted, or values alone.
-    pub wants_rows: bool,
-    /// Whether it was drawn, and is not one beside such a state, for differences.
-    pub is_drawn: bool,
-}
+use std::f64::consts::TAU;
 
 /// A routine to be checked against one connector.
 #[derive(Clone, Debug)]
@@ -79,9 +65,20 @@ pub struct Candidate<'a> {
     definition: &'a Definition,
     settings: Settings,
     reference_length: f64,
-    offers_values: bool,
-    offers_rows: bool,
-    offers_components: [bool; 6],
+    histories: usize,
+    is_principal: bool,
+    offers: Vec<Quantity>,
+    components: [bool; 6],
+}
+
+/// How many states are asked for at once.
+const AT_ONCE: usize = 32;
+
+/// A state that is asked for.
+struct Asked {
+    number: usize,
+    case: Case,
+    values_before: Components<f64>,
 }
 
 impl<'a> Candidate<'a> {
@@ -94,9 +91,10 @@ impl<'a> Candidate<'a> {
             definition,
             settings,
             reference_length: 0.0,
-            offers_values: true,
-            offers_rows: true,
-            offers_components: [true; 6],
+            histories: 0,
+            is_principal: false,
+            offers: vec![Quantity::Value, Quantity::FirstDerivatives],
+            components: [true; 6],
         }
     }
 
@@ -107,11 +105,26 @@ impl<'a> Candidate<'a> {
         self
     }
 
-    /// Whether the routine gives values, and rows, and of which components: what it does not offer is not judged.
+    /// What the routine gives, of which components; values and rows of all without this. What it does not offer is not judged.
     #[must_use]
-    pub const fn offers(mut self, values: bool, rows: bool, components: [bool; 6]) -> Self {
-        (self.offers_values, self.offers_rows) = (values, rows);
-        self.offers_components = components;
+    pub fn offers(mut self, quantities: &[Quantity], components: [bool; 6]) -> Self {
+        self.offers = Quantity::ALL.into_iter().filter(|quantity| quantities.contains(quantity)).collect();
+        self.components = components;
+        self
+    }
+
+    /// So many of the states end a history of small increments, through half a turn and whole ones: for routines that go on from the
+    /// values before. Without it each state follows the initial one.
+    #[must_use]
+    pub const fn histories(mut self, count: usize) -> Self {
+        self.histories = count;
+        self
+    }
+
+    /// Angles are principal, from −π to π: whole turns between them and the continued ones are no error.
+    #[must_use]
+    pub const fn principal_angles(mut self, is_principal: bool) -> Self {
+        self.is_principal = is_principal;
         self
     }
 
@@ -145,9 +158,18 @@ impl<'a> Candidate<'a> {
         let length = norm(self.definition.initial.reference).max(self.reference_length);
         let length = if length > 0.0 { length } else { 1.0 };
         let regular = self.settings.states;
+        let of_history = spread(regular, self.histories.min(regular));
         (0..regular + self.near_singular_states()).filter_map(move |i| {
             let name = format!("{} state {i}", self.name);
-            let case = if i < regular {
+            // The first is the initial state.
+            let along = if i > 0 && of_history.contains(&i) {
+                along_initial(self.definition, length, &name, &mut draw)
+            } else {
+                None
+            };
+            let case = if along.is_some() {
+                along
+            } else if i < regular {
                 about_initial(self.definition, i, length, name, &mut draw)
             } else {
                 near_initial(self.definition, length, &name, &mut near)
@@ -198,45 +220,58 @@ impl<'a> Candidate<'a> {
     /// assert_eq!(report.mismatches(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn check(&self, routine: impl Fn(&State<f64>) -> Given) -> Report {
-        let Ok(report) = self.try_check(|asked| Ok::<_, Infallible>(Some(routine(asked.state))));
+    pub fn check<G: Into<Given>>(&self, routine: impl Fn(&State<f64>) -> G) -> Report {
+        let answers = |asked: &[Question<'_>]| {
+            let answers = asked.iter().map(|asked| Some(routine(asked.state()).into()));
+            Ok::<_, Infallible>(answers.collect())
+        };
+        let Ok(report) = self.try_check(answers);
         report
     }
 
-    /// The same of a routine that may fail, and gives nothing at a state that it does not cover.
+    /// The same of a routine that is asked for several states at once, that may fail, and that gives nothing at a state which it does not
+    /// cover. It gives one answer for each question, in their order; questions without an answer count as not covered.
     ///
     /// # Errors
     /// The first of the routine.
     pub fn try_check<E>(
         &self,
-        routine: impl Fn(&Question<'_>) -> Result<Option<Given>, E>,
+        mut routine: impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
     ) -> Result<Report, E> {
         let mut found: Vec<Check> = Vec::new();
         let mut coverage = Coverage::default();
-        let mut cases = 0;
         let near = self.near_singular_states();
         let near_wide = if near > 0 { self.settings.wide_states / 4 } else { 0 };
         let mut wide = spread(self.settings.states, self.settings.wide_states - near_wide);
         wide.extend(spread(near, near_wide).into_iter().map(|i| self.settings.states + i));
-        for (i, case) in self.cases() {
-            cases += 1;
-            if let Some(step) = case.last() {
-                coverage.add(self.definition, &step.state, case.length);
+        let all: Vec<Asked> = self.cases().map(|(number, case)| Asked::new(number, case)).collect();
+        let cases = all.len();
+        for asked in all.chunks(AT_ONCE) {
+            let questions: Vec<Question<'_>> =
+                asked.iter().filter_map(|asked| asked.question(&self.offers)).collect();
+            let mut answers = routine(&questions)?.into_iter();
+            for asked in asked {
+                if let Some(step) = asked.case.last() {
+                    coverage.add(self.definition, &step.state, asked.case.length);
+                }
+                let Some(given) = answers.next().flatten() else { continue };
+                let given = self.read(given, &self.offers, asked);
+                let is_wide = wide.contains(&asked.number);
+                checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide)?);
             }
-            checks_of(&mut found, self.judge(&case, &routine, wide.contains(&i))?);
         }
         let connection = &self.definition.connection;
         let connector = Connector::<f64>::new(self.definition);
         let is_one_form = |k: &usize| connector.differentiated(*k).map(|measure| measure.is_one_form());
         // What a one-form sums up is no function of the state: its formula is that of its row.
-        let is_judged_by_row = !self.offers_values || (0..6).any(|k| is_one_form(&k) == Some(true));
-        let has_values = self.offers_values && (0..6).any(|k| is_one_form(&k) == Some(false));
-        let mut expected = Vec::new();
-        expected.extend(has_values.then_some(Quantity::Value));
-        expected.extend(self.offers_rows.then_some(Quantity::FirstDerivatives));
+        let offers = |quantity| self.offers.contains(&quantity);
+        let is_judged_by_row = !offers(Quantity::Value) || (0..6).any(|k| is_one_form(&k) == Some(true));
+        let has_values = (0..6).any(|k| is_one_form(&k) == Some(false));
+        let is_expected = |quantity: &Quantity| *quantity != Quantity::Value || has_values;
+        let expected: Vec<Quantity> = self.offers.iter().copied().filter(is_expected).collect();
         let expected = Expected::numbers(&expected);
         let mut subject =
-            Subject::new(self.name.to_string(), certificate(connection), cases, found, &expected);
+            Subject::new(self.name.to_string(), certificate(connection), cases as u64, found, &expected);
         // A candidate's formula is judged state by state, by a witness that shares no elementary function with it or with us.
         let is_witness = |against| matches!(against, Against::Oracle(oracle) if oracle.is_independent());
         let is_formula = |check: &&Check| match check.quantity {
@@ -281,32 +316,42 @@ impl<'a> Candidate<'a> {
         })
     }
 
+    /// What was asked of what was given, principal angles on the sheet of the right ones.
+    fn read(&self, given: Given, wants: &[Quantity], asked: &Asked) -> Given {
+        let mut given = given.only(wants, [true; 6]);
+        if self.is_principal {
+            given.continue_angles(&asked.case);
+        }
+        given
+    }
+
     fn judge<E>(
         &self,
-        case: &Case,
-        routine: &impl Fn(&Question<'_>) -> Result<Option<Given>, E>,
+        asked: &Asked,
+        given: &Given,
+        routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
         wide: bool,
     ) -> Result<Vec<Check>, E> {
         let mut checks = Vec::new();
+        let Asked { case, number, values_before } = asked;
+        let Given(numbers) = given;
         let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return Ok(checks) };
-        let before = case.path.iter().rev().nth(1).map(|step| &step.state);
-        let asked = Question { state: &step.state, before, wants_rows: self.offers_rows, is_drawn: true };
-        let Some((values, rows)) = routine(&asked)? else { return Ok(checks) };
-        let mut given = Numbers::<f64>::default();
-        given.set(Quantity::Value, Entries(values.map(|x| x.map(|x| vec![x]))));
-        given.set(Quantity::FirstDerivatives, Entries(rows.map(|row| row.map(|row| row.to_vec()))));
         let Some(product) = crate::oracles::force::product_with_forces(case) else { return Ok(checks) };
         let asks = |oracle: Oracle| self.settings.oracles.contains(&oracle);
+        let offers = |quantity: Quantity| self.offers.contains(&quantity);
         let Some(truth) = Truth::of(case) else { return Ok(checks) };
         let nearness = truth.nearness();
         // On a singular set only the wide differences tell its two sides.
-        let answers = (wide || nearness == 0.0).then(|| WideAnswers::of_kinematics(&truth));
+        let answers = (wide || nearness == 0.0).then(|| {
+            let has_forces = offers(Quantity::NodalForces) || offers(Quantity::GeometricStiffness);
+            if has_forces { WideAnswers::of(&truth) } else { WideAnswers::of_kinematics(&truth) }
+        });
         let of_components = truth.nearness_of_components();
         let trusted = match &answers {
             Some(answers) => Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0))),
             None => Trusted::Others(product),
         };
-        let examined = Examined::new(case, &given, trusted, &narrow, &of_components);
+        let examined = Examined::new(case, numbers, trusted, &narrow, &of_components);
         let Some(examined) = examined else { return Ok(checks) };
         let (examined, sides) = examined.on_sets(Some(&truth));
         let (bound, units) = (&examined.bound, &examined.units);
@@ -320,70 +365,145 @@ impl<'a> Candidate<'a> {
         let mut compare = |quantity: Quantity, answer: &Answer| {
             // Mutants of the routine's numbers, at the states on 237 bits.
             let mut check = examined.check(quantity, answer, &around, (Some(&referee), wide));
-            let may_lack =
-                |k: usize| !self.offers_components[k] || quantity == Quantity::Value && is_one_form[k];
+            let may_lack = |k: usize| !self.components[k] || quantity == Quantity::Value && is_one_form[k];
             examined.add_missing(&mut check, quantity, answer, may_lack);
-            if let Some((k, i, x)) = given.entries(quantity).iter().find(|(k, ..)| units[*k].is_none()) {
+            let misplaced = numbers.entries(quantity).iter().find(|(k, ..)| units[*k].is_none());
+            if let Some((k, i, x)) = misplaced {
                 let name = quantity.entry_name(k, i);
                 let told = format!("{name} is given, and {connection} has no such component");
                 check.misplaced(told, x, case);
             }
             checks.push(check);
         };
-        let is_due = |k: usize| self.offers_values && self.offers_components[k] && units[k].is_some();
-        let has_value = |k: usize| values[k].is_some() || is_due(k) && !is_one_form[k];
-        if asks(Oracle::WideDifferences) && (0..6).any(has_value) {
-            compare(Quantity::Value, &Answer::sharp(Oracle::WideDifferences, &truth.value()));
-        }
-        match &answers {
-            _ if !self.offers_rows => {}
-            Some(answers) if asks(Oracle::WideDifferences) => {
-                if let Some(answer) = answers.answer(Oracle::WideDifferences, Quantity::FirstDerivatives) {
-                    compare(Quantity::FirstDerivatives, &answer);
+        let values = |k: usize| numbers.entries(Quantity::Value).get(k, 0);
+        let is_due = |k: usize| self.components[k] && units[k].is_some();
+        let has_value = |k: usize| values(k).is_some() || is_due(k) && !is_one_form[k];
+        // The same numbers by dual numbers, where differences are not asked for.
+        let others: LazyCell<_, _> = LazyCell::new(|| truth.dual());
+        for quantity in self.offers.iter().copied() {
+            if !asks(Oracle::WideDifferences) {
+                if quantity == Quantity::FirstDerivatives && asks(Oracle::NodalDual) && nearness > 0.0 {
+                    compare(quantity, &narrow.nodal_dual(bound));
+                }
+                continue;
+            }
+            match (&answers, quantity) {
+                (_, Quantity::Value) => {
+                    if (0..6).any(has_value) {
+                        compare(quantity, &Answer::sharp(Oracle::WideDifferences, &truth.value()));
+                    }
+                }
+                (Some(answers), _) => {
+                    let answer = answers.answer(Oracle::WideDifferences, quantity);
+                    if let Some(answer) = answer.filter(|answer| !answer.numbers.is_empty()) {
+                        let error = match quantity {
+                            Quantity::FirstDerivatives => Entries::default(),
+                            _ => truth.own_error(quantity, bound),
+                        };
+                        compare(quantity, &Answer { error, ..answer });
+                    }
+                }
+                (None, Quantity::FirstDerivatives) => {
+                    if asks(Oracle::NodalDual) && nearness > 0.0 {
+                        compare(quantity, &narrow.nodal_dual(bound));
+                    }
+                }
+                (None, _) => {
+                    let of = others.entries(quantity);
+                    if asks(Oracle::WideDual) && !of.is_empty() {
+                        compare(quantity, &Answer::sharp(Oracle::WideDual, of));
+                    }
                 }
             }
-            _ if asks(Oracle::NodalDual) && nearness > 0.0 => {
-                compare(Quantity::FirstDerivatives, &narrow.nodal_dual(bound));
-            }
-            _ => {}
         }
         // A component on its singular set has no step for differences of its values, and a one-form no value.
         let near = of_components.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min);
-        let failed = Cell::new(None);
+        let rows = numbers.entries(Quantity::FirstDerivatives);
+        let is_differenced: [bool; 6] = std::array::from_fn(|k| {
+            values(k).is_some() && rows.0[k].is_some() && examined.is_smooth[k] && !is_one_form[k]
+        });
+        if !is_differenced.contains(&true) {
+            return Ok(checks);
+        }
+        let before = case.path.iter().rev().nth(1).map_or(self.definition.initial, |step| step.state.pair);
+        let (_, path) = case.path.split_last().unwrap_or((step, &[]));
+        let wants = &[Quantity::Value];
         let own = central_differences(
-            |by: &[f64; DOFS]| {
-                let mut state = step.state;
-                state.pair = moved(&state.pair, by);
-                match routine(&Question { state: &state, before, wants_rows: false, is_drawn: false }) {
-                    Ok(given) => given.map_or([None; 6], |(values, _)| values),
-                    Err(error) => {
-                        failed.set(Some(error));
-                        [None; 6]
-                    }
-                }
+            |all: &[[f64; DOFS]]| {
+                let beside = |by: &[f64; DOFS]| {
+                    let moved = Step::between(&before, moved(&step.state.pair, by));
+                    Step { state: State { pair: moved.state.pair, ..step.state }, ..moved }
+                };
+                let beside: Vec<Step> = all.iter().map(beside).collect();
+                let questions = beside.iter().map(|step| Question {
+                    number: *number,
+                    step,
+                    path,
+                    values_before: *values_before,
+                    wants,
+                    is_drawn: false,
+                });
+                let answers = routine(&questions.collect::<Vec<_>>())?;
+                let values = |given: Option<Given>| {
+                    let given = given.map(|given| self.read(given, wants, asked)).unwrap_or_default();
+                    std::array::from_fn(|k| given.0.entries(Quantity::Value).get(k, 0))
+                };
+                Ok(answers.into_iter().map(values).collect())
             },
-            std::array::from_fn(|k| {
-                values[k].is_some() && rows[k].is_some() && examined.is_smooth[k] && !is_one_form[k]
-            }),
+            is_differenced,
             &|j| dof_size(j, case.length) * near,
             narrow.active(),
             bound,
-        );
-        if let Some(error) = failed.into_inner() {
-            return Err(error);
-        }
-        if own.numbers.is_empty() {
-            return Ok(checks);
-        }
+        )?;
         let mut check = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
         let around = Surroundings { sides: None, ..around };
-        let judgement =
-            judge(Quantity::FirstDerivatives, given.entries(Quantity::FirstDerivatives), &own, &around);
+        let judgement = judge(Quantity::FirstDerivatives, rows, &own, &around);
         let proves = wide && !judgement.verdict.is_mismatch();
         let score = if proves { examined.score(Quantity::FirstDerivatives, &own) } else { Score::default() };
         check.add(judgement, score, case);
         checks.push(check);
         Ok(checks)
+    }
+}
+
+impl Asked {
+    /// With what is right at the state before its end.
+    fn new(number: usize, case: Case) -> Self {
+        let mut before = case.clone();
+        before.path.pop();
+        if before.path.is_empty() {
+            let pair = case.definition.initial;
+            before.path.push(Step::between(&pair, pair));
+        }
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let found = before.evaluation(&asked).map(|(found, _)| found);
+        let of =
+            |found: Evaluation<f64>| std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
+        Self { number, case, values_before: found.map_or([None; 6], of) }
+    }
+
+    fn question<'a>(&'a self, wants: &'a [Quantity]) -> Option<Question<'a>> {
+        let (step, path) = self.case.path.split_last()?;
+        let Self { number, values_before, .. } = *self;
+        Some(Question { number, step, path, values_before, wants, is_drawn: true })
+    }
+}
+
+impl Given {
+    /// Angles by whole turns to those that are nearest to the right ones.
+    fn continue_angles(&mut self, case: &Case) {
+        let connector = case.connector();
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let Some((right, _)) = case.evaluation(&asked) else { return };
+        for (k, value) in self.0.entries_mut(Quantity::Value).0.iter_mut().enumerate() {
+            let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
+            let right = right.residual[k].or(right.displacement[k]);
+            if let (Some(value), Some(right), true) =
+                (value.as_mut().and_then(|x| x.first_mut()), right, is_angle)
+            {
+                *value += TAU * ((right - *value) / TAU).round();
+            }
+        }
     }
 }
 
@@ -483,7 +603,7 @@ mod tests {
             }
             (values[3 + i], rows[3 + i]) = (Some(angle * n[i]), Some(row));
         }
-        (values, rows)
+        (values, rows).into()
     }
 
     /// Triads that are rotations to eleven digits, next to a whole turn. Dual numbers in the degrees of freedom of the nodes take
@@ -506,15 +626,24 @@ mod tests {
         let name = "close to a whole turn".to_string();
         let case = Case { name, definition: definition.clone(), start: None, path, length: 1.0 };
         let spoilt = |state: &State<f64>| {
-            let (values, mut rows) = almost_a_turn(state);
-            rows[4].as_mut().unwrap()[11] *= 1.0 + 1e-9;
-            (values, rows)
+            let mut given = almost_a_turn(state);
+            let rows = given.0.entries_mut(Quantity::FirstDerivatives);
+            rows.0[4].as_mut().unwrap()[11] *= 1.0 + 1e-9;
+            given
         };
         let checks = |oracles: &[Oracle], wide: bool, routine: &dyn Fn(&State<f64>) -> Given| {
             let settings = Settings { oracles: oracles.iter().copied().collect(), ..Settings::default() };
-            let asked = |asked: &Question<'_>| Ok::<_, Infallible>(Some(routine(asked.state)));
-            let Ok(checks) =
-                Candidate::new("mine", &definition).settings(settings).judge(&case, &asked, wide);
+            let mut answers = |asked: &[Question<'_>]| {
+                Ok::<_, Infallible>(asked.iter().map(|asked| Some(routine(asked.state()))).collect())
+            };
+            let asked = Asked::new(0, case.clone());
+            let given = routine(&case.last().unwrap().state);
+            let Ok(checks) = Candidate::new("mine", &definition).settings(settings).judge(
+                &asked,
+                &given,
+                &mut answers,
+                wide,
+            );
             checks
         };
         let of = |checks: &[Check], oracle: Oracle| {

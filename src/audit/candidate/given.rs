@@ -1,0 +1,130 @@
+//! What a routine is asked, and what it may give.
+
+use crate::case::Step;
+use crate::case::quantity::{Entries, Numbers, Quantity};
+use pintle_kinematics::connector::{Components, NodalMatrix, NodalRow, State};
+
+/// What a routine gives at a state: numbers of each component, `None` where the connector has no such component, or the routine none.
+///
+/// Columns are the fourteen degrees of freedom of the nodes, x, θ and Ψ of a, then of b; rotations vary spatially, δC = δθ^ C.
+/// A pair of values and rows is one, too.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Given(pub(crate) Numbers<f64>);
+
+impl From<(Components<f64>, Components<NodalRow<f64>>)> for Given {
+    fn from((values, rows): (Components<f64>, Components<NodalRow<f64>>)) -> Self {
+        Self::default().values(values).rows(rows)
+    }
+}
+
+impl From<Numbers<f64>> for Given {
+    fn from(numbers: Numbers<f64>) -> Self {
+        Self(numbers)
+    }
+}
+
+impl Given {
+    fn scalars(mut self, quantity: Quantity, of: Components<f64>) -> Self {
+        self.0.set(quantity, Entries(of.map(|x| x.map(|x| vec![x]))));
+        self
+    }
+
+    fn lines(mut self, quantity: Quantity, of: Components<NodalRow<f64>>) -> Self {
+        self.0.set(quantity, Entries(of.map(|row| row.map(|row| row.to_vec()))));
+        self
+    }
+
+    fn matrices(mut self, quantity: Quantity, of: Components<NodalMatrix<f64>>) -> Self {
+        self.0.set(quantity, Entries(of.map(|matrix| matrix.map(|matrix| matrix.as_flattened().to_vec()))));
+        self
+    }
+
+    /// The residual of each constrained component, the displacement of any other (length, or rad).
+    ///
+    /// A one-form, as of FLOW-CONVERTER and RETRACTOR, has a row that is the derivative of no function of the state: what it sums up
+    /// follows from the path, and its value may be `None`.
+    #[must_use]
+    pub fn values(self, values: Components<f64>) -> Self {
+        self.scalars(Quantity::Value, values)
+    }
+
+    /// ∂c_k/∂q_j.
+    #[must_use]
+    pub fn rows(self, rows: Components<NodalRow<f64>>) -> Self {
+        self.lines(Quantity::FirstDerivatives, rows)
+    }
+
+    /// ∂²c_k/∂q_i∂q_j, symmetric: along exp(δθ^) C.
+    #[must_use]
+    pub fn second_derivatives(self, matrices: Components<NodalMatrix<f64>>) -> Self {
+        self.matrices(Quantity::SecondDerivatives, matrices)
+    }
+
+    /// ċ_k at the velocities of the state.
+    #[must_use]
+    pub fn rates(self, rates: Components<f64>) -> Self {
+        self.scalars(Quantity::Rate, rates)
+    }
+
+    /// c̈_k at the velocities and accelerations of the state.
+    #[must_use]
+    pub fn accelerations(self, accelerations: Components<f64>) -> Self {
+        self.scalars(Quantity::Acceleration, accelerations)
+    }
+
+    /// The nodal forces and moments of a unit force of each component: F_k = 1 does the work F_k δu_k = G_k·δq.
+    #[must_use]
+    pub fn nodal_forces(self, rows: Components<NodalRow<f64>>) -> Self {
+        self.lines(Quantity::NodalForces, rows)
+    }
+
+    /// How these change at a constant force: ∂G_ki/∂q_j along exp(δθ^) C, symmetric where G_k is the gradient of a displacement.
+    #[must_use]
+    pub fn geometric_stiffness(self, matrices: Components<NodalMatrix<f64>>) -> Self {
+        self.matrices(Quantity::GeometricStiffness, matrices)
+    }
+
+    /// Without the components, and without what is not wanted.
+    #[must_use]
+    pub fn only(mut self, wants: &[Quantity], components: [bool; 6]) -> Self {
+        for quantity in Quantity::ALL {
+            let mut entries = std::mem::take(self.0.entries_mut(quantity));
+            for (k, of) in entries.0.iter_mut().enumerate() {
+                if !components[k] || !wants.contains(&quantity) {
+                    *of = None;
+                }
+            }
+            self.0.set(quantity, entries);
+        }
+        self
+    }
+}
+
+/// What a routine is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// Where in the order of states: those beside a drawn state, for differences, have its number.
+    pub number: usize,
+    /// The state, and the increment that leads to it.
+    pub step: &'a Step,
+    /// The states from the initial one up to the one before.
+    pub path: &'a [Step],
+    /// What is right at the one before: residuals of constrained components, displacements of others. Angles go on from there.
+    pub values_before: Components<f64>,
+    /// What is wanted, of what the routine offers.
+    pub wants: &'a [Quantity],
+    /// Whether it was drawn, and is not one beside such a state, for differences.
+    pub is_drawn: bool,
+}
+
+impl Question<'_> {
+    /// The state.
+    pub const fn state(&self) -> &State<f64> {
+        &self.step.state
+    }
+
+    /// The state before it; `None` where that is the initial one.
+    pub fn before(&self) -> Option<&State<f64>> {
+        self.path.last().map(|step| &step.state)
+    }
+}
