@@ -8,7 +8,6 @@ use pintle_audit::sampling::about_initial;
 use pintle_audit::{Candidate, Case, Given, Quantity, Settings, Step, Verdict};
 use pintle_kinematics::connector::{Connector, Definition, Increment, State};
 use pintle_kinematics::draw::Draw;
-use pintle_kinematics::node::DOFS;
 use pintle_scene::Code;
 use std::collections::{BTreeMap, BTreeSet};
 
