@@ -154,7 +154,7 @@ fn misbehaviours_are_named() {
         ),
         ("is-killed", HELLO, OPEN, "os.kill(os.getpid(), 11)", CLOSE, "signal: 11"),
         ("hangs", HELLO, OPEN, "time.sleep(60)", CLOSE, "did not answer within"),
-        ("floods", HELLO, OPEN, "print('x' * 3000000, flush=True)", CLOSE, "longer than 1 MB"),
+        ("floods", HELLO, OPEN, "print('x' * 30000000, flush=True)", CLOSE, "longer than 16 MB"),
         (
             "half-a-line",
             HELLO,
