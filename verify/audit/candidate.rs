@@ -115,8 +115,8 @@ fn worst(report: &Report) -> Option<String> {
     let wrong = report.subjects[0].checks.iter().find(|check| check.verdict.is_mismatch())?;
     let worst = wrong.worst.as_ref()?;
     Some(format!(
-        "{:?} {:?}: {} {} for {}, {}",
-        wrong.quantity, wrong.against, worst.entry, worst.got, worst.want, worst.units
+        "{:?} {:?} at {:?}: {} {} for {}, {}",
+        wrong.quantity, wrong.against, wrong.worst_state, worst.entry, worst.got, worst.want, worst.units
     ))
 }
 

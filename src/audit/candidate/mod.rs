@@ -42,7 +42,7 @@ use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differ
 use crate::oracles::referee::Referee;
 use crate::oracles::truth::Truth;
 use crate::sampling::coverage::{Coverage, Lack};
-use crate::sampling::{about_initial, along_initial};
+use crate::sampling::{SPECIAL, about_initial, along_initial, special_initial};
 use crate::settings::Settings;
 use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
@@ -159,20 +159,24 @@ impl<'a> Candidate<'a> {
         let length = if length > 0.0 { length } else { 1.0 };
         let regular = self.settings.states;
         let of_history = spread(regular, self.histories.min(regular));
+        // A sixth of the states has special values, from the second on.
+        let special: Vec<usize> =
+            spread(regular, SPECIAL.min(regular / 6)).into_iter().map(|i| i + 1).collect();
         (0..regular + self.near_singular_states()).filter_map(move |i| {
             let name = format!("{} state {i}", self.name);
             // The first is the initial state.
-            let along = if i > 0 && of_history.contains(&i) {
+            let case = if i >= regular {
+                near_initial(self.definition, length, &name, &mut near)
+            } else if i > 0 && of_history.contains(&i) {
                 along_initial(self.definition, length, &name, &mut draw)
+            } else if let Some(n) = special.iter().position(|of_special| *of_special == i) {
+                special_initial(self.definition, n, length, &name, &mut draw)
             } else {
                 None
             };
-            let case = if along.is_some() {
-                along
-            } else if i < regular {
-                about_initial(self.definition, i, length, name, &mut draw)
-            } else {
-                near_initial(self.definition, length, &name, &mut near)
+            let case = match case {
+                None if i < regular => about_initial(self.definition, i, length, name, &mut draw),
+                drawn => drawn,
             };
             Some((i, case?))
         })

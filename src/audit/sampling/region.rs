@@ -6,13 +6,14 @@ use crate::sampling::domain::{
     turns_shafts_over,
 };
 use pintle_kinematics::catalog::ConnectionType;
-use pintle_kinematics::connector::Definition;
+use pintle_kinematics::connector::{Definition, Output, Request};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose};
+use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose, transposed_product};
 use std::f64::consts::PI;
 
 /// How far from every singular set, in radians or lengths of the connector, a regular state is.
@@ -440,6 +441,68 @@ pub fn about_initial(
         }
     }
     None
+}
+
+/// How many states of [`special_initial`] there are.
+pub const SPECIAL: usize = 4 + 24;
+
+/// A state of special values, clear of the singular sets: both nodes turned alike, b moved alone, b turned alone to the axes of a or back,
+/// and b's axes at exact right angles to a's. `None` where the nodes cannot be brought there.
+pub fn special_initial(
+    definition: &Definition,
+    n: usize,
+    length: f64,
+    name: &str,
+    draw: &mut Draw,
+) -> Option<Case> {
+    const CLEAR: f64 = 0.01;
+    let initial = &definition.initial;
+    let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
+    let mut after = *initial;
+    let spin = if definition.planar { [0.0, 0.0, 0.7] } else { draw.rotation(0.3, 1.2) };
+    let relative = match n {
+        0 => {
+            let common = turn(spin);
+            after.a.triad = product(&common, &initial.a.triad);
+            after.b.triad = product(&common, &initial.b.triad);
+            None
+        }
+        1 => {
+            let by = scale(draw.direction(), 0.3 * length);
+            after.b.displacement = if definition.planar { [by[0], by[1], 0.0] } else { by };
+            None
+        }
+        2 => Some(vector::identity()),
+        3 => {
+            after.a.triad = vector::identity();
+            Some(vector::identity())
+        }
+        _ => Some(*cube_orientations().get(n - 4)?),
+    };
+    if let Some(relative) = relative {
+        after.b.triad = product(&after.a.triad, &relative);
+    }
+    let can =
+        |end: usize| [&initial.a, &initial.b][end].triad == [&after.a, &after.b][end].triad || turns[end];
+    let in_plane = |end: usize| {
+        let [now, first] = [[&after.a, &after.b][end], [&initial.a, &initial.b][end]];
+        !definition.planar || (0..3).all(|i| now.triad[i][2] == first.triad[i][2])
+    };
+    let moves = after.b.displacement == initial.b.displacement || definition.moves[1];
+    if !(can(0) && can(1) && in_plane(0) && in_plane(1) && moves) {
+        return None;
+    }
+    let mut step = Step::between(initial, after);
+    step.state.velocity = rates(definition, length, draw);
+    step.state.acceleration = rates(definition, length, draw);
+    let name = format!("{name}, special {n}");
+    let case = Case { name, definition: definition.clone(), start: None, path: vec![step], length };
+    // Next to half a turn an angle may go on one way or the other.
+    let (found, _) = case.evaluation(&Request::new(&[Output::CP, Output::CU, Output::RES], [true; 6], 0))?;
+    let is_principal = [found.position, found.displacement, found.residual]
+        .iter()
+        .all(|of| norm([of[3], of[4], of[5]].map(Option::unwrap_or_default)) < 3.0);
+    (is_principal && case.is_clear(CLEAR, CLEAR)).then_some(case)
 }
 
 /// The end of a history of a connector, in increments of at most 0.6 rad: b turned against a by 3.3 to 20 rad about an axis about which it
