@@ -1,6 +1,6 @@
 //! In which order, unit and frame a routine answers, and how that is undone.
 
-use pintle_audit::{Given, Quantity};
+use pintle_audit::{Given, Quantity, Tangent};
 use pintle_kinematics::connector::{Components, Connector, Definition, NodalMatrix, NodalRow, State};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
@@ -84,6 +84,26 @@ pub enum Turns {
     Principal,
 }
 
+/// What the stiffness of an element of springs is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stiffness {
+    /// The derivatives of its forces along spatial rotations.
+    #[default]
+    Forces,
+    /// The symmetric second derivatives of its energy along exp(δθ^) C.
+    Energy,
+}
+
+impl Stiffness {
+    pub(crate) const fn tangent(self) -> Tangent {
+        match self {
+            Self::Forces => Tangent::OfForces,
+            Self::Energy => Tangent::OfEnergy,
+        }
+    }
+}
+
 /// The conventions of a routine. Those left out are pintle's own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -96,6 +116,8 @@ pub struct Convention {
     pub displacements: Frame,
     /// Whether angles go on through half a turn.
     pub turns: Turns,
+    /// What the stiffness of an element of springs is.
+    pub stiffness: Stiffness,
     /// The unit of components that are angles, in values and rows.
     pub angles: Angle,
     /// The unit of the rotations by which rows differentiate.
@@ -115,6 +137,7 @@ impl Default for Convention {
             rotations: Variation::default(),
             displacements: Frame::default(),
             turns: Turns::default(),
+            stiffness: Stiffness::default(),
             angles: Angle::default(),
             column_angles: Angle::default(),
             length: 1.0,
@@ -182,9 +205,12 @@ impl Convention {
     /// In words, which of them have no rule.
     pub(crate) fn covers(&self, offers: &[Quantity]) -> Result<(), String> {
         let second = offers.contains(&Quantity::SecondDerivatives);
-        let changes = offers.contains(&Quantity::GeometricStiffness);
+        let of_element = offers.contains(&Quantity::ElementStiffness);
+        let changes = offers.contains(&Quantity::GeometricStiffness)
+            || of_element && self.stiffness == Stiffness::Forces;
+        let second = second || of_element;
         if self.rotations == Variation::TotalVector && (second || changes) {
-            return Err("second_derivatives and geometric_stiffness are read by spatial or body variations, not by total-vector".into());
+            return Err("second derivatives and stiffness are read by spatial or body variations, not by total-vector".into());
         }
         let turns = self.rotations == Variation::Body || self.displacements != Frame::Global;
         if changes && turns {
@@ -193,7 +219,7 @@ impl Convention {
             );
         }
         if second && self.displacements != Frame::Global {
-            return Err("second_derivatives are read by global displacements alone".into());
+            return Err("second derivatives and stiffness are read by global displacements alone".into());
         }
         Ok(())
     }
@@ -300,7 +326,20 @@ impl Own {
         let turned = Turned::of(definition, state);
         let unit = |k: usize| convention.unit(k, connector);
         let mut given = Given::default();
+        // E in the routine's unit of length is E over that unit.
+        let energy = convention.length;
         for (quantity, of) in &self.given {
+            match (quantity, &of[0]) {
+                (Quantity::ElementForces, Some(of)) => {
+                    given = given.element_forces(convention.row(of, places, energy, &turned));
+                    continue;
+                }
+                (Quantity::ElementStiffness, Some(of)) => {
+                    given = given.element_stiffness(convention.matrix(of, places, energy, &turned));
+                    continue;
+                }
+                _ => {}
+            }
             let scalars = || std::array::from_fn(|k| Some(of[k].as_ref()?.first()? * unit(k)));
             let rows =
                 || std::array::from_fn(|k| Some(convention.row(of[k].as_ref()?, places, unit(k), &turned)));

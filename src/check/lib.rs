@@ -16,7 +16,7 @@ mod protocol;
 mod python;
 mod session;
 
-pub use convention::Convention;
+pub use convention::{Angle, Convention, Frame, Stiffness, Storage, Turns, Variation};
 pub use process::{Misbehaviour, Patience, Process};
 pub use protocol::{OFFERS, PROTOCOL};
 pub use python::command as python_command;
@@ -40,18 +40,26 @@ pub struct Checked {
     pub asked: u64,
 }
 
-/// Asks a routine behind a door to be `definition`, and checks what it answers. A convention given here stands for that of its hello;
-/// so many of the states end a history, where its angles go on.
+/// What is asked of a routine besides a connector.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// The states, and who judges.
+    pub settings: Settings,
+    /// How many of the states about the initial one end a history, where angles go on.
+    pub histories: usize,
+    /// In place of the conventions of its hello.
+    pub convention: Option<Convention>,
+    /// The stiffness D_k of each component of an element of springs.
+    pub springs: [Option<f64>; 6],
+}
+
+/// Asks a routine behind a door to be `definition`, and checks what it answers.
 ///
 /// # Errors
 /// [`Misbehaviour`]: what the routine did that the protocol does not allow.
-pub fn check<D: Door>(
-    door: D,
-    definition: &Definition,
-    (settings, histories): (Settings, usize),
-    convention: Option<&Convention>,
-) -> Result<Checked, Misbehaviour> {
-    let mut session = Session::open(door, definition, convention)?;
+pub fn check<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<Checked, Misbehaviour> {
+    let Asked { settings, histories, convention, springs } = asked;
+    let mut session = Session::open(door, definition, convention.as_ref(), &springs)?;
     let name = session.name().to_string();
     let (mut states, mut outside) = (0, 0);
     let is_principal = session.is_principal();
@@ -59,6 +67,7 @@ pub fn check<D: Door>(
         .settings(settings)
         .histories(if is_principal { 0 } else { histories })
         .principal_angles(is_principal)
+        .springs(springs, session.tangent())
         .offers(session.offers(), session.components());
     let report = candidate.try_check(|asked: &[Question<'_>]| {
         let given = session.ask(asked)?;

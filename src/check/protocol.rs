@@ -14,7 +14,7 @@ use serde_json::{Map, Value, json};
 pub const PROTOCOL: &str = "pintle-candidate/1";
 
 /// What a routine may offer, as the protocol names it.
-pub const OFFERS: [(&str, Quantity); 7] = [
+pub const OFFERS: [(&str, Quantity); 9] = [
     ("values", Quantity::Value),
     ("rows", Quantity::FirstDerivatives),
     ("second_derivatives", Quantity::SecondDerivatives),
@@ -22,6 +22,8 @@ pub const OFFERS: [(&str, Quantity); 7] = [
     ("accelerations", Quantity::Acceleration),
     ("nodal_forces", Quantity::NodalForces),
     ("geometric_stiffness", Quantity::GeometricStiffness),
+    ("element_forces", Quantity::ElementForces),
+    ("element_stiffness", Quantity::ElementStiffness),
 ];
 
 /// What a routine says first.
@@ -79,7 +81,7 @@ pub(crate) fn hello() -> Value {
 }
 
 /// The connector that the routine is to be.
-pub(crate) fn open(definition: &Definition, convention: &Convention) -> Value {
+pub(crate) fn open(definition: &Definition, convention: &Convention, springs: &Components<f64>) -> Value {
     let connector = Connector::<f64>::new(definition);
     let of = |k: usize| {
         let measure = connector.differentiated(k)?;
@@ -90,7 +92,12 @@ pub(crate) fn open(definition: &Definition, convention: &Convention) -> Value {
     let components: Vec<Value> = (0..6).map(|k| of(k).unwrap_or(Value::Null)).collect();
     let initial = &definition.initial;
     let at = |node: &Node<f64>, x: Vector<f64>| json!({ "x": x.map(|x| x / convention.length), "triad": directions(node) });
+    // An energy in the routine's length, over its component's unit squared.
+    let spring =
+        |k: usize| springs[k].map(|d| d * convention.unit(k, &connector).powi(2) / convention.length);
+    let springs = [0, 1, 2, 3, 4, 5].map(spring);
     json!({ "open": {
+        "springs": springs,
         "type": definition.connection.name,
         "components": components,
         "initial": { "a": at(&initial.a, [0.0; 3]), "b": at(&initial.b, initial.reference) },
@@ -228,6 +235,14 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
         let mut of: Components<Vec<f64>> = [const { None }; 6];
         let by_columns = convention.storage == Storage::Columns;
         match quantity.entries() {
+            _ if *quantity == Quantity::ElementForces => {
+                let entries = list(given, width, &format!("{name:?}"))?.iter().enumerate();
+                let entry = |(j, x)| Ok(number(x, &format!("{name:?}[{j}]"))?.unwrap_or(0.0));
+                of[0] = Some(entries.map(entry).collect::<Result<_, String>>()?);
+            }
+            _ if *quantity == Quantity::ElementStiffness => {
+                of[0] = Some(matrix(given, width, name)?);
+            }
             1 => {
                 for (k, value) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
                     of[k] = number(value, &format!("{name:?}[{k}]"))?.map(|x| vec![x]);
@@ -243,18 +258,21 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
                 }
             }
             _ => {
-                for (k, matrix) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
-                    if matrix.is_null() {
-                        continue;
+                for (k, given) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
+                    if !given.is_null() {
+                        of[k] = Some(matrix(given, width, &format!("{name}[{k}]"))?);
                     }
-                    let entries = table(matrix, width, width, &format!("{name}[{k}]"))?;
-                    of[k] = Some(entries.into_iter().map(|(_, _, x)| x.unwrap_or(0.0)).collect());
                 }
             }
         }
         own.given.push((*quantity, of));
     }
     Ok(Answer::Given(Box::new(own)))
+}
+
+/// A square matrix, row by row.
+fn matrix(value: &Value, width: usize, name: &str) -> Result<Vec<f64>, String> {
+    Ok(table(value, width, width, name)?.into_iter().map(|(_, _, x)| x.unwrap_or(0.0)).collect())
 }
 
 /// The numbers of a list of lists, or of one flat list, with their places; those of a line that is null are none.

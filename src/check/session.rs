@@ -3,7 +3,7 @@
 use crate::convention::{Convention, Turns};
 use crate::process::Misbehaviour;
 use crate::protocol::{self, Answer, Hello, PROTOCOL};
-use pintle_audit::{Given, Quantity, Question, Step};
+use pintle_audit::{Given, Quantity, Question, Step, Tangent};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition};
 use serde_json::{Map, Value};
@@ -71,6 +71,7 @@ impl<'a, D: Door> Session<'a, D> {
         mut door: D,
         definition: &'a Definition,
         convention: Option<&Convention>,
+        springs: &Components<f64>,
     ) -> Result<Self, Misbehaviour> {
         const DUE: &str = "say hello";
         const OPEN: &str = "open the connector";
@@ -102,7 +103,7 @@ impl<'a, D: Door> Session<'a, D> {
             return Err(Misbehaviour::OffersNothing);
         }
         hello.convention.covers(&offers).map_err(Misbehaviour::BadConvention)?;
-        door.send(&protocol::open(definition, &hello.convention), OPEN)?;
+        door.send(&protocol::open(definition, &hello.convention, springs), OPEN)?;
         let answer = door.receive(OPEN)?;
         if let Some(why) = answer.get("error") {
             return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
@@ -151,10 +152,17 @@ impl<'a, D: Door> Session<'a, D> {
         self.hello.convention.turns == Turns::Principal
     }
 
+    /// What its stiffness is.
+    pub fn tangent(&self) -> Tangent {
+        self.hello.convention.stiffness.tangent()
+    }
+
     /// What the connector has and the routine does not offer.
     pub fn not_offered(&self) -> Vec<&'static str> {
         let components = self.components();
-        let quantities = protocol::OFFERS.iter().filter(|(_, quantity)| !self.offers.contains(quantity));
+        // An element of springs is another thing than a connector.
+        let is_lacking = |(_, of): &&(_, Quantity)| !self.offers.contains(of) && Quantity::ALL.contains(of);
+        let quantities = protocol::OFFERS.iter().filter(is_lacking);
         let has = |k: &usize| self.connector.differentiated(*k).is_some() && !components[*k];
         quantities.map(|(name, _)| *name).chain((0..6).filter(has).map(|k| COMPONENT[k])).collect()
     }

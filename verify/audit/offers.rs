@@ -1,9 +1,13 @@
 //! Somebody's routine that gives all seven quantities, along histories: right as it is, wrong where one of them is spoilt.
 
 use crate::audit::at_rest;
-use pintle_audit::{Candidate, Case, Given, Quantity, Question, Report, Settings, Verdict, product};
+use pintle_audit::case::{exact_state, moved};
+use pintle_audit::{Candidate, Case, Given, Quantity, Question, Report, Settings, Tangent, Verdict, product};
 use pintle_kinematics::catalog::TABLE;
-use pintle_kinematics::connector::{Connector, Definition};
+use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::scalar::Wide;
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 
 fn brief() -> Settings {
@@ -110,4 +114,100 @@ fn principal_angles_are_declared() {
     assert!(report.mismatches() > 0);
     let Ok(report) = candidate.histories(10).principal_angles(true).try_check(answers);
     assert_eq!(report.mismatches(), 0);
+}
+
+/// Nodal forces of an element of springs at a pair that was moved, on 237 bits: from the values and rows there.
+fn forces(
+    definition: &Definition,
+    asked: &Question<'_>,
+    by: &[Wide; DOFS],
+    springs: &[Option<f64>; 6],
+) -> [Wide; DOFS] {
+    let connector = Connector::<Wide>::new(definition);
+    let request = Request::new(&[Output::CU, Output::RES], [true; 6], 1);
+    let state = exact_state::<Wide>(asked.state());
+    let state = State { pair: moved(&state.pair, by), ..state };
+    let branch = connector.advance(&state, &Increment::none(), &connector.initial_branch());
+    let found = connector.evaluate(&state, &Increment::none(), &branch, &request, &mut Tally::default());
+    let mut force = [Wide::from_f64(0.0); DOFS];
+    for k in 0..6 {
+        let (Some(d), Some(row)) = (springs[k], &found.jacobian[k]) else { continue };
+        let value = found.residual[k].or(found.displacement[k]).unwrap();
+        for (entry, x) in force.iter_mut().zip(row) {
+            *entry = *entry + Wide::from_f64(d) * value * *x;
+        }
+    }
+    force
+}
+
+/// An element of springs: the stiffness is what differences of its forces on 237 bits say; its symmetric part is the energy's; an error of
+/// 1e-7 is found in each.
+#[test]
+fn an_element_of_springs_is_judged() {
+    let mut compared = 0;
+    for (name, springs) in [
+        ("AXIAL", [Some(3.0), None, None, None, None, None]),
+        ("CARTESIAN", [Some(3.0), Some(-2.0), Some(40.0), None, None, None]),
+        ("BUSHING", [Some(3.0), Some(2.0), None, Some(5.0), Some(0.5), Some(1e-3)]),
+        ("REVOLUTE", [None, None, None, Some(5.0), Some(100.0), Some(100.0)]),
+    ] {
+        let definition = at_rest(name);
+        for (tangent, spoil) in [
+            (Tangent::OfForces, [0.0, 0.0]),
+            (Tangent::OfEnergy, [0.0, 0.0]),
+            (Tangent::OfForces, [1e-7, 0.0]),
+            (Tangent::OfForces, [0.0, 1e-7]),
+        ] {
+            let candidate = Candidate::new("mine", &definition)
+                .settings(Settings { states: 8, wide_states: 4, near_singular_states: 0, ..brief() })
+                .springs(springs, tangent)
+                .offers(&[Quantity::ElementForces, Quantity::ElementStiffness], [true; 6]);
+            let answers = |asked: &[Question<'_>]| {
+                let one = |asked: &Question<'_>| {
+                    let still = [Wide::from_f64(0.0); DOFS];
+                    let p =
+                        forces(&definition, asked, &still, &springs).map(|x| x.to_f64() * (1.0 + spoil[0]));
+                    let mut k = Box::new([[0.0; DOFS]; DOFS]);
+                    let h = Wide::from_f64(1e-25);
+                    for j in 0..DOFS {
+                        let [plus, minus] = [h, -h].map(|h| {
+                            let mut by = still;
+                            by[j] = h;
+                            forces(&definition, asked, &by, &springs)
+                        });
+                        for i in 0..DOFS {
+                            k[i][j] = ((plus[i] - minus[i]) / (h + h)).to_f64();
+                        }
+                    }
+                    if tangent == Tangent::OfEnergy {
+                        let whole = k.clone();
+                        for (i, line) in k.iter_mut().enumerate() {
+                            for (j, x) in line.iter_mut().enumerate() {
+                                *x = (whole[i][j] + whole[j][i]) / 2.0;
+                            }
+                        }
+                    }
+                    k[8][9] *= 1.0 + spoil[1];
+                    Some(Given::default().element_forces(p).element_stiffness(k))
+                };
+                Ok::<_, Infallible>(asked.iter().map(one).collect())
+            };
+            let Ok(report) = candidate.try_check(answers);
+            let checks = &report.subjects[0].checks;
+            let wrong: Vec<_> = checks.iter().filter(|check| check.verdict.is_mismatch()).collect();
+            let of: BTreeSet<_> = wrong.iter().filter_map(|check| check.quantity).collect();
+            match spoil {
+                [0.0, 0.0] => assert!(wrong.is_empty(), "{name} {tangent:?}: {wrong:#?}"),
+                [_, 0.0] => assert_eq!(of, [Quantity::ElementForces].into(), "{name}"),
+                // Only where ∂p_b2/∂x_b3 is not zero.
+                _ => assert!(
+                    of.iter().all(|of| *of == Quantity::ElementStiffness)
+                        && (name == "REVOLUTE" || !of.is_empty()),
+                    "{name}: {of:?}"
+                ),
+            }
+            compared += checks.iter().map(|check| check.compared).sum::<u64>();
+        }
+    }
+    assert!(compared >= 16 * 8 * 210, "{compared}");
 }

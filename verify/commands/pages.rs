@@ -1,6 +1,6 @@
 //! Whether the pages tell the truth: each command of the tutorial and of the how-to pages is run, and prints what the page shows.
 //!
-//! A fence `inp`, `csv` or `python` with `file=NAME` is a file. In a fence `console`, a line `$ pintle …` is a command, and what follows is
+//! A fence with `file=NAME` is a file, that of `examples/elements` where there is one. In a fence `console`, a line `$ pintle …` is a command, and what follows is
 //! its output, with what goes to the terminal's errors after it; a line `…` stands for any lines. `$ echo $?` is the exit code of the
 //! command before. All of a page runs in one folder.
 
@@ -49,22 +49,39 @@ fn python() -> PathBuf {
     if made.exists() { made } else { "python3".into() }
 }
 
+/// Whether a page's compilers are there.
+fn can_run(page: &str) -> bool {
+    let lacks = |program: &str| {
+        page.contains(&format!("$ {program} ")) && Command::new(program).arg("--version").output().is_err()
+    };
+    let lacking = ["cc", "gfortran"].into_iter().find(|program| lacks(program));
+    if let Some(program) = lacking {
+        assert!(env::var_os("CI").is_none(), "CI has no {program}");
+        eprintln!("SKIPPED: a page needs {program}, which is not installed");
+    }
+    lacking.is_none()
+}
+
 fn run(command: &str, folder: &Path) -> Output {
+    let (command, file) = command.split_once(" > ").map_or((command, None), |(c, file)| (c, Some(file)));
     let words: Vec<&str> = command.split_whitespace().collect();
     let (program, arguments) = words.split_first().expect("a command");
     let mut command = match *program {
         "pintle" => Command::new(env!("CARGO_BIN_EXE_pintle")),
         "python3" => Command::new(python()),
-        "cat" => Command::new("cat"),
-        other => panic!("the pages run pintle, python3 and cat, not {other}"),
+        "cat" | "cc" | "gfortran" => Command::new(program),
+        other => panic!("the pages run pintle, python3, cat and compilers, not {other}"),
     };
     command
         .args(arguments)
         .current_dir(folder)
         .env_remove("COLUMNS")
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("it runs")
+        .env("NO_COLOR", "1");
+    let mut output = command.output().expect("it runs");
+    if let Some(file) = file {
+        fs::write(folder.join(file), std::mem::take(&mut output.stdout)).expect("a file");
+    }
+    output
 }
 
 /// Runs a page; gives how many commands it ran, and what it shows that is not so.
@@ -76,7 +93,13 @@ fn check(path: &Path) -> (usize, Vec<String>) {
     let (mut commands, mut wrong, mut code) = (0, Vec::new(), None);
     for fence in fences(&page) {
         if let Some((_, file)) = fence.kind.split_once(" file=") {
-            fs::write(folder.join(file), fence.lines.join("\n") + "\n").expect("a file of the page");
+            let text = fence.lines.join("\n") + "\n";
+            let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/elements").join(file);
+            if example.exists() {
+                let example = fs::read_to_string(&example).expect("an example");
+                assert_eq!(text, example, "{}: {file} is another one than the example", path.display());
+            }
+            fs::write(folder.join(file), text).expect("a file of the page");
         }
         if fence.kind != "console" {
             continue;

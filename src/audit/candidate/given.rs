@@ -9,7 +9,26 @@ use pintle_kinematics::connector::{Components, NodalMatrix, NodalRow, State};
 /// Columns are the fourteen degrees of freedom of the nodes, x, θ and Ψ of a, then of b; rotations vary spatially, δC = δθ^ C.
 /// A pair of values and rows is one, too.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Given(pub(crate) Numbers<f64>);
+pub struct Given(pub(crate) Numbers<f64>, pub(super) Element);
+
+/// What an element of springs gives as a whole.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Element {
+    /// p.
+    pub(super) forces: Option<NodalRow<f64>>,
+    /// Its derivatives, row by row.
+    pub(super) stiffness: Option<NodalMatrix<f64>>,
+}
+
+/// What the stiffness of an element is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tangent {
+    /// ∂p_i/∂q_j along spatial rotations, as Newton's method takes it: not symmetric where moments act.
+    #[default]
+    OfForces,
+    /// The symmetric second derivatives of the energy along exp(δθ^) C.
+    OfEnergy,
+}
 
 impl From<(Components<f64>, Components<NodalRow<f64>>)> for Given {
     fn from((values, rows): (Components<f64>, Components<NodalRow<f64>>)) -> Self {
@@ -19,7 +38,7 @@ impl From<(Components<f64>, Components<NodalRow<f64>>)> for Given {
 
 impl From<Numbers<f64>> for Given {
     fn from(numbers: Numbers<f64>) -> Self {
-        Self(numbers)
+        Self(numbers, Element::default())
     }
 }
 
@@ -84,6 +103,20 @@ impl Given {
         self.matrices(Quantity::GeometricStiffness, matrices)
     }
 
+    /// p_j = Σ_k D_k c_k ∂c_k/∂q_j: the nodal forces and moments of springs D_k ([`super::Candidate::springs`]) along the values c_k.
+    #[must_use]
+    pub fn element_forces(mut self, forces: NodalRow<f64>) -> Self {
+        self.1.forces = Some(forces);
+        self
+    }
+
+    /// How these change: by row the force, by column the degree of freedom ([`Tangent`] says along what).
+    #[must_use]
+    pub fn element_stiffness(mut self, stiffness: NodalMatrix<f64>) -> Self {
+        self.1.stiffness = Some(stiffness);
+        self
+    }
+
     /// Without the components, and without what is not wanted.
     #[must_use]
     pub fn only(mut self, wants: &[Quantity], components: [bool; 6]) -> Self {
@@ -96,6 +129,8 @@ impl Given {
             }
             self.0.set(quantity, entries);
         }
+        self.1.forces = self.1.forces.filter(|_| wants.contains(&Quantity::ElementForces));
+        self.1.stiffness = self.1.stiffness.filter(|_| wants.contains(&Quantity::ElementStiffness));
         self
     }
 }

@@ -25,9 +25,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod element;
 mod given;
 
-pub use given::{Given, Question};
+pub use given::{Given, Question, Tangent};
 
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step, moved};
@@ -69,6 +70,8 @@ pub struct Candidate<'a> {
     is_principal: bool,
     offers: Vec<Quantity>,
     components: [bool; 6],
+    springs: [Option<f64>; 6],
+    tangent: Tangent,
 }
 
 /// How many states are asked for at once.
@@ -95,6 +98,8 @@ impl<'a> Candidate<'a> {
             is_principal: false,
             offers: vec![Quantity::Value, Quantity::FirstDerivatives],
             components: [true; 6],
+            springs: [None; 6],
+            tangent: Tangent::default(),
         }
     }
 
@@ -108,7 +113,8 @@ impl<'a> Candidate<'a> {
     /// What the routine gives, of which components; values and rows of all without this. What it does not offer is not judged.
     #[must_use]
     pub fn offers(mut self, quantities: &[Quantity], components: [bool; 6]) -> Self {
-        self.offers = Quantity::ALL.into_iter().filter(|quantity| quantities.contains(quantity)).collect();
+        let all = Quantity::ALL.into_iter().chain([Quantity::ElementForces, Quantity::ElementStiffness]);
+        self.offers = all.filter(|quantity| quantities.contains(quantity)).collect();
         self.components = components;
         self
     }
@@ -125,6 +131,14 @@ impl<'a> Candidate<'a> {
     #[must_use]
     pub const fn principal_angles(mut self, is_principal: bool) -> Self {
         self.is_principal = is_principal;
+        self
+    }
+
+    /// The stiffness of each component of an element of springs: energy over the square of the component's unit, E = ½ Σ D_k c_k².
+    /// [`Quantity::ElementForces`] and [`Quantity::ElementStiffness`] are judged by them.
+    #[must_use]
+    pub const fn springs(mut self, springs: [Option<f64>; 6], tangent: Tangent) -> Self {
+        (self.springs, self.tangent) = (springs, tangent);
         self
     }
 
@@ -271,7 +285,8 @@ impl<'a> Candidate<'a> {
         let offers = |quantity| self.offers.contains(&quantity);
         let is_judged_by_row = !offers(Quantity::Value) || (0..6).any(|k| is_one_form(&k) == Some(true));
         let has_values = (0..6).any(|k| is_one_form(&k) == Some(false));
-        let is_expected = |quantity: &Quantity| *quantity != Quantity::Value || has_values;
+        let is_expected =
+            |of: &Quantity| Quantity::ALL.contains(of) && (*of != Quantity::Value || has_values);
         let expected: Vec<Quantity> = self.offers.iter().copied().filter(is_expected).collect();
         let expected = Expected::numbers(&expected);
         let mut subject =
@@ -281,6 +296,8 @@ impl<'a> Candidate<'a> {
         let is_formula = |check: &&Check| match check.quantity {
             Some(Quantity::Value) => true,
             Some(Quantity::FirstDerivatives) => is_judged_by_row,
+            Some(Quantity::ElementForces) => true,
+            Some(Quantity::ElementStiffness) => !offers(Quantity::ElementForces),
             _ => false,
         };
         let of_values = subject.checks.iter().filter(is_formula);
@@ -338,7 +355,7 @@ impl<'a> Candidate<'a> {
     ) -> Result<Vec<Check>, E> {
         let mut checks = Vec::new();
         let Asked { case, number, values_before } = asked;
-        let Given(numbers) = given;
+        let Given(numbers, element) = given;
         let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return Ok(checks) };
         let Some(product) = crate::oracles::force::product_with_forces(case) else { return Ok(checks) };
         let asks = |oracle: Oracle| self.settings.oracles.contains(&oracle);
@@ -384,7 +401,7 @@ impl<'a> Candidate<'a> {
         let has_value = |k: usize| values(k).is_some() || is_due(k) && !is_one_form[k];
         // The same numbers by dual numbers, where differences are not asked for.
         let others: LazyCell<_, _> = LazyCell::new(|| truth.dual());
-        for quantity in self.offers.iter().copied() {
+        for quantity in self.offers.iter().copied().filter(|of| Quantity::ALL.contains(of)) {
             if !asks(Oracle::WideDifferences) {
                 if quantity == Quantity::FirstDerivatives && asks(Oracle::NodalDual) && nearness > 0.0 {
                     compare(quantity, &narrow.nodal_dual(bound));
@@ -417,6 +434,25 @@ impl<'a> Candidate<'a> {
                     if asks(Oracle::WideDual) && !of.is_empty() {
                         compare(quantity, &Answer::sharp(Oracle::WideDual, of));
                     }
+                }
+            }
+        }
+        let bears = |k: usize| self.springs[k].is_none() || examined.is_smooth[k];
+        if (0..6).all(bears) {
+            let right = answers.as_ref().map(|answers| &answers.differences);
+            let by = if right.is_some() { Oracle::WideDifferences } else { Oracle::WideDual };
+            let right = right.unwrap_or_else(|| &others);
+            for table in element::tables(element, &self.springs, self.tangent, right, bound) {
+                checks.push(table.check_against(by, wide, &case.name, Some(case)));
+            }
+            for (quantity, is_given) in [
+                (Quantity::ElementForces, element.forces.is_some()),
+                (Quantity::ElementStiffness, element.stiffness.is_some()),
+            ] {
+                if offers(quantity) && !is_given {
+                    let mut check = Check::new(Some(quantity), Against::Oracle(by));
+                    check.misplaced(format!("{} is missing", quantity.name()), f64::NAN, case);
+                    checks.push(check);
                 }
             }
         }

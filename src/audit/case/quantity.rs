@@ -40,10 +40,14 @@ pub enum Quantity {
     BehaviorTangent,
     /// The slopes of all forces of a connector together: springs, dampers, reactions, and friction that they press.
     ConsistentTangent,
+    /// The nodal forces of an element of springs.
+    ElementForces,
+    /// Their derivatives.
+    ElementStiffness,
 }
 
 /// How many quantities there are.
-const COUNT: usize = Quantity::ConsistentTangent as usize + 1;
+const COUNT: usize = Quantity::ElementStiffness as usize + 1;
 
 impl Quantity {
     /// Every quantity of a connector's components, in the order of reports.
@@ -58,7 +62,7 @@ impl Quantity {
     ];
 
     /// Every quantity of behaviour and friction, in the order of reports.
-    pub const OF_BEHAVIOR: [Self; 7] = [
+    pub const OF_BEHAVIOR: [Self; 9] = [
         Self::FrictionCriterion,
         Self::FrictionGradient,
         Self::FrictionHessian,
@@ -66,6 +70,8 @@ impl Quantity {
         Self::FrictionTangent,
         Self::BehaviorTangent,
         Self::ConsistentTangent,
+        Self::ElementForces,
+        Self::ElementStiffness,
     ];
 
     /// In words.
@@ -85,6 +91,8 @@ impl Quantity {
             Self::BehaviorTangent => "tangents of elastic and viscous forces",
             Self::FrictionForce => "friction forces and slip",
             Self::ConsistentTangent => "consistent tangents",
+            Self::ElementForces => "element forces",
+            Self::ElementStiffness => "element stiffness",
         }
     }
 
@@ -105,6 +113,8 @@ impl Quantity {
             Self::BehaviorTangent => "∂F",
             Self::FrictionForce => "F_f",
             Self::ConsistentTangent => "∂CTF",
+            Self::ElementForces => "p",
+            Self::ElementStiffness => "∂p",
         }
     }
 

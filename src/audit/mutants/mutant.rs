@@ -172,6 +172,8 @@ pub fn mutants(quantity: Quantity, scene: &Scene<'_>) -> Vec<Mutant> {
         | Quantity::FrictionTangent
         | Quantity::FrictionForce
         | Quantity::ConsistentTangent
+        | Quantity::ElementForces
+        | Quantity::ElementStiffness
         | Quantity::BehaviorTangent => {}
     }
     found

@@ -13,7 +13,7 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose, transposed_product};
+use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose};
 use std::f64::consts::PI;
 
 /// How far from every singular set, in radians or lengths of the connector, a regular state is.

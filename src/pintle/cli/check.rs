@@ -4,13 +4,14 @@ use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
 use super::tell::complain;
 use super::{Failure, connection};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use pintle_audit::sampling::{aligned, definition, pair};
-use pintle_check::{Convention, Misbehaviour, Patience, Process};
+use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
 use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -50,16 +51,29 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
+#[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header"])))]
 pub(crate) struct Check {
     /// A connection type, or two basic ones in quotes; or a connector of a scene, SCENE:ELEMENT
-    #[arg(value_name = "TYPE|SCENE:ELEMENT")]
-    of: String,
+    #[arg(value_name = "TYPE|SCENE:ELEMENT", required_unless_present = "header")]
+    of: Option<String>,
     /// The command that starts the routine, for a shell
-    #[arg(long, value_name = "COMMAND", required_unless_present = "python")]
+    #[arg(long, value_name = "COMMAND")]
     with: Option<String>,
     /// A Python function, from the current folder or the path of Python
-    #[arg(long, value_name = "MODULE:FUNCTION", conflicts_with = "with")]
+    #[arg(long, value_name = "MODULE:FUNCTION")]
     python: Option<String>,
+    /// A shared library with a routine of pintle_element.h, or an Abaqus user element (UEL) of two nodes
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
+    /// Print pintle_element.h
+    #[arg(long)]
+    header: bool,
+    /// PROPS of a user element
+    #[arg(long, value_name = "P1,P2,…", requires = "library", value_delimiter = ',', allow_hyphen_values = true, value_parser = super::finite)]
+    properties: Vec<f64>,
+    /// NSVARS of a user element
+    #[arg(long, value_name = "COUNT", requires = "library", default_value_t = 0)]
+    svars: usize,
     /// States about the initial one
     #[arg(long, value_name = "COUNT", default_value_t = 200)]
     states: usize,
@@ -75,6 +89,9 @@ pub(crate) struct Check {
     /// A TOML file with what differs from pintle's conventions, in place of what the routine says
     #[arg(long, value_name = "FILE")]
     convention: Option<PathBuf>,
+    /// The stiffness of each component of an element of springs that gives element_forces: six numbers, - for none
+    #[arg(long, value_name = "D1,…,D6", allow_hyphen_values = true, value_parser = springs)]
+    springs: Option<Springs>,
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value = "pintle")]
     seed: String,
@@ -92,6 +109,23 @@ pub(crate) struct Check {
 fn positive(text: &str) -> Result<f64, String> {
     let number = super::finite(text)?;
     if number > 0.0 && number < 1e6 { Ok(number) } else { Err(format!("{text} is no time")) }
+}
+
+/// Of each component, none for what bears nothing.
+type Springs = [Option<f64>; 6];
+
+fn springs(text: &str) -> Result<Springs, String> {
+    let mut found = [None; 6];
+    let given: Vec<&str> = text.split(',').map(str::trim).collect();
+    if given.len() > found.len() {
+        return Err(format!("{} numbers, and there are six components", given.len()));
+    }
+    for (stiffness, given) in found.iter_mut().zip(given) {
+        if !matches!(given, "" | "-") {
+            *stiffness = Some(super::finite(given)?);
+        }
+    }
+    Ok(found)
 }
 
 /// The connector that the routine is to be.
@@ -127,12 +161,37 @@ fn convention(file: &Path) -> Result<Convention, Failure> {
     Convention::from_toml(&text).map_err(named)
 }
 
+/// The command that asks a shared library: this program, in a process of its own.
+fn library_command(
+    library: &Path,
+    arguments: &Check,
+    convention: Option<&Convention>,
+) -> Result<String, Failure> {
+    let program = std::env::current_exe().map_err(|error| Failure::Usage(error.to_string()))?;
+    let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', r"'\''"));
+    let mut command =
+        format!("exec {} element {} --svars {}", quoted(&program), quoted(library), arguments.svars);
+    if !arguments.properties.is_empty() {
+        let properties: Vec<String> = arguments.properties.iter().map(f64::to_string).collect();
+        command.push_str(&format!(" --properties={}", properties.join(",")));
+    }
+    if let Some(convention) = convention {
+        command.push_str(&format!(" --columns {}", convention.columns.join(",")));
+    }
+    Ok(command)
+}
+
 /// Checks a routine and writes the report.
 pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
-    let definition = definition_of(&arguments.of)?;
-    let command = match (&arguments.python, &arguments.with) {
-        (Some(routine), _) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
-        (None, with) => with.clone().unwrap_or_default(),
+    if arguments.header {
+        return Ok(io::stdout().lock().write_all(pintle_element::HEADER.as_bytes())?);
+    }
+    let definition = definition_of(arguments.of.as_deref().unwrap_or_default())?;
+    let convention = arguments.convention.as_deref().map(convention).transpose()?;
+    let command = match (&arguments.python, &arguments.library, &arguments.with) {
+        (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
+        (None, Some(library), _) => library_command(library, arguments, convention.as_ref())?,
+        (None, None, with) => with.clone().unwrap_or_default(),
     };
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
     let settings = pintle_audit::Settings {
@@ -143,10 +202,10 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         atlas: false,
         ..pintle_audit::Settings::default()
     };
-    let convention = arguments.convention.as_deref().map(convention).transpose()?;
-    let checked = Process::start(&command, patience).and_then(|process| {
-        pintle_check::check(process, &definition, (settings, arguments.histories), convention.as_ref())
-    });
+    let springs = arguments.springs.unwrap_or_default();
+    let asked = Asked { settings, histories: arguments.histories, convention, springs };
+    let checked = Process::start(&command, patience)
+        .and_then(|process| pintle_check::check(process, &definition, asked));
     let mut checked =
         checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
     // A counter-example would ask pintle again, not the routine.
@@ -164,4 +223,28 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     write(arguments.format, arguments.verbose, &checked.report)?;
     verdict(&checked.report)?;
     if checked.report.is_open() { Err(Failure::Undecided) } else { Ok(()) }
+}
+
+/// A shared library that is asked by the protocol.
+#[derive(Debug, Args)]
+pub(crate) struct Element {
+    library: PathBuf,
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_parser = super::finite)]
+    properties: Vec<f64>,
+    #[arg(long, default_value_t = 0)]
+    svars: usize,
+    #[arg(long, value_delimiter = ',')]
+    columns: Vec<String>,
+}
+
+/// Answers from a shared library until it is closed.
+pub(crate) fn serve(element: &Element) -> Result<(), Failure> {
+    let Element { library, properties, svars, columns } = element;
+    let options = pintle_element::Options {
+        library: library.clone(),
+        properties: properties.clone(),
+        svars: *svars,
+        columns: columns.clone(),
+    };
+    pintle_element::serve(&options, io::stdin().lock(), io::stdout()).map_err(Failure::Input)
 }

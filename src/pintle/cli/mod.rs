@@ -69,7 +69,10 @@ pub(crate) enum Command {
     /// Audit the catalogue, or scenes: are kinematics, forces and slopes right, and would an error have been noticed?
     Audit(Box<audit::Audit>),
     /// Check somebody's element routine, in any language: which entry is wrong, and why?
-    Check(check::Check),
+    Check(Box<check::Check>),
+    /// Ask a shared library by the protocol
+    #[command(hide = true)]
+    Element(check::Element),
     /// Judge the state of a counter-example again
     Replay(replay::Replay),
     /// Measure what values, Jacobians and Hessians cost on this machine, at which error

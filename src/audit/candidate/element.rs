@@ -1,0 +1,87 @@
+//! The nodal forces of a whole element whose components are springs, and their derivatives: what a user element gives.
+//!
+//! Its energy is E = ½ Σ_k D_k c_k², c_k being the residual of a constrained component and the displacement of any other. So
+//! p_j = Σ_k D_k c_k ∂_j c_k, and the second derivatives of E along exp(δθ^) C are Σ_k D_k (∂_i c_k ∂_j c_k + c_k ∂_ij c_k). The
+//! derivatives of p along spatial rotations have −½ M^ besides in the rotations of each node, M the moment on it: successive
+//! rotations do not commute.
+
+use super::given::{Element, Tangent};
+use crate::case::quantity::{Numbers, Quantity};
+use crate::judge::bound::Bound;
+use crate::judge::table::{Entry, ResultTable};
+use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B};
+use pintle_kinematics::scalar::{Real, Wide};
+
+/// The tables of what an element gave, from the right numbers of its components. A component without a stiffness bears nothing.
+pub(super) fn tables(
+    given: &Element,
+    springs: &[Option<f64>; 6],
+    kind: Tangent,
+    right: &Numbers<Wide>,
+    bound: &Bound,
+) -> Vec<ResultTable> {
+    let zero = Wide::from_f64(0.0);
+    let mut force = [(zero, 0.0); DOFS];
+    let mut slope = vec![(zero, 0.0); DOFS * DOFS];
+    let (first, second) = (Quantity::FirstDerivatives, Quantity::SecondDerivatives);
+    for (k, stiffness) in springs.iter().enumerate().filter_map(|(k, x)| Some((k, (*x)?))) {
+        let Some(value) = right.entries(Quantity::Value).get(k, 0) else { continue };
+        let d = Wide::from_f64(stiffness);
+        let row = |j: usize| right.entries(first).get(k, j).unwrap_or(zero);
+        let of_row = |j: usize| bound.scale(first, k, j);
+        let (size, of_value) = (value.to_f64().abs(), bound.scale(Quantity::Value, k, 0));
+        for (i, (entry, scale)) in force.iter_mut().enumerate() {
+            *entry = *entry + d * value * row(i);
+            *scale += stiffness.abs() * (size * of_row(i) + of_value * row(i).to_f64().abs());
+        }
+        for (n, (entry, scale)) in slope.iter_mut().enumerate() {
+            let (i, j) = (n / DOFS, n % DOFS);
+            let matrix = right.entries(second).get(k, n).unwrap_or(zero);
+            *entry = *entry + d * (row(i) * row(j) + value * matrix);
+            let [x, y] = [row(i), row(j)].map(|x| x.to_f64().abs());
+            let of_matrix = size * bound.scale(second, k, n) + of_value * matrix.to_f64().abs();
+            *scale += stiffness.abs() * (of_row(i) * y + x * of_row(j) + of_matrix);
+        }
+    }
+    if kind == Tangent::OfForces {
+        for at in [THETA_A, THETA_B] {
+            for axis in 0..3 {
+                let (moment, of_moment) = force[at + axis];
+                let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
+                // M^ has −M_axis at (i, j).
+                for (i, j, sign) in [(i, j, 1), (j, i, -1)] {
+                    let (entry, scale) = &mut slope[(at + i) * DOFS + at + j];
+                    *entry = *entry + moment * Wide::ratio(sign, 2);
+                    *scale += of_moment / 2.0;
+                }
+            }
+        }
+    }
+    let class = |j: usize| match j % (DOFS / 2) {
+        0..=2 => 0,
+        3..=5 => 1,
+        _ => 2,
+    };
+    let mut tables = Vec::new();
+    if let Some(got) = &given.forces {
+        let mut table = ResultTable::new(Quantity::ElementForces);
+        for (j, ((want, scale), got)) in force.iter().zip(got).enumerate() {
+            let name = format!("p on {}", DOF[j]);
+            table.rows.push(name.clone());
+            table.entries.push(Entry::new(name, *got, *want, *scale, (0, class(j), 0)));
+        }
+        tables.push(table);
+    }
+    if let Some(got) = &given.stiffness {
+        let mut table = ResultTable::new(Quantity::ElementStiffness);
+        table.rows = DOF.map(|name| format!("∂p on {name}")).to_vec();
+        table.columns = DOF.map(String::from).to_vec();
+        for (n, ((want, scale), got)) in slope.iter().zip(got.as_flattened()).enumerate() {
+            let (i, j) = (n / DOFS, n % DOFS);
+            let name = format!("∂(p on {})/∂{}", DOF[i], DOF[j]);
+            table.entries.push(Entry::new(name, *got, *want, *scale, (1, class(i), class(j))));
+        }
+        tables.push(table);
+    }
+    tables
+}

@@ -1,0 +1,235 @@
+//! A routine of `pintle_element.h`.
+
+use crate::Options;
+use crate::message::{Answer, Asked, OFFERS, names, number, numbers, out_of_domain, written};
+use libloading::Library;
+use serde_json::{Value, json};
+use std::ffi::{CStr, CString, c_char, c_int, c_uint};
+
+const COMPONENTS: usize = 6;
+const DOFS: usize = 14;
+
+/// What was not written: a NaN of a pattern that no computation makes.
+const NONE: f64 = f64::from_bits(0x7ff8_7069_6e74_6c65);
+
+#[repr(C)]
+struct Node {
+    x: [f64; 3],
+    u: [f64; 3],
+    triad: [f64; 9],
+    quaternion: [f64; 4],
+    rotation_vector: [f64; 3],
+    flow: f64,
+    increment: [f64; 3],
+    velocity: [f64; 7],
+    acceleration: [f64; 7],
+}
+
+#[repr(C)]
+struct Connector {
+    r#type: *const c_char,
+    x: [[f64; 3]; 2],
+    triad: [[f64; 9]; 2],
+    kind: [c_int; COMPONENTS],
+    springs: [f64; COMPONENTS],
+    flow_scale: f64,
+    planar: c_int,
+}
+
+#[repr(C)]
+struct State {
+    now: [Node; 2],
+    before: [Node; 2],
+    values_before: [f64; COMPONENTS],
+}
+
+type Row = [f64; DOFS];
+type Matrix = [Row; DOFS];
+
+#[repr(C)]
+struct Numbers {
+    values: [f64; COMPONENTS],
+    rows: [Row; COMPONENTS],
+    second_derivatives: [Matrix; COMPONENTS],
+    rates: [f64; COMPONENTS],
+    accelerations: [f64; COMPONENTS],
+    nodal_forces: [Row; COMPONENTS],
+    geometric_stiffness: [Matrix; COMPONENTS],
+    element_forces: Row,
+    element_stiffness: Matrix,
+}
+
+type Element = unsafe extern "C" fn(*const Connector, *const State, c_uint, *mut f64, *mut Numbers) -> c_int;
+
+/// A routine of `pintle_element.h`, and the connector that it is.
+pub(crate) struct Native {
+    element: Element,
+    offers: u32,
+    svars: usize,
+    convention: Value,
+    width: usize,
+    name: CString,
+    definition: Value,
+}
+
+impl Native {
+    /// The routine of a library, if it has one.
+    ///
+    /// # Errors
+    /// In words, what it lacks.
+    pub(crate) fn of(library: &Library, options: &Options) -> Result<Option<Self>, String> {
+        #[expect(unsafe_code, reason = "a function and three variables of the user's library")]
+        // SAFETY: their types are those that the header declares; the library is never unloaded.
+        let (element, offers, svars, convention) = unsafe {
+            let Ok(element) = library.get::<Element>(b"pintle_element\0") else { return Ok(None) };
+            let offers = library.get::<*const c_uint>(b"pintle_offers\0");
+            let offers = offers.map_err(|_| "the library does not define pintle_offers".to_string())?;
+            let svars = library.get::<*const c_int>(b"pintle_svars\0").map_or(0, |count| **count);
+            let convention = library.get::<*const *const c_char>(b"pintle_convention\0").ok();
+            let convention = convention.filter(|text| !(**text).is_null() && !(***text).is_null());
+            let convention = convention.map(|text| CStr::from_ptr(**text).to_string_lossy().into_owned());
+            (*element, **offers, svars, convention)
+        };
+        let convention = convention.map_or(Ok(json!({})), |text| serde_json::from_str(&text));
+        let convention: Value = convention.map_err(|error| format!("pintle_convention: {error}"))?;
+        let own = || convention.get("columns").and_then(Value::as_array).map_or(DOFS, Vec::len);
+        let width = if options.columns.is_empty() { own() } else { options.columns.len() };
+        let svars = usize::try_from(svars).map_err(|_| format!("pintle_svars is {svars}"))?;
+        Ok(Some(Self {
+            element,
+            offers,
+            svars,
+            convention,
+            width: width.min(DOFS),
+            name: CString::default(),
+            definition: Value::Null,
+        }))
+    }
+
+    pub(crate) fn hello(&self) -> Value {
+        let (offers, memory) = (names(self.offers), self.svars > 0);
+        json!({
+            "protocol": "pintle-candidate/1", "name": "pintle_element", "offers": offers,
+            "convention": self.convention, "memory": memory,
+        })
+    }
+
+    pub(crate) fn open(&mut self, open: &Value) -> Result<(), String> {
+        let name = open.get("type").and_then(Value::as_str).unwrap_or_default();
+        self.name = CString::new(name).map_err(|error| error.to_string())?;
+        self.definition = open.clone();
+        Ok(())
+    }
+
+    fn connector(&self) -> Connector {
+        let open = &self.definition;
+        let of = |node: &str, key: &str| open.pointer(&format!("/initial/{node}/{key}"));
+        let kind = |k: usize| match open.pointer(&format!("/components/{k}/kind")).and_then(Value::as_str) {
+            Some("constrained") => 1,
+            Some(_) => 0,
+            None => -1,
+        };
+        Connector {
+            r#type: self.name.as_ptr(),
+            x: ["a", "b"].map(|node| numbers(of(node, "x"))),
+            triad: ["a", "b"].map(|node| numbers(of(node, "triad"))),
+            kind: std::array::from_fn(kind),
+            springs: numbers(open.get("springs")),
+            flow_scale: number(open.get("flow_scale")),
+            planar: c_int::from(open.get("planar") == Some(&Value::Bool(true))),
+        }
+    }
+
+    pub(crate) fn evaluate(&self, asked: &Asked<'_>) -> Answer {
+        let connector = self.connector();
+        let node = |of: Option<&Value>| {
+            let key = |key: &str| of.and_then(|of| of.get(key));
+            let rates = |kind: &str| {
+                let [x, y, z] = numbers(key(kind));
+                let [p, q, r] = numbers(key(&format!("angular_{kind}")));
+                [x, y, z, p, q, r, number(key(&format!("flow_{kind}")))]
+            };
+            Node {
+                x: numbers(key("x")),
+                u: numbers(key("u")),
+                triad: numbers(key("triad")),
+                quaternion: numbers(key("quaternion")),
+                rotation_vector: numbers(key("rotation_vector")),
+                flow: number(key("flow")),
+                increment: numbers(key("increment")),
+                velocity: rates("velocity"),
+                acceleration: rates("acceleration"),
+            }
+        };
+        let before = asked.state.get("previous");
+        let state = State {
+            now: ["a", "b"].map(|name| node(asked.state.get(name))),
+            before: ["a", "b"].map(|name| node(before.and_then(|before| before.get(name)))),
+            values_before: numbers(before.and_then(|before| before.get("values"))),
+        };
+        let kept = before.and_then(|before| before.get("memory")).and_then(Value::as_array);
+        let mut svars: Vec<f64> =
+            (0..self.svars).map(|i| number(kept.and_then(|kept| kept.get(i)))).collect();
+        let mut found = Box::new(Numbers {
+            values: [NONE; COMPONENTS],
+            rows: [[NONE; DOFS]; COMPONENTS],
+            second_derivatives: [[[NONE; DOFS]; DOFS]; COMPONENTS],
+            rates: [NONE; COMPONENTS],
+            accelerations: [NONE; COMPONENTS],
+            nodal_forces: [[NONE; DOFS]; COMPONENTS],
+            geometric_stiffness: [[[NONE; DOFS]; DOFS]; COMPONENTS],
+            element_forces: [NONE; DOFS],
+            element_stiffness: [[NONE; DOFS]; DOFS],
+        });
+        #[expect(unsafe_code, reason = "the user's routine is called")]
+        // SAFETY: the pointers are to live values of the types that the header declares, and the routine may write to svars (as many as it
+        // said) and to the numbers alone. What it does besides ends this process, and no other.
+        let code = unsafe {
+            (self.element)(
+                &raw const connector,
+                &raw const state,
+                asked.wants,
+                svars.as_mut_ptr(),
+                &raw mut *found,
+            )
+        };
+        if code != 0 {
+            return out_of_domain(format!("pintle_element returned {code}"));
+        }
+        let mut answer = Answer::new();
+        for (name, bit) in OFFERS {
+            if asked.wants & bit != 0 {
+                answer.insert(name.to_string(), self.written(name, &found));
+            }
+        }
+        if self.svars > 0 {
+            answer.insert("memory".to_string(), svars.into_iter().map(written).collect());
+        }
+        answer
+    }
+
+    fn written(&self, name: &str, of: &Numbers) -> Value {
+        let is_none = |x: &f64| x.to_bits() == NONE.to_bits();
+        let scalar = |x: &f64| if is_none(x) { Value::Null } else { written(*x) };
+        let row = |row: &Row| {
+            let row = row.get(..self.width).unwrap_or(row);
+            if row.iter().all(is_none) { Value::Null } else { row.iter().map(|x| written(*x)).collect() }
+        };
+        let matrix = |matrix: &Matrix| {
+            let lines = matrix.get(..self.width).unwrap_or(matrix);
+            let lines: Vec<Value> = lines.iter().map(row).collect();
+            if lines.iter().all(Value::is_null) { Value::Null } else { lines.into() }
+        };
+        match name {
+            "values" => of.values.iter().map(scalar).collect(),
+            "rates" => of.rates.iter().map(scalar).collect(),
+            "accelerations" => of.accelerations.iter().map(scalar).collect(),
+            "rows" => of.rows.iter().map(row).collect(),
+            "nodal_forces" => of.nodal_forces.iter().map(row).collect(),
+            "second_derivatives" => of.second_derivatives.iter().map(matrix).collect(),
+            "geometric_stiffness" => of.geometric_stiffness.iter().map(matrix).collect(),
+            "element_forces" => row(&of.element_forces),
+            _ => matrix(&of.element_stiffness),
+        }
+    }
+}
