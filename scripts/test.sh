@@ -20,6 +20,15 @@ if ! command -v chromium chromium-browser google-chrome > /dev/null; then
     fi
 fi
 
+# Compilers build the routines of docs/how-to/check-c-and-fortran.md; without them that page is not run.
+if ! command -v gfortran > /dev/null; then
+    if [ -z "${CI:-}" ]; then
+        echo "scripts/test.sh: no gfortran: no user element will be checked (on Debian: apt install gfortran)" >&2
+    elif [ "$(id -u)" = 0 ] && command -v apt-get > /dev/null; then
+        apt-get update -qq && apt-get install -qq -y --no-install-recommends gcc gfortran > /dev/null
+    fi
+fi
+
 if [ ! -x .venv/bin/pip ]; then
     python3 -m venv .venv || {
         echo "scripts/test.sh: python3 could not make a virtual environment (on Debian: apt install python3-venv)" >&2

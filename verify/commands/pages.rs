@@ -147,6 +147,9 @@ fn pages_show_what_their_commands_print() {
     pages.extend(how_to.map(|entry| entry.expect("a page").path()));
     let (mut commands, mut wrong) = (0, Vec::new());
     for page in &pages {
+        if !can_run(&fs::read_to_string(page).expect("the page")) {
+            continue;
+        }
         let (ran, found) = check(page);
         assert!(ran > 1, "{}: {ran} commands", page.display());
         commands += ran;
