@@ -72,11 +72,7 @@ fn run(command: &str, folder: &Path) -> Output {
         "cat" | "cc" | "gfortran" => Command::new(program),
         other => panic!("the pages run pintle, python3, cat and compilers, not {other}"),
     };
-    command
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("COLUMNS")
-        .env("NO_COLOR", "1");
+    command.args(arguments).current_dir(folder).env_remove("COLUMNS").env("NO_COLOR", "1");
     let mut output = command.output().expect("it runs");
     if let Some(file) = file {
         fs::write(folder.join(file), std::mem::take(&mut output.stdout)).expect("a file");

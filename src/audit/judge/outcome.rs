@@ -269,6 +269,11 @@ impl Check {
         matches!(self.against, Against::Oracle(oracle) if oracle.is_independent())
     }
 
+    /// At how many states it judged.
+    pub fn judged(&self) -> u64 {
+        self.states.values().sum()
+    }
+
     /// At how many states an independent oracle decided, one way or the other.
     fn judged_independently(&self) -> u64 {
         let is_decided = |verdict: &Verdict| !matches!(verdict, Verdict::Undecided | Verdict::Singular);

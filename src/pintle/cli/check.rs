@@ -3,7 +3,7 @@
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
 use super::tell::complain;
-use super::{Failure, connection};
+use super::{Failure, connection, page_width};
 use clap::{ArgGroup, Args};
 use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
@@ -11,7 +11,7 @@ use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -212,15 +212,27 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     for check in checked.report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
         check.failing = None;
     }
+    let mut notes = Vec::new();
     if !checked.not_offered.is_empty() {
-        complain("note", &format!("not offered, and not judged: {}", checked.not_offered.join(", ")));
+        notes.push(format!("not offered, and not judged: {}", checked.not_offered.join(", ")));
     }
     if checked.outside > 0 {
-        let message =
-            format!("{} of {} states are outside the domain of the routine", checked.outside, checked.states);
-        complain("note", &message);
+        notes.push(format!(
+            "{} of {} states are outside the domain of the routine",
+            checked.outside, checked.states
+        ));
     }
-    write(arguments.format, arguments.verbose, &checked.report)?;
+    if matches!(arguments.format, AuditFormat::Human) {
+        let mut out = BufWriter::new(anstream::stdout().lock());
+        let of = definition.connection.name.as_ref();
+        pintle_report::audit::checked(&mut out, &checked.report, of, &notes, page_width(&io::stdout()))?;
+        out.flush()?;
+    } else {
+        notes.iter().for_each(|note| complain("note", note));
+    }
+    if arguments.verbose || !matches!(arguments.format, AuditFormat::Human) {
+        write(arguments.format, arguments.verbose, &checked.report)?;
+    }
     verdict(&checked.report)?;
     if checked.report.is_open() { Err(Failure::Undecided) } else { Ok(()) }
 }

@@ -81,7 +81,7 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
     self_test(out, report)
 }
 
-fn word(verdict: Verdict) -> String {
+pub(super) fn word(verdict: Verdict) -> String {
     let verdict = verdict.headline();
     if verdict.is_mismatch() { styled(CARE, verdict.name()) } else { verdict.name().to_string() }
 }
@@ -170,7 +170,7 @@ fn cells(row: SubjectRow) -> Vec<String> {
     cells
 }
 
-fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
+pub(super) fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Result<()> {
     let of = check.quantity.map_or_else(String::new, |quantity| format!("{} against ", quantity.name()));
     let states: Vec<String> =
         check.states.iter().map(|(verdict, n)| format!("{} {n}", verdict.name())).collect();

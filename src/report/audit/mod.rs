@@ -1,5 +1,6 @@
 //! Reports of an audit: for reading, as JSON, as JUnit XML, as Markdown, as HTML.
 
+mod checked;
 mod groups;
 mod html;
 mod human;
@@ -8,6 +9,7 @@ mod markdown;
 mod model;
 mod summary;
 
+pub use checked::checked;
 pub(crate) use html::figure;
 pub use html::{Audited, Supplement, figures, html};
 pub use human::human;
