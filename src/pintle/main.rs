@@ -48,6 +48,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Schema { of } => cli::convert::schema(*of),
         Command::Audit(arguments) => cli::audit::run(arguments, files),
         Command::Check(arguments) => cli::check::run(arguments),
+        Command::States(arguments) => cli::states::run(arguments, files),
         Command::Element(arguments) => cli::check::serve(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments, files),
         Command::Bench(arguments) => cli::bench::run(arguments, files),

@@ -160,6 +160,22 @@ impl<'a> Candidate<'a> {
         coverage
     }
 
+    /// The states at which a routine of this name is asked, each with the path that leads there.
+    pub fn drawn(&self) -> Vec<Case> {
+        self.cases().map(|(_, case)| case).collect()
+    }
+
+    /// One history of so many small increments, through half a turn and whole ones. `None` where an end of the connector does not turn.
+    pub fn history(&self, states: usize) -> Option<Case> {
+        let mut draw = Draw::new(&format!("{} {} history", self.settings.seed, self.name));
+        along_initial(self.definition, self.length(), self.name, Some(states), &mut draw)
+    }
+
+    fn length(&self) -> f64 {
+        let length = norm(self.definition.initial.reference).max(self.reference_length);
+        if length > 0.0 { length } else { 1.0 }
+    }
+
     /// How many states lie near singular sets.
     fn near_singular_states(&self) -> usize {
         if has_sites(self.definition) { self.settings.near_singular_states } else { 0 }
@@ -169,8 +185,7 @@ impl<'a> Candidate<'a> {
     fn cases(&self) -> impl Iterator<Item = (usize, Case)> {
         let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
         let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.name));
-        let length = norm(self.definition.initial.reference).max(self.reference_length);
-        let length = if length > 0.0 { length } else { 1.0 };
+        let length = self.length();
         let regular = self.settings.states;
         let of_history = spread(regular, self.histories.min(regular));
         // A sixth of the states has special values, from the second on.
@@ -182,7 +197,7 @@ impl<'a> Candidate<'a> {
             let case = if i >= regular {
                 near_initial(self.definition, length, &name, &mut near)
             } else if i > 0 && of_history.contains(&i) {
-                along_initial(self.definition, length, &name, &mut draw)
+                along_initial(self.definition, length, &name, None, &mut draw)
             } else if let Some(n) = special.iter().position(|of_special| *of_special == i) {
                 special_initial(self.definition, n, length, &name, &mut draw)
             } else {

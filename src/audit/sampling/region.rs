@@ -505,10 +505,16 @@ pub fn special_initial(
     (is_principal && case.is_clear(CLEAR, CLEAR)).then_some(case)
 }
 
-/// The end of a history of a connector, in increments of at most 0.6 rad: b turned against a by 3.3 to 20 rad about an axis about which it
-/// may turn without end, a turned and both moved besides. A type that holds all rotations turns as a whole. `None` where an end does not
+/// The end of a history of a connector, in increments of at most 0.6 rad: b turned against a by 3.3 to 20 rad, or by 0.35 rad for each of so
+/// many states, about an axis about which it may turn without end, a turned and both moved besides. A type that holds all rotations turns as a whole. `None` where an end does not
 /// turn, or where a singular set is in the way.
-pub fn along_initial(definition: &Definition, length: f64, name: &str, draw: &mut Draw) -> Option<Case> {
+pub fn along_initial(
+    definition: &Definition,
+    length: f64,
+    name: &str,
+    states: Option<usize>,
+    draw: &mut Draw,
+) -> Option<Case> {
     const CLEAR: f64 = 0.01;
     let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
     let connection = &definition.connection;
@@ -519,7 +525,7 @@ pub fn along_initial(definition: &Definition, length: f64, name: &str, draw: &mu
     (0..ATTEMPTS).find_map(|_| {
         let axis = spin_axis(connection, &definition.initial.a.triad, draw);
         let axis = if definition.planar { [0.0, 0.0, 1.0] } else { axis };
-        let size = draw.between(3.3, 20.0);
+        let size = states.map_or_else(|| draw.between(3.3, 20.0), |states| 0.35 * states as f64);
         let turned = scale(axis, if draw.unit() < 0.5 { -size } else { size });
         let mut motion = Motion::random(draw, length, turned);
         motion.common = scale(motion.common, 0.5);
@@ -532,7 +538,7 @@ pub fn along_initial(definition: &Definition, length: f64, name: &str, draw: &mu
             }
             (motion.common, motion.spin) = ([0.0, 0.0, motion.common[2]], [0.0, 0.0, motion.spin[2]]);
         }
-        motion.steps = (size / 0.35).ceil() as usize;
+        motion.steps = states.unwrap_or((size / 0.35).ceil() as usize);
         let mut path = motion.path(&definition.initial);
         let end = path.last_mut()?;
         end.state.velocity = rates(definition, length, draw);

@@ -7,10 +7,12 @@ use super::{Failure, connection, page_width};
 use clap::{ArgGroup, Args};
 use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
+use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
+use pintle_scene::Label;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -39,12 +41,17 @@ there. CONVENTION = {\"turns\": \"principal\"} says that angles do not go on.
 OFFERS names what else it gives: rates, accelerations, second_derivatives,
 nodal_forces, geometric_stiffness. The third argument is what is wanted now.
 
-A routine in another language prints hello, opened and answers as JSON lines.
+--library FILE loads a shared library in a process of its own: a routine of
+pintle_element.h (--header prints it), or an Abaqus user element of two nodes,
+which is judged as springs along the components (--springs).
+
+A routine in any other language prints hello, opened and answers as JSON lines.
 A state that it does not cover is answered by {\"out_of_domain\": \"why\"}.
 
 Examples:
   pintle check AXIAL --python my_elements:axial
   pintle check model.inp:106 --with './my_element --json'
+  pintle check AXIAL --library ./uel.so --springs 250 --properties 250
   pintle check \"CARTESIAN CARDAN\" --with 'python3 bushing.py' --format junit
 
 Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.";
@@ -128,8 +135,29 @@ fn springs(text: &str) -> Result<Springs, String> {
     Ok(found)
 }
 
-/// The connector that the routine is to be.
-fn definition_of(name: &str) -> Result<Definition, Failure> {
+/// A connector that is named on the command line.
+pub(crate) struct Subject {
+    pub(crate) definition: Definition,
+    /// Its nodes; of a type 1 and 2.
+    pub(crate) nodes: [Option<Label>; 2],
+    pub(crate) is_of_scene: bool,
+}
+
+/// A connection type, or two basic ones: `CARTESIAN, CARDAN`, `CARTESIAN + CARDAN` or `CARTESIAN CARDAN`.
+fn type_of(name: &str) -> Result<ConnectionType, Failure> {
+    let name = name.trim();
+    let apart = name.split_once([',', '+']).map(|(one, other)| (one.trim(), other.trim()));
+    if let Some((one, other)) = apart {
+        return connection(one, Some(other));
+    }
+    // A name may have a space of its own.
+    let spaces = name.match_indices(' ').map(|(at, _)| (name[..at].trim(), name[at..].trim()));
+    let of_two = || spaces.into_iter().find_map(|(one, other)| connection(one, Some(other)).ok());
+    connection(name, None).or_else(|failure| of_two().ok_or(failure))
+}
+
+/// The connector of a TYPE, or of SCENE:ELEMENT.
+pub(crate) fn subject(name: &str) -> Result<Subject, Failure> {
     // The last colon: a gallery scene has one of its own.
     if let Some((scene, element)) = name.rsplit_once(':').filter(|(scene, _)| *scene != "gallery") {
         let source = source(scene)?;
@@ -143,15 +171,20 @@ fn definition_of(name: &str) -> Result<Definition, Failure> {
                 "{element} names {count} connectors: name one by its element number"
             )));
         };
-        return Ok(model.connectors[*one].definition());
+        let element = &model.connectors[*one];
+        return Ok(Subject {
+            definition: element.definition(),
+            nodes: element.nodes.clone(),
+            is_of_scene: true,
+        });
     }
-    let mut names = name.split([' ', ',', '+']).filter(|part| !part.is_empty());
-    let connection = connection(names.next().unwrap_or_default(), names.next())?;
+    let connection = type_of(name)?;
     // Both triads are oblique, and satisfy what the type constrains.
     let draw = &mut Draw::new("the connector of a check");
     let a = so3::turn([0.4, -0.3, 0.7]);
     let relative = aligned(&connection, draw);
-    Ok(definition(&connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2))
+    let definition = definition(&connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2);
+    Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
 }
 
 /// The conventions that a file declares.
@@ -186,7 +219,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     if arguments.header {
         return Ok(io::stdout().lock().write_all(pintle_element::HEADER.as_bytes())?);
     }
-    let definition = definition_of(arguments.of.as_deref().unwrap_or_default())?;
+    let Subject { definition, .. } = subject(arguments.of.as_deref().unwrap_or_default())?;
     let convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,

@@ -371,6 +371,7 @@ fn walk(
             sequence.set_velocities(Velocities::Increments);
         }
         sequence.set_conditions((&arguments.conditions).into());
+        let start = arguments.independent.then(|| sequence.clone());
         let [first, last] =
             [numbers.first(), numbers.last()].map(|number| number.copied().unwrap_or_default());
         format.scene(&Subject { scene, model, plan, states: numbers.len(), shown, first, last })?;
@@ -385,6 +386,9 @@ fn walk(
                 let index = numbers.get(done).copied().unwrap_or_default();
                 progress.tick(&scene.name, done, numbers.len());
                 done += 1;
+                if let Some(start) = &start {
+                    sequence.clone_from(start);
+                }
                 if is_shown(&index) {
                     if let Some(file) = arguments.jacobian.as_ref().filter(|_| last_shown == Some(index)) {
                         let told = save_jacobian(

@@ -12,6 +12,7 @@ pub(crate) mod manual;
 pub(crate) mod replay;
 mod save;
 mod show;
+pub(crate) mod states;
 pub(crate) mod tell;
 
 pub(crate) use failure::Failure;
@@ -70,6 +71,8 @@ pub(crate) enum Command {
     Audit(Box<audit::Audit>),
     /// Check somebody's element routine, in any language: which entry is wrong, and why?
     Check(Box<check::Check>),
+    /// Write states for a harness of your own: about the initial one, near singular sets, along a history
+    States(states::States),
     /// Ask a shared library by the protocol
     #[command(hide = true)]
     Element(check::Element),
@@ -283,6 +286,9 @@ pub(crate) struct Eval {
     /// States of the nodes (.csv or .json), evaluated in order; without it, those of the scene, or the initial state
     #[arg(long, value_name = "FILE", requires = "scene")]
     states: Option<PathBuf>,
+    /// Each state follows the initial one, not the one before: no turn, friction or damage is carried on
+    #[arg(long, requires = "scene", conflicts_with_all = ["resume", "save_branches"])]
+    independent: bool,
     /// Component forces of connectors (.csv or .json), as an FE code exports them: gives nodal forces (see below)
     #[arg(long, value_name = "FILE", requires = "scene")]
     forces: Option<PathBuf>,
