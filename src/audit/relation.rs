@@ -15,6 +15,7 @@
 use crate::case::failing::{Failing, RelationCase};
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
+use crate::judge::conditioned::{CLEAR, Least};
 use crate::judge::outcome::{Against, Check};
 use crate::judge::table::{Change, Entry, ResultTable};
 use crate::judge::verdict::Score;
@@ -143,6 +144,25 @@ impl RelationCase {
         [vec![f], first, vec![rate], vec![faster]]
     }
 
+    /// From which sizes on numbers of a row are significant, in units of S, where it is well-conditioned: an equation has any unit. Second
+    /// derivatives are no larger than what is turned.
+    fn least(&self, row: &Row<f64>) -> Option<Least> {
+        let columns = self.relation.columns();
+        let sized = |of: &dyn Fn((usize, u8)) -> f64| -> f64 {
+            columns.iter().zip(&row.gradient).map(|(column, slope)| slope.abs() * of(*column)).sum()
+        };
+        let (s, inputs) = (sized(&|(_, number)| self.size(number)), sized(&|column| self.input(column)));
+        let fastest = |of: fn(&Point<f64>) -> &[f64; 7]| {
+            let rate = |(place, number): &(usize, u8)| {
+                of(&self.nodes[*place])[place_of(*number)].abs() / self.size(*number)
+            };
+            columns.iter().map(rate).fold(0.0, f64::max)
+        };
+        let rates = [fastest(|point| &point.velocity), fastest(|point| &point.acceleration)];
+        let is_plain = s > 0.0 && inputs <= 30.0 * s && self.nearness() >= CLEAR;
+        is_plain.then(|| Least::of((row.residual, s, s), s, rates)).flatten()
+    }
+
     /// Why nobody can say what the numbers must be, at some states.
     fn undetermined(&self) -> Option<&'static str> {
         if self.relation.to_half_turn(&self.nodes).is_some_and(|distance| distance < UNDETERMINED) {
@@ -213,7 +233,7 @@ impl RelationCase {
                 vec![row.rate.unwrap_or(f64::NAN)],
                 vec![row.acceleration.unwrap_or(f64::NAN)],
             ];
-            let scales = self.scales(row);
+            let (scales, least) = (self.scales(row), self.least(row));
             for (((table, scales), got), wanted) in tables.iter_mut().zip(scales).zip(numbers).zip(wanted) {
                 let row_name = match table.quantity {
                     Quantity::FirstDerivatives => format!("∂{name}"),
@@ -232,7 +252,14 @@ impl RelationCase {
                         _ => (row_name.clone(), scales.first().copied().unwrap_or_default(), 0),
                     };
                     let class = (usize::from(unit == Unit::Angle), class, 0);
-                    table.entries.push(Entry::new(entry_name, got, want, scale, class));
+                    let size = match table.quantity {
+                        Quantity::FirstDerivatives => self.size(columns[sampled[i]].1),
+                        _ => 1.0,
+                    };
+                    let is_demanded = least.is_some_and(|least| least.demands(table.quantity, got, size));
+                    table
+                        .entries
+                        .push(Entry { is_demanded, ..Entry::new(entry_name, got, want, scale, class) });
                 }
                 table.rows.push(row_name);
             }
@@ -564,8 +591,12 @@ impl RelationCase {
             let asked = Asked::of(&numbers, all);
             let mut score = Score::default();
             for (table, made) in tables.iter().zip(&made) {
-                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) =
-                    (&size, &|_, _, _, _| false);
+                let is_demanded = |quantity: Quantity, k: usize, at: usize, _: f64| {
+                    let is_row = quantity == Quantity::FirstDerivatives;
+                    let i = if is_row { sampled.iter().position(|of| *of == at) } else { Some(at) };
+                    i.is_some_and(|i| ResultTable::demands(tables, quantity, k, i))
+                };
+                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) = (&size, &is_demanded);
                 score.merge(try_mutants(table.quantity, &numbers, &asked.demands, made, around));
             }
             let mut check = Check::new(None, Against::Law(law));

@@ -121,3 +121,20 @@ fn planted_mistakes_are_wrong() {
     }
     assert_eq!(found, 5 * FORMS.len());
 }
+
+/// Tolerances that are a billion times too wide fail the self-test, whatever passes within them.
+#[test]
+fn tolerances_that_are_too_wide_are_noticed() {
+    let (mut tables, mut survivors) = (0, 0);
+    for form in FORMS {
+        let case = case(form, 0);
+        for mut table in case.tables() {
+            assert_eq!(table.check(true, &case.name, None).score.survived, 0, "{}", case.name);
+            table.entries.iter_mut().for_each(|entry| entry.scale *= 1e9);
+            tables += 1;
+            survivors += usize::from(table.check(true, &case.name, None).score.survived > 0);
+        }
+    }
+    println!("{survivors} of {tables}");
+    assert!(tables >= 4 * FORMS.len() && 4 * survivors >= 3 * tables, "{survivors} of {tables}");
+}

@@ -25,6 +25,53 @@ pub const NOTICED: f64 = 1e-9;
 /// The part of a size from which on an entry is significant.
 const SIGNIFICANT: f64 = 1e-3;
 
+/// How far from its singular sets, in radians or lengths, a function is well-conditioned.
+pub(crate) const CLEAR: f64 = 0.1;
+
+/// The sizes from which on numbers of a well-conditioned function are significant: derivatives in units of the degrees of freedom; 0
+/// where nothing is demanded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Least {
+    pub(crate) value: f64,
+    pub(crate) derivative: f64,
+    pub(crate) rate: f64,
+    pub(crate) acceleration: f64,
+}
+
+impl Least {
+    /// Of f, S and S₂, the unit of f, and the largest rates of the degrees of freedom in their units; `None` where it is not
+    /// well-conditioned.
+    pub(crate) fn of(
+        (f, s, s2): (f64, f64, f64),
+        unit: f64,
+        [velocity, acceleration]: [f64; 2],
+    ) -> Option<Self> {
+        const LEAST: f64 = 1e-15;
+        let is_plain = f.abs() <= 10.0 * unit && (0.3..=30.0).contains(&(s / unit)) && s2 <= 30.0 * s;
+        // A rate that is nothing beside what the acceleration makes of it in no time is not told by differences in time.
+        let moves = velocity >= LEAST * acceleration.sqrt();
+        is_plain.then_some(Self {
+            value: SIGNIFICANT * unit,
+            derivative: SIGNIFICANT * s,
+            rate: if moves { SIGNIFICANT * s * velocity } else { 0.0 },
+            acceleration: SIGNIFICANT * (s * acceleration + (s + s2) * velocity * velocity),
+        })
+    }
+
+    /// Whether a relative error of [`NOTICED`] must be noticed on a number of a quantity, `size` being that of the degrees of freedom by
+    /// which it is a derivative.
+    pub(crate) fn demands(&self, quantity: Quantity, entry: f64, size: f64) -> bool {
+        let least = match quantity {
+            Quantity::Value => self.value,
+            Quantity::FirstDerivatives | Quantity::SecondDerivatives => self.derivative,
+            Quantity::Rate => self.rate,
+            Quantity::Acceleration => self.acceleration,
+            _ => 0.0,
+        };
+        least > 0.0 && entry.abs() * size >= least
+    }
+}
+
 /// The sizes from which on entries are significant; none of a component that is not well-conditioned.
 #[derive(Clone, Debug, Default)]
 pub struct Conditioned {
@@ -36,8 +83,6 @@ pub struct Conditioned {
 impl Conditioned {
     /// Of numbers at the end of a case; `units` are those of the components, `nearness` their distances to singular sets.
     pub fn new(numbers: &Numbers<f64>, case: &Case, units: &[Option<Unit>; 6], nearness: &[f64; 6]) -> Self {
-        const CLEAR: f64 = 0.1;
-        const LEAST: f64 = 1e-15;
         let mut found = Self { length: case.length, ..Self::default() };
         let Some(state) = case.last().map(|step| step.state) else { return found };
         let size = |j: usize| dof_size(j, case.length);
@@ -54,28 +99,24 @@ impl Conditioned {
             let Some(unit) = units[k] else { continue };
             let unit = if unit == Unit::Length { case.length } else { 1.0 };
             let mut set = |quantity: Quantity, size: f64| {
-                found.least[quantity as usize][k] = (size > 0.0).then_some(SIGNIFICANT * size);
+                found.least[quantity as usize][k] = (size > 0.0).then_some(size);
             };
-            let is_plain = |s: f64, s2: f64| (0.3..=30.0).contains(&(s / unit)) && s2 <= 30.0 * s;
-            let value = numbers.entries(Quantity::Value).get(k, 0).filter(|value| value.abs() <= 10.0 * unit);
+            let value = numbers.entries(Quantity::Value).get(k, 0);
             let (first, second) = (sum(Quantity::FirstDerivatives, k), sum(Quantity::SecondDerivatives, k));
-            if let (Some(_), Some(s), Some(s2)) = (value, first, second)
-                && is_plain(s, s2)
+            if let (Some(value), Some(s), Some(s2)) = (value, first, second)
+                && let Some(least) = Least::of((value, s, s2), unit, [velocity, acceleration])
             {
-                set(Quantity::Value, unit);
-                set(Quantity::FirstDerivatives, s);
-                set(Quantity::SecondDerivatives, s);
-                // A rate that is nothing beside what the acceleration makes of it in no time is not told by differences in time.
-                if velocity >= LEAST * acceleration.sqrt() {
-                    set(Quantity::Rate, s * velocity);
-                }
-                set(Quantity::Acceleration, s * acceleration + (s + s2) * velocity * velocity);
+                set(Quantity::Value, least.value);
+                set(Quantity::FirstDerivatives, least.derivative);
+                set(Quantity::SecondDerivatives, least.derivative);
+                set(Quantity::Rate, least.rate);
+                set(Quantity::Acceleration, least.acceleration);
             }
             if let (Some(s), Some(s2)) = (sum(Quantity::NodalForces, k), sum(Quantity::GeometricStiffness, k))
-                && is_plain(s, s2)
+                && let Some(least) = Least::of((0.0, s, s2), unit, [0.0; 2])
             {
-                set(Quantity::NodalForces, s);
-                set(Quantity::GeometricStiffness, s);
+                set(Quantity::NodalForces, least.derivative);
+                set(Quantity::GeometricStiffness, least.derivative);
             }
         }
         found

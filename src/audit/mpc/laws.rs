@@ -502,8 +502,11 @@ impl MpcCase {
             let asked = Asked::of(&laws.given, all);
             let mut score = Score::default();
             for (quantity, made) in Self::QUANTITIES.iter().zip(&made) {
-                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) =
-                    (&size, &|_, _, _, _| false);
+                let is_demanded = |quantity: Quantity, equation: usize, i: usize, _: f64| {
+                    let row = laws.equations.iter().position(|of| *of == equation);
+                    row.is_some_and(|row| ResultTable::demands(tables, quantity, row, i))
+                };
+                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) = (&size, &is_demanded);
                 score.merge(try_mutants(*quantity, &laws.given, &asked.demands, made, around));
             }
             let mut check = Check::new(None, Against::Law(law));
@@ -612,6 +615,24 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Tolerances that are a billion times too wide fail the self-test of the oracles, whatever passes within them.
+    #[test]
+    fn tolerances_that_are_too_wide_are_noticed() {
+        let mut survivors = 0;
+        for kind in Kind::ALL {
+            let draw = &mut Draw::new(kind.name());
+            // Anywhere.
+            let case = drawn(kind, 0, draw);
+            for mut table in case.tables() {
+                let right = table.check(true, &case.name, None);
+                assert_eq!((right.verdict, right.score.survived), (Verdict::Pass, 0), "{}", case.name);
+                table.entries.iter_mut().for_each(|entry| entry.scale *= 1e9);
+                survivors += usize::from(table.check(true, &case.name, None).score.survived > 0);
+            }
+        }
+        assert!(survivors >= 5 * Kind::ALL.len() - 6, "{survivors}");
     }
 
     /// In each kind of number that a law speaks of, the wrong sign of the largest entry breaks it: what is wrong of the product breaks it as a

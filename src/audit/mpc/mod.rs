@@ -14,6 +14,7 @@ use crate::case::failing::MpcCase;
 use crate::case::is_still;
 use crate::case::quantity::Quantity;
 use crate::judge::bound::scales;
+use crate::judge::conditioned::{CLEAR, Least};
 use crate::judge::outcome::Check;
 use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::Verdict;
@@ -152,6 +153,24 @@ impl MpcCase {
         truth.on_the_sheet(&got.residual, &self.inputs(&got.taken))
     }
 
+    /// From which sizes on numbers of an equation are significant, where it is well-conditioned.
+    fn least(
+        &self,
+        unit: f64,
+        (value, gradient, matrix): (f64, &[f64], &[f64]),
+        (sizes, inputs, nearness): (&Dofs<f64>, &Dofs<f64>, f64),
+    ) -> Option<Least> {
+        let s: f64 = gradient.iter().zip(sizes).map(|(x, size)| x.abs() * size).sum();
+        let of = |i: usize| sizes[i / DOFS] * sizes[i % DOFS];
+        let s2: f64 = matrix.iter().enumerate().map(|(i, x)| x.abs() * of(i)).sum();
+        let fastest = |rates: &Dofs<f64>| {
+            rates.iter().zip(sizes).fold(0.0_f64, |most, (rate, size)| most.max(rate.abs() / size))
+        };
+        let is_plain = inputs.iter().zip(sizes).all(|(input, size)| *input <= 30.0 * size);
+        let rates = [fastest(&self.state.velocity), fastest(&self.state.acceleration)];
+        (nearness >= CLEAR && is_plain).then(|| Least::of((value, s, s2), unit, rates)).flatten()
+    }
+
     /// The numbers without mistakes.
     fn judged(&self) -> Vec<ResultTable> {
         let got = self.said();
@@ -198,6 +217,11 @@ impl MpcCase {
                 (&self.state.velocity, &self.state.acceleration),
                 truth.nearness[row],
             );
+            let least = self.least(
+                if matches!(Kind::row_unit(row), Unit::Length) { self.length } else { 1.0 },
+                (value.to_f64(), &narrow(&gradient), &bent),
+                (&truth.sizes, &self.inputs(&got.taken), truth.nearness[row]),
+            );
             let value_scale = scales[0].first().copied().unwrap_or(0.0);
             let [rate, acceleration] = [&rate, &acceleration].map(|of| vec![of[row].unwrap_or(zero)]);
             let wanted = [vec![value], gradient, matrix, rate, acceleration];
@@ -233,6 +257,12 @@ impl MpcCase {
                     let class = (row / 3, class.0, class.1);
                     let mut entry = Entry::new(name, got, want, scale, class);
                     entry.error = truth.own_error(table.quantity, value_scale, row);
+                    let size = match table.quantity {
+                        Quantity::FirstDerivatives => truth.sizes[i],
+                        Quantity::SecondDerivatives => truth.sizes[x] * truth.sizes[y],
+                        _ => 1.0,
+                    };
+                    entry.is_demanded = least.is_some_and(|least| least.demands(table.quantity, got, size));
                     let of_entry = sides.and_then(|sides| match table.quantity {
                         Quantity::FirstDerivatives => sides.first[i][row],
                         // The equations of one vector share their singular set: none of them has a gradient there.
