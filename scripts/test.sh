@@ -43,6 +43,12 @@ fi
 # After the environment: the tests run exported Python programs in it.
 cargo test --workspace --all-features
 
+# The Python package, built of what the tests have built.
+rm -rf target/wheels
+(cd python && PATH="$PWD/../.venv/bin:$PATH" maturin build --quiet --profile dev --features testing --out ../target/wheels)
+.venv/bin/pip install --quiet --disable-pip-version-check --no-deps --force-reinstall target/wheels/*.whl
+.venv/bin/python -m pytest --quiet -p no:cacheprovider python/tests
+
 proofs=scripts/proof/prove.py
 passed=0
 for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py scripts/*/*.py); do

@@ -19,7 +19,7 @@ mod session;
 pub use convention::{Angle, Convention, Frame, Stiffness, Storage, Turns, Variation};
 pub use process::{Misbehaviour, Patience, Process};
 pub use protocol::{OFFERS, PROTOCOL};
-pub use python::command as python_command;
+pub use python::{DRIVER, command as python_command};
 pub use session::{Door, Session};
 
 use pintle_audit::{Candidate, Question, Report, Settings};
@@ -51,6 +51,21 @@ pub struct Asked {
     pub convention: Option<Convention>,
     /// The stiffness D_k of each component of an element of springs.
     pub springs: [Option<f64>; 6],
+}
+
+impl Checked {
+    /// What was not judged, a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.not_offered.is_empty() {
+            notes.push(format!("not offered, and not judged: {}", self.not_offered.join(", ")));
+        }
+        if self.outside > 0 {
+            let (outside, states) = (self.outside, self.states);
+            notes.push(format!("{outside} of {states} states are outside the domain of the routine"));
+        }
+        notes
+    }
 }
 
 /// Asks a routine behind a door to be `definition`, and checks what it answers.

@@ -58,6 +58,12 @@ pub use num_dual;
 pub use pintle_kinematics::VERSION;
 pub use pintle_kinematics::{so3, vector};
 
+#[cfg(feature = "cli")]
+mod cli;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod command;
+
 /// Numbers that carry derivatives.
 pub mod scalar {
     pub use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded, U, Wide, elementary};

@@ -1,61 +1,7 @@
-//! The `pintle` command.
+//! The `pintle` program.
 
-mod cli;
-
-use clap::Parser;
-use cli::{Cli, Command, Failure, Files};
-use std::panic;
 use std::process::ExitCode;
-use std::thread::{self, ScopedJoinHandle};
-
-/// The exit code of an internal error.
-const INTERNAL_ERROR: u8 = 70;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    panic::set_hook(Box::new(|defect| {
-        cli::tell::complain("internal error", &format!("{defect}"));
-        cli::tell::complain(
-            "note",
-            "this is a defect of pintle; please report it with the command and its input",
-        );
-        std::process::exit(INTERNAL_ERROR.into());
-    }));
-    let outcome = thread::scope(|scope| {
-        let thread = thread::Builder::new().stack_size(cli::STACK);
-        thread.spawn_scoped(scope, || run(&cli)).map(ScopedJoinHandle::join)
-    });
-    match outcome {
-        Ok(Ok(Ok(()))) => ExitCode::SUCCESS,
-        Ok(Ok(Err(failure))) => failure.report(),
-        Ok(Err(_)) => ExitCode::from(INTERNAL_ERROR),
-        Err(error) => {
-            cli::tell::complain("error", &format!("no thread could be started: {error}"));
-            ExitCode::from(INTERNAL_ERROR)
-        }
-    }
-}
-
-fn run(cli: &Cli) -> Result<(), Failure> {
-    cli::use_threads(cli.threads)?;
-    let files = Files::new(cli.force);
-    match &cli.command {
-        Command::List(arguments) => cli::list(arguments),
-        Command::Explain(arguments) => cli::explain(arguments),
-        Command::Eval(arguments) => cli::eval::run(arguments, files),
-        Command::Convert(arguments) => cli::convert::run(arguments, files),
-        Command::Export(arguments) => cli::export::run(arguments, files),
-        Command::Schema { of } => cli::convert::schema(*of),
-        Command::Audit(arguments) => cli::audit::run(arguments, files),
-        Command::Check(arguments) => cli::check::run(arguments),
-        Command::States(arguments) => cli::states::run(arguments, files),
-        Command::Element(arguments) => cli::check::serve(arguments),
-        Command::Replay(arguments) => cli::replay::run(arguments, files),
-        Command::Bench(arguments) => cli::bench::run(arguments, files),
-        Command::Completions(arguments) => cli::manual::completions(arguments),
-        Command::Man(arguments) => cli::manual::man(arguments, files),
-        #[cfg(debug_assertions)]
-        #[expect(clippy::panic, reason = "its purpose")]
-        Command::Panic => panic!("as asked"),
-    }
+    pintle::command::main(std::env::args_os())
 }

@@ -31,13 +31,13 @@ pub(super) fn tables(
         let of_row = |j: usize| bound.scale(first, k, j);
         let (size, of_value) = (value.to_f64().abs(), bound.scale(Quantity::Value, k, 0));
         for (i, (entry, scale)) in force.iter_mut().enumerate() {
-            *entry = *entry + d * value * row(i);
+            *entry += d * value * row(i);
             *scale += stiffness.abs() * (size * of_row(i) + of_value * row(i).to_f64().abs());
         }
         for (n, (entry, scale)) in slope.iter_mut().enumerate() {
             let (i, j) = (n / DOFS, n % DOFS);
             let matrix = right.entries(second).get(k, n).unwrap_or(zero);
-            *entry = *entry + d * (row(i) * row(j) + value * matrix);
+            *entry += d * (row(i) * row(j) + value * matrix);
             let [x, y] = [row(i), row(j)].map(|x| x.to_f64().abs());
             let of_matrix = size * bound.scale(second, k, n) + of_value * matrix.to_f64().abs();
             *scale += stiffness.abs() * (of_row(i) * y + x * of_row(j) + of_matrix);
@@ -51,7 +51,7 @@ pub(super) fn tables(
                 // M^ has −M_axis at (i, j).
                 for (i, j, sign) in [(i, j, 1), (j, i, -1)] {
                     let (entry, scale) = &mut slope[(at + i) * DOFS + at + j];
-                    *entry = *entry + moment * Wide::ratio(sign, 2);
+                    *entry += moment * Wide::ratio(sign, 2);
                     *scale += of_moment / 2.0;
                 }
             }

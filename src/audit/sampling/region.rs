@@ -446,8 +446,14 @@ pub fn about_initial(
 /// How many states of [`special_initial`] there are.
 pub const SPECIAL: usize = 4 + 24;
 
-/// A state of special values, clear of the singular sets: both nodes turned alike, b moved alone, b turned alone to the axes of a or back,
-/// and b's axes at exact right angles to a's. `None` where the nodes cannot be brought there.
+/// A state of special values, clear of the singular sets; `None` where the nodes cannot be brought there.
+///
+/// | n | state |
+/// |---|---|
+/// | 0 | both nodes turned alike |
+/// | 1 | b moved alone |
+/// | 2, 3 | b turned to the axes of a; both along global axes |
+/// | from 4 on | the axes of b at right angles to those of a |
 pub fn special_initial(
     definition: &Definition,
     n: usize,
@@ -505,9 +511,11 @@ pub fn special_initial(
     (is_principal && case.is_clear(CLEAR, CLEAR)).then_some(case)
 }
 
-/// The end of a history of a connector, in increments of at most 0.6 rad: b turned against a by 3.3 to 20 rad, or by 0.35 rad for each of so
-/// many states, about an axis about which it may turn without end, a turned and both moved besides. A type that holds all rotations turns as a whole. `None` where an end does not
-/// turn, or where a singular set is in the way.
+/// The end of a history of a connector, in increments of at most 0.6 rad.
+///
+/// b turns against a by 3.3 to 20 rad, or by 0.35 rad for each of so many states, about an axis about which it may turn without end.
+/// Node a turns and both move besides. A type that holds all rotations turns as a whole. `None` where an end does not turn, or where a
+/// singular set is in the way.
 pub fn along_initial(
     definition: &Definition,
     length: f64,

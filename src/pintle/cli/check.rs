@@ -172,11 +172,7 @@ pub(crate) fn subject(name: &str) -> Result<Subject, Failure> {
             )));
         };
         let element = &model.connectors[*one];
-        return Ok(Subject {
-            definition: element.definition(),
-            nodes: element.nodes.clone(),
-            is_of_scene: true,
-        });
+        return Ok(Subject { definition: element.definition(), nodes: element.nodes, is_of_scene: true });
     }
     let connection = type_of(name)?;
     // Both triads are oblique, and satisfy what the type constrains.
@@ -200,10 +196,13 @@ fn library_command(
     arguments: &Check,
     convention: Option<&Convention>,
 ) -> Result<String, Failure> {
-    let program = std::env::current_exe().map_err(|error| Failure::Usage(error.to_string()))?;
     let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', r"'\''"));
-    let mut command =
-        format!("exec {} element {} --svars {}", quoted(&program), quoted(library), arguments.svars);
+    // The Python package says how it is started: its program is Python.
+    let program = match std::env::var("PINTLE_COMMAND") {
+        Ok(command) => command,
+        Err(_) => quoted(&std::env::current_exe().map_err(|error| Failure::Usage(error.to_string()))?),
+    };
+    let mut command = format!("exec {program} element {} --svars {}", quoted(library), arguments.svars);
     if !arguments.properties.is_empty() {
         let properties: Vec<String> = arguments.properties.iter().map(f64::to_string).collect();
         command.push_str(&format!(" --properties={}", properties.join(",")));
@@ -245,16 +244,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     for check in checked.report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
         check.failing = None;
     }
-    let mut notes = Vec::new();
-    if !checked.not_offered.is_empty() {
-        notes.push(format!("not offered, and not judged: {}", checked.not_offered.join(", ")));
-    }
-    if checked.outside > 0 {
-        notes.push(format!(
-            "{} of {} states are outside the domain of the routine",
-            checked.outside, checked.states
-        ));
-    }
+    let notes = checked.notes();
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
         let of = definition.connection.name.as_ref();

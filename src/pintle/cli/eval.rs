@@ -496,7 +496,7 @@ struct BranchFile<B> {
 fn save((path, files): (&Path, Files), scene: &str, branches: &Branches) -> Result<(), Failure> {
     let file = BranchFile {
         schema: BRANCHES.to_string(),
-        version: pintle::VERSION.to_string(),
+        version: crate::VERSION.to_string(),
         scene: scene.to_string(),
         branches,
     };

@@ -133,7 +133,7 @@ fn synopsis(command: &clap::Command) -> Roff {
 /// One page; what stands after the options keeps its lines, for it has tables and examples.
 fn page(command: &clap::Command, name: &str) -> io::Result<Vec<u8>> {
     let after = command.get_after_long_help().or_else(|| command.get_after_help()).map(ToString::to_string);
-    let man = clap_mangen::Man::new(command.clone().name(name.to_string()).version(pintle::VERSION));
+    let man = clap_mangen::Man::new(command.clone().name(name.to_string()).version(crate::VERSION));
     let mut page = Vec::new();
     man.render_title(&mut page)?;
     man.render_name_section(&mut page)?;

@@ -143,7 +143,7 @@ fn written(
         }
     };
     let motions = [motion(&state.pair.a, &initial.a, 0), motion(&state.pair.b, &initial.b, 1)];
-    let nodes = nodes.iter().zip(motions).filter_map(|(label, motion)| Some((label.clone()?, motion)));
+    let nodes = nodes.iter().zip(motions).filter_map(|(label, motion)| Some(((*label)?, motion)));
     pintle_scene::State { number: Some(number as u64), nodes: nodes.collect(), ..Default::default() }
 }
 

@@ -134,7 +134,7 @@ fn forces(
         let (Some(d), Some(row)) = (springs[k], &found.jacobian[k]) else { continue };
         let value = found.residual[k].or(found.displacement[k]).unwrap();
         for (entry, x) in force.iter_mut().zip(row) {
-            *entry = *entry + Wide::from_f64(d) * value * *x;
+            *entry += Wide::from_f64(d) * value * *x;
         }
     }
     force

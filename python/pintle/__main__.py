@@ -1,0 +1,5 @@
+"""python -m pintle: the command."""
+
+from . import main
+
+main()
