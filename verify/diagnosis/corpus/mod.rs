@@ -102,7 +102,11 @@ impl Right<'_> {
 }
 
 /// Changes every entry of a quantity: component, place, number.
-pub(crate) fn each(numbers: &mut Numbers<f64>, quantity: Quantity, change: impl FnMut(usize, usize, f64) -> f64) {
+pub(crate) fn each(
+    numbers: &mut Numbers<f64>,
+    quantity: Quantity,
+    change: impl FnMut(usize, usize, f64) -> f64,
+) {
     let changed = numbers.entries(quantity).map(change);
     numbers.set(quantity, changed);
 }
@@ -115,7 +119,12 @@ pub(crate) fn row(numbers: &mut Numbers<f64>, quantity: Quantity, k: usize, chan
 }
 
 /// Changes one number.
-pub(crate) fn one(numbers: &mut Numbers<f64>, quantity: Quantity, (k, i): (usize, usize), change: impl FnOnce(f64) -> f64) {
+pub(crate) fn one(
+    numbers: &mut Numbers<f64>,
+    quantity: Quantity,
+    (k, i): (usize, usize),
+    change: impl FnOnce(f64) -> f64,
+) {
     row(numbers, quantity, k, |row| row[i] = change(row[i]));
 }
 
@@ -173,14 +182,16 @@ pub(crate) fn checked(
 pub(crate) fn told(wrong: &Wrong) -> (bool, Vec<(String, String)>) {
     let report = checked((wrong.name, &general(wrong.connection), wrong.offers), wrong.spoil);
     let checks = report.subjects.iter().flat_map(|subject| &subject.checks);
-    let diagnoses = checks.filter(|check| check.verdict.is_mismatch()).filter_map(|check| check.diagnosis.as_ref());
+    let diagnoses =
+        checks.filter(|check| check.verdict.is_mismatch()).filter_map(|check| check.diagnosis.as_ref());
     let lines = diagnoses.filter_map(|diagnosis| diagnosis.lines().into_iter().next());
     (report.mismatches() > 0, lines.map(|(line, code)| (line, code.as_str().to_string())).collect())
 }
 
 /// Whether every line is a cause that is meant, and says where.
 pub(crate) fn is_named(wrong: &Wrong, lines: &[(String, String)]) -> bool {
-    let is_it = |(line, code): &(String, String)| wrong.causes.contains(&code.as_str()) && line.contains(wrong.place);
+    let is_it =
+        |(line, code): &(String, String)| wrong.causes.contains(&code.as_str()) && line.contains(wrong.place);
     !lines.is_empty() && lines.iter().all(is_it)
 }
 
@@ -195,7 +206,10 @@ pub(crate) fn assert_named(title: &str, corpus: &[&[Wrong]], percent: usize) {
             scope.spawn(|| {
                 while let Some(wrong) = all.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
                     let said = told(wrong);
-                    found.lock().unwrap().insert(format!("{}: {}", wrong.connection, wrong.name), (*wrong, said));
+                    found
+                        .lock()
+                        .unwrap()
+                        .insert(format!("{}: {}", wrong.connection, wrong.name), (*wrong, said));
                 }
             });
         }

@@ -47,7 +47,9 @@ pub(super) const ALL: &[Wrong] = &[
         offers: &[F],
         spoil: |right, numbers| {
             let initial = right.initial();
-            each(numbers, F, |k, _, _| dot(right.b(k), right.d()) - dot(column(&initial.b.triad, k), initial.reference));
+            each(numbers, F, |k, _, _| {
+                dot(right.b(k), right.d()) - dot(column(&initial.b.triad, k), initial.reference)
+            });
         },
         causes: &["diagnosis::axes-of-b"],
         place: "u1, u2, u3",
@@ -105,4 +107,3 @@ fn principal(right: &Right<'_>) -> f64 {
     let x = right.of(F, 3, 0);
     x - TAU * (x / TAU).round()
 }
-

@@ -11,16 +11,22 @@
 //! make the same numbers. Where nothing is believed, that is said. Numbers that have lost digits besides are tried again with
 //! tolerances so much wider.
 
+mod columns;
 mod component;
+mod elsewhere;
 mod matching;
+mod patterns;
+mod sample;
 mod table;
+mod values;
 
 use pintle_scene::Code;
 use pintle_scene::grammar::count;
 use serde::Serialize;
 
 pub use crate::mutants::cause::Cause;
-pub use component::{Symptoms, conventions, diagnose};
+pub use component::{Symptoms, conventions, diagnose, diagnose_all};
+pub use sample::Sample;
 pub use table::diagnose_table;
 
 /// One mistake that explains wrong entries.

@@ -1,0 +1,179 @@
+//! What is wrong at special states only: no number at all, or fewer digits the nearer they are.
+
+use crate::case::quantity::Quantity;
+use crate::judge::bound::C;
+use crate::mutants::diagnosis::component::Symptoms;
+use crate::mutants::diagnosis::matching::{Cell, Words};
+use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
+use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::measure::Unit;
+use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Matrix, transpose, transposed_product};
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+
+/// So near to a special state (rad, or lengths of the connector) that numbers are lost there.
+const NEAR: f64 = 1e-6;
+
+/// So near that digits are.
+const CLOSE: f64 = 0.1;
+
+/// What is larger than this part of its conditioned scale is no loss of digits.
+const LOST: f64 = 1e-4;
+
+/// How many roundings, over the distance or its square, are still a loss of digits.
+const ROUNDINGS: f64 = 1e3;
+
+/// A special kind of states, and how far a state is from it.
+struct Special {
+    at: &'static str,
+    formula: &'static str,
+    distance: f64,
+}
+
+/// How far a state is from special ones; those of a component count where that has wrong numbers.
+fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Special> {
+    let case = symptoms.case;
+    let Some(step) = case.last() else { return Vec::new() };
+    let (pair, initial) = (&step.state.pair, &case.definition.initial);
+    let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
+    let (q, q0) = (relative(pair), relative(initial));
+    let since = pintle_kinematics::vector::product(&q, &transpose(&q0));
+    let angle = |r: &Matrix<f64>| norm(so3::log(r));
+    let d = norm(pair.separation()) / case.length;
+    let bent = (q[0][2].hypot(q[1][2])).atan2(q[2][2]);
+    let tilted = q[0][2].clamp(-1.0, 1.0).asin();
+    let special = |at, formula, distance: f64| Special { at, formula, distance: distance.abs() };
+    let mut found = vec![
+        special(
+            "b has not turned against a since the initial state",
+            "an angle or axis from a rotation that is none",
+            angle(&since),
+        ),
+        special("the axes of a and b coincide", "acos((tr Q − 1)/2), or a division by the angle", angle(&q)),
+        special(
+            "b is turned by π against a",
+            "acos((tr Q − 1)/2), or a division by the sine",
+            angle(&q) - PI,
+        ),
+        special(
+            "b has turned by π against a since the initial state",
+            "a division by the sine",
+            angle(&since) - PI,
+        ),
+        special("e3a and e3b coincide", "acos(e3a·e3b), or 1 − cos of a small angle", bent),
+        special("e3a and e3b are opposite", "acos(e3a·e3b)", bent - PI),
+        special(
+            "the second angle is at ±π/2",
+            "asin of an entry of Q, or a division by its cosine",
+            tilted.abs() - PI / 2.0,
+        ),
+        special("the nodes coincide", "a division by the distance, or a difference of large numbers", d),
+    ];
+    let connector = case.connector();
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    if let Some((at, _)) = case.evaluation(&asked) {
+        for k in components {
+            let (Some(x), Some(measure)) = (at.position[*k], connector.differentiated(*k)) else { continue };
+            let from = |period: f64, x: f64| x - period * (x / period).round();
+            if measure.unit() == Unit::Angle {
+                found.push(special("the angle is near 0 or ±π", "acos, or 1 − cos", from(PI, x)));
+                found.push(special("the angle is near ±π/2", "asin, or a tangent", from(PI, x - PI / 2.0)));
+            } else {
+                let value = symptoms.want.entries(Quantity::Value).get(*k, 0).unwrap_or(f64::INFINITY);
+                found.push(special("the displacement is near zero", "a division by it", value / case.length));
+            }
+        }
+    }
+    let has_moved =
+        |now: &Node<f64>, then: &Node<f64>| now.triad != then.triad || now.displacement != then.displacement;
+    let nothing = !has_moved(&pair.a, &initial.a) && !has_moved(&pair.b, &initial.b);
+    found
+        .insert(0, special("nothing has moved", "0/0 at the initial state", if nothing { 0.0 } else { 1.0 }));
+    found
+}
+
+fn told(cause: Cause, sentence: String, cells: &BTreeSet<Cell>) -> Diagnosis {
+    let explained = Explained { cause, code: cause.code(), sentence, also: Vec::new() };
+    Diagnosis { causes: if cells.is_empty() { Vec::new() } else { vec![explained] }, unexplained: 0 }
+}
+
+fn place(cells: &BTreeSet<Cell>, words: &dyn Words) -> String {
+    match cells.first() {
+        Some(only) if cells.len() == 1 => words.entry(*only),
+        _ => words.region(cells),
+    }
+}
+
+/// The special kind of states at which all of these are: the index, and the largest distance.
+fn common(states: &[Vec<Special>], far: f64) -> Option<usize> {
+    let first = states.first()?;
+    (0..first.len())
+        .find(|n| states.iter().all(|at| at.get(*n).is_some_and(|special| special.distance <= far)))
+}
+
+/// Numbers that are none: at which states.
+pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let of = |one: &Symptoms<'_>| -> Vec<Cell> {
+        one.got.iter().filter(|(.., x)| !x.is_finite()).map(|(k, i, _)| (k, i)).collect()
+    };
+    let cells: BTreeSet<Cell> = symptoms.iter().flat_map(|one| of(one)).collect();
+    let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
+    let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
+    let at = common(&states, NEAR)?;
+    let Special { at, formula, .. } = states.first()?.get(at)?;
+    let count = states.len();
+    let (place, states) = (place(&cells, words), if count == 1 { "state" } else { "states" });
+    let sentence = format!(
+        "{place} is no number where {at}, at {count} of {count} {states}: {formula}; {}",
+        Cause::NotANumber.meaning()
+    );
+    Some(told(Cause::NotANumber, sentence, &cells))
+}
+
+/// Numbers that are wrong by little, and more the nearer their states are to special ones.
+pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let mut cells: BTreeSet<Cell> = BTreeSet::new();
+    let mut lost = Vec::new();
+    for one in symptoms {
+        let mut most = 0.0_f64;
+        for (k, i, want) in one.want.entries(one.quantity).iter() {
+            let Some(got) = one.got.get(k, i) else { continue };
+            let (error, tolerance) = ((got - want).abs(), one.bound.tolerance(one.quantity, k, i));
+            if error > tolerance {
+                cells.insert((k, i));
+                most = most.max(error * C * U / tolerance);
+            }
+        }
+        if most > LOST {
+            return None;
+        }
+        lost.push(most);
+    }
+    let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
+    let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
+    let count = states.len();
+    let kinds = states.first()?.len();
+    let is_lost = |n: usize| {
+        let near = |at: &Vec<Special>, lost: f64| {
+            let distance = at.get(n).map_or(1.0, |special| special.distance);
+            distance < CLOSE && lost * distance * distance <= ROUNDINGS * U
+        };
+        let nearest = states.iter().filter_map(|at| at.get(n)).map(|special| special.distance);
+        let mean = nearest.map(|x| x.max(U).ln()).sum::<f64>() / count as f64;
+        (states.iter().zip(&lost).all(|(at, lost)| near(at, *lost)) && mean < CLOSE.powi(2).ln())
+            .then_some(mean)
+    };
+    let nearest = (0..kinds).filter_map(|n| Some((n, is_lost(n)?))).min_by(|x, y| x.1.total_cmp(&y.1));
+    let (n, _) = nearest?;
+    let Special { at, formula, .. } = states.first()?.get(n)?;
+    let (place, states) = (place(&cells, words), if count == 1 { "state" } else { "states" });
+    let sentence = format!(
+        "{place} loses digits where {at}, at {count} of {count} {states}: {formula}; {}",
+        Cause::DigitsLost.meaning()
+    );
+    Some(told(Cause::DigitsLost, sentence, &cells))
+}
