@@ -253,6 +253,8 @@ codes! {
     DiagnosisOneTriangle = "diagnosis::one-triangle": "One triangle of a symmetric matrix is zero, or half of the sum: the other half was not filled.";
     DiagnosisNodeLeftOut = "diagnosis::node-left-out": "All columns of one node are zero, or a force acts on one node only.";
     DiagnosisQuadraticDoubled = "diagnosis::quadratic-part-multiple": "The part of an acceleration that is quadratic in the rates, J̇ q̇, counts twice, half, or with the wrong sign.";
+    DiagnosisCoriolis = "diagnosis::coriolis": "Of the part of an acceleration that is quadratic in the rates, the centripetal term, in the angular velocities alone, or the Coriolis term, in their product with the others, is missing, halved or doubled.";
+    DiagnosisDerivative = "diagnosis::derivative-for-resolved": "A rate is the time derivative of the component, where the type gives the nodal rates resolved along the axes of b.";
     DiagnosisLinearPart = "diagnosis::linear-part-missing": "An acceleration lacks the part that is linear in the accelerations, J q̈.";
     DiagnosisComponentZero = "diagnosis::component-zero": "All numbers of a component are zero: it was not computed.";
     DiagnosisSignOfBlock = "diagnosis::sign-of-block": "The columns of one kind have the wrong sign.";

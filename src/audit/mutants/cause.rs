@@ -81,6 +81,8 @@ causes! {
     RatesOfAIgnored = DiagnosisRatesOfA, "what the rates of the second node alone give", "rates of the first node ignored";
     QuadraticPartMissing = DiagnosisQuadraticPart, "what the accelerations alone give", "the part quadratic in the rates missing";
     QuadraticPartDoubled = DiagnosisQuadraticDoubled, "what is expected with another multiple of the part quadratic in the rates", "the part quadratic in the rates doubled, halved or reversed";
+    Coriolis = DiagnosisCoriolis, "what is expected without a part of that quadratic in the rates", "the centripetal or the Coriolis part missing, halved or doubled";
+    DerivativeForResolved = DiagnosisDerivative, "the time derivative of the component", "derivatives for nodal rates resolved along b";
     LinearPartMissing = DiagnosisLinearPart, "what the rates alone give", "the part linear in the accelerations missing";
     ComponentZero = DiagnosisComponentZero, "zero throughout", "not computed";
     BlockReversed = DiagnosisSignOfBlock, "minus what is expected", "sign of a block";

@@ -2,12 +2,16 @@
 //!
 //! A routine starts from the right numbers of a state, and changes them, or computes them anew from positions and triads in the wrong way.
 
+mod forces;
+mod rates;
+mod rows;
+mod second;
+mod special;
 mod values;
 
 use pintle_audit::sampling::definition;
 use pintle_audit::{Candidate, Case, Given, Numbers, Quantity, Question, Report, Settings, Step, product};
 use pintle_kinematics::connector::{Components, Definition, State};
-use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::so3::turn;
@@ -36,6 +40,18 @@ pub(crate) struct Wrong {
     pub(crate) causes: &'static [&'static str],
     /// What the sentence of the cause must contain besides: the component or entries.
     pub(crate) place: &'static str,
+}
+
+impl Wrong {
+    /// The same in one line.
+    pub(crate) const fn new(
+        (connection, name): (&'static str, &'static str),
+        offers: &'static [Quantity],
+        spoil: fn(&Right<'_>, &mut Numbers<f64>),
+        (causes, place): (&'static [&'static str], &'static str),
+    ) -> Self {
+        Self { name, connection, offers, spoil, causes, place }
+    }
 }
 
 /// What a routine may know at a state.
@@ -233,12 +249,17 @@ pub(crate) fn assert_named(title: &str, corpus: &[&[Wrong]], percent: usize) {
     assert!(named * 100 >= percent * all.len(), "{named} of {} named\n{table}", all.len());
 }
 
-/// A number that has no part in what is tried.
-pub(crate) fn drawn(seed: &str) -> Draw {
-    Draw::new(seed)
+/// Three entries of a row, from a place on.
+pub(crate) fn part(row: &[f64], at: usize) -> Vector<f64> {
+    [row[at], row[at + 1], row[at + 2]]
+}
+
+/// Replaces three entries of a row.
+pub(crate) fn put(row: &mut [f64], at: usize, by: Vector<f64>) {
+    row[at..at + 3].copy_from_slice(&by);
 }
 
 #[test]
 fn causes_of_the_corpus_are_named() {
-    assert_named("seen", &[values::ALL], 90);
+    assert_named("seen", &[values::ALL, rows::ALL, rates::ALL, second::ALL, forces::ALL, special::ALL], 90);
 }

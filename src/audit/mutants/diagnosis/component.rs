@@ -13,7 +13,8 @@ use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B, XA, XB};
-use pintle_kinematics::vector::{Matrix, Vector, apply, column, cross};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::{Matrix, Vector, add, apply, column, cross, scale, sub};
 use std::collections::BTreeSet;
 
 /// Wrong numbers, and what they must be.
@@ -162,7 +163,8 @@ impl Symptoms<'_> {
         for (k, row) in self.wanted().0.iter().enumerate() {
             let Some(row) = row else { continue };
             let triads = [&pair.a.triad, &pair.b.triad];
-            let made = conventions(row, triads).into_iter().chain(levers(row, pair.separation()));
+            let separations = [pair.separation(), self.case.definition.initial.separation()];
+            let made = conventions(row, triads).into_iter().chain(levers(row, separations));
             found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
             found.extend(operations.iter().filter_map(|operation| operation.of_row(k, row)));
             if let Some(other) = &self.want.entries(others).0[k] {
@@ -280,6 +282,7 @@ impl Symptoms<'_> {
         let faster = (self.quantity == Quantity::Acceleration).then_some(&acceleration[..]);
         let connector = self.case.connector();
         let triads = [&state.pair.a.triad, &state.pair.b.triad];
+        let separations = [state.pair.separation(), self.case.definition.initial.separation()];
         let mut found = Vec::new();
         for (k, _, want) in self.wanted().iter() {
             let of = |quantity: Quantity| self.want.entries(quantity).0[k].as_deref();
@@ -288,28 +291,42 @@ impl Symptoms<'_> {
             let zeros = [0.0; DOFS * DOFS];
             let matrix = matrix.unwrap_or(&zeros);
             found.extend(operations.iter().map(|one| one.of_rate(k, (row, matrix), (velocity, faster))));
-            let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
-            for (cause, changes) in levers(row, state.pair.separation()) {
+            let mut is = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
+            is(Cause::SignLost, want.abs());
+            for (cause, changes) in levers(row, separations) {
                 let mut changed = row.to_vec();
                 changes.into_iter().for_each(|(j, x)| changed[j] = x);
                 let more = faster.map_or(0.0, |_| twice(matrix, velocity));
-                add(cause, along(&changed, faster.unwrap_or(velocity)) + more);
+                is(cause, along(&changed, faster.unwrap_or(velocity)) + more);
             }
             if let Some(faster) = faster {
                 let linear = along(row, faster);
                 let quadratic = want - linear;
-                add(Cause::LinearPartMissing, quadratic);
+                is(Cause::LinearPartMissing, quadratic);
                 for times in [1.0, -0.5, -2.0] {
-                    add(Cause::QuadraticPartDoubled, want + times * quadratic);
+                    is(Cause::QuadraticPartDoubled, want + times * quadratic);
                 }
+                // The parts of the quadratic one in the angular velocity alone, and in its product with the others.
+                let spins = |at: [usize; 2]| {
+                    let mut v = [0.0; DOFS];
+                    at.iter().for_each(|at| v[*at..at + 3].copy_from_slice(&velocity[*at..at + 3]));
+                    twice(matrix, &v)
+                };
+                let (turning, moving) = (spins(ROTATIONS), spins([XA, XB]));
+                is(Cause::Coriolis, linear + turning);
+                is(Cause::Coriolis, linear + moving);
+                is(Cause::Coriolis, linear + turning + moving);
+                is(Cause::Coriolis, want - turning);
+                is(Cause::Coriolis, want - moving);
+                is(Cause::Coriolis, linear + turning + moving + (quadratic - turning - moving) / 2.0);
+                is(Cause::Coriolis, linear + turning + moving + 2.0 * (quadratic - turning - moving));
                 // Of the rates of b alone, in the quadratic part alone, or in the linear one.
                 let mut of_b = *velocity;
                 of_b[..XB].fill(0.0);
-                add(Cause::RatesOfAIgnored, linear + twice(matrix, &of_b));
-                add(Cause::RatesOfAIgnored, along(&row[XB..], &faster[XB..]) + twice(matrix, &of_b));
+                is(Cause::RatesOfAIgnored, linear + twice(matrix, &of_b));
+                is(Cause::RatesOfAIgnored, along(&row[XB..], &faster[XB..]) + twice(matrix, &of_b));
             } else {
-                // The derivative of the component where the rate is another thing.
-                add(Cause::ConjugateForPrinted, along(row, velocity));
+                is(Cause::DerivativeForResolved, along(row, velocity));
             }
             let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
             let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
@@ -325,10 +342,20 @@ impl Symptoms<'_> {
 }
 
 /// The directions of the nodes, in words.
-fn axes(triads: [&Matrix<f64>; 2]) -> [(&'static str, Vector<f64>); 6] {
-    let of = |name: &'static str, n: usize| (name, column(triads[n / 3], n % 3));
-    let [a, b] = ["a direction of a", "a direction of b"];
-    [of(a, 0), of(a, 1), of(a, 2), of(b, 3), of(b, 4), of(b, 5)]
+fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<(&'static str, Vector<f64>)> {
+    let of = |i: usize| {
+        let (a, b) = (column(a, i), column(b, i));
+        let sum = add(a, b);
+        let midway = scale(sum, 1.0 / norm(sum));
+        let between = "a direction midway between a and b";
+        [
+            ("a direction of a", a),
+            ("a direction of b", b),
+            (between, midway),
+            ("the sum of two directions", sum),
+        ]
+    };
+    (0..3).flat_map(of).collect()
 }
 
 /// The row of a coordinate along other axes: of b, global ones, initial ones of a.
@@ -360,9 +387,10 @@ fn along_axes(
     ]
 }
 
-/// The lever of a row counted otherwise.
-fn levers(row: &[f64], d: Vector<f64>) -> Vec<(Cause, OfRow)> {
+/// The lever of a row counted otherwise; the separation now and initially.
+fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
     let lever = cross(part(row, XB), d);
+    let of_initial = cross(part(row, XB), initial);
     let [of_a, of_b] = ROTATIONS.map(|at| part(row, at));
     let plus = |v: Vector<f64>, times: f64| [0, 1, 2].map(|i| v[i] + times * lever[i]);
     let moved = |times: f64| [put(THETA_A, plus(of_a, -1.0)), put(THETA_B, plus(of_b, times))].concat();
@@ -370,6 +398,8 @@ fn levers(row: &[f64], d: Vector<f64>) -> Vec<(Cause, OfRow)> {
         (Cause::LeverReversed, put(THETA_A, plus(of_a, -2.0))),
         (Cause::GeometricTermMissing, put(THETA_A, plus(of_a, -1.0))),
         (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),
+        (Cause::InitialTurned, put(THETA_A, sub(of_a, of_initial))),
+        (Cause::InitialTurned, put(THETA_A, add(sub(of_a, lever), of_initial))),
         (Cause::LeverAtB, moved(1.0)),
         (Cause::LeverAtB, moved(-1.0)),
     ]
