@@ -34,9 +34,10 @@ macro_rules! causes {
 causes! {
     NotANumber = DiagnosisNotANumber, "no number", "0/0 or a root of less than zero at special states";
     DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
+    SignLost = DiagnosisSignLost, "the magnitude of what is expected", "sign lost, as by acos or a norm";
+    Reversed = DiagnosisSign, "minus what is expected", "opposite sign convention";
     NodesSwapped = DiagnosisNodesSwapped, "what is expected with a and b exchanged", "nodes swapped";
     RowsSwapped = DiagnosisComponentsSwapped, "what is expected of each other", "components swapped";
-    Reversed = DiagnosisSign, "minus what is expected", "opposite sign convention";
     SameSignForBoth = DiagnosisSignOfA, "minus what is expected", "sign of the first node";
     RotationTakenAsLocal = DiagnosisRotationAsLocal, "Rᵀ × expected", "rotation degrees of freedom taken as local";
     RotationTurnedTwice = DiagnosisRotationTurnedTwice, "R × expected", "rotation degrees of freedom turned forth instead of back";
@@ -61,7 +62,6 @@ causes! {
     TurnForgotten = DiagnosisTurnsForgotten, "what is expected less whole turns", "previous turns forgotten";
     TurnAdded = DiagnosisTurnsAdded, "what is expected and whole turns", "turns that were not made, or a range from 0 to 2π";
     WrongParity = DiagnosisHalfTurn, "what is expected and half a turn", "nπ of the wrong parity";
-    SignLost = DiagnosisSignLost, "the magnitude of what is expected", "sign lost, as by acos or a norm";
     Folded = DiagnosisFolded, "what is expected folded back at a right angle", "asin or atan for atan2";
     OtherParameters = DiagnosisOtherParameters, "another function of the same rotation", "another set of rotation parameters";
     OtherOrder = DiagnosisOtherOrder, "the angles of another sequence of axes", "another order of rotations";

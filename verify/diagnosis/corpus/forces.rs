@@ -154,7 +154,7 @@ pub(super) const ALL: &[Wrong] = &[
         (&["diagnosis::sign"], "stiffness of u1"),
     ),
     Wrong::new(
-        ("UJOINT", "stiffness transposed"),
+        ("REVOLUTE", "stiffness transposed"),
         &[STIFF],
         |right: &Right<'_>, numbers| each(numbers, STIFF, |k, n, _| right.of(STIFF, k, n % 14 * 14 + n / 14)),
         (&["diagnosis::block-transposed"], "stiffness of ur2"),

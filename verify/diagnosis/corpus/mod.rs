@@ -9,9 +9,12 @@ mod second;
 mod special;
 mod values;
 
+use pintle_audit::oracles::oracle::Narrow;
 use pintle_audit::sampling::definition;
 use pintle_audit::{Candidate, Case, Given, Numbers, Quantity, Question, Report, Settings, Step, product};
+use pintle_kinematics::catalog::TABLE;
 use pintle_kinematics::connector::{Components, Definition, State};
+use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::so3::turn;
@@ -58,6 +61,8 @@ impl Wrong {
 pub(crate) struct Right<'a> {
     /// The connector: initial pair, β_s.
     pub(crate) definition: &'a Definition,
+    /// The whole of it, as the audit has it.
+    pub(crate) case: &'a Case,
     /// The state.
     pub(crate) state: &'a State<f64>,
     /// The states before it, with the increments.
@@ -175,8 +180,10 @@ pub(crate) fn checked(
             let at = |state: &State<f64>| product(&case(state)).unwrap();
             let right = at(asked.state());
             let mut numbers = right.clone();
+            let case = case(asked.state());
             let state = Right {
                 definition,
+                case: &case,
                 state: asked.state(),
                 path: asked.path,
                 numbers: &right,
@@ -262,4 +269,54 @@ pub(crate) fn put(row: &mut [f64], at: usize, by: Vector<f64>) {
 #[test]
 fn causes_of_the_corpus_are_named() {
     assert_named("seen", &[values::ALL, rows::ALL, rates::ALL, second::ALL, forces::ALL, special::ALL], 90);
+}
+
+/// Right routines: the product's numbers, and numbers by other formulas. Nothing is wrong of any type, in any quantity, at any state.
+#[test]
+fn right_routines_are_not_called_wrong() {
+    let mut compared = 0;
+    for connection in TABLE {
+        let definition = general(&connection.name);
+        let product = checked(("product", &definition, &Quantity::ALL[..7]), |_, _| ());
+        let by = |of: fn(&Narrow) -> Numbers<f64>| {
+            checked(("formulas", &definition, &Quantity::ALL[..7]), |right, numbers| {
+                let found = of(&Narrow::of(right.case).unwrap());
+                for quantity in Quantity::ALL {
+                    each(numbers, quantity, |k, i, x| found.entries(quantity).get(k, i).unwrap_or(x));
+                }
+            })
+        };
+        for report in [&product, &by(Narrow::symbolic), &by(Narrow::nested_dual)] {
+            let wrong = report.subjects[0].checks.iter().find(|check| check.verdict.is_mismatch());
+            let worst = wrong.map(|check| (check.quantity, check.worst.as_ref()));
+            assert_eq!(report.mismatches(), 0, "{}: {worst:?}", connection.name);
+            compared += report.compared();
+        }
+    }
+    assert!(compared > 1_000_000, "{compared}");
+}
+
+/// Numbers that are nothing: no cause is told of them.
+#[test]
+fn nothing_explains_noise() {
+    let mut tried = 0;
+    for connection in TABLE {
+        let definition = general(&connection.name);
+        for quantity in Quantity::ALL.into_iter().take(7) {
+            let report = checked(("noise", &definition, &[quantity]), |right, numbers| {
+                let pair = right.pair();
+                let seed = format!("{:?} {:?}", pair.a.displacement, pair.b.triad);
+                let draw = &mut Draw::new(&seed);
+                each(numbers, quantity, |_, _, x| x + draw.between(-1.0, 1.0));
+            });
+            let checks = report.subjects.iter().flat_map(|subject| &subject.checks);
+            for diagnosis in checks.filter_map(|check| check.diagnosis.as_ref()) {
+                tried += 1;
+                let lines = diagnosis.lines();
+                let is_unknown = diagnosis.causes.is_empty() && diagnosis.unexplained > 0;
+                assert!(is_unknown, "{} {}: {lines:?}", connection.name, quantity.name());
+            }
+        }
+    }
+    assert!(tried > 250, "{tried}");
 }

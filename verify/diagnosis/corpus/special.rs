@@ -3,7 +3,7 @@
 use super::{DF, F, Right, Wrong, each, one, row};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{product, scale, transpose, transposed_product};
+use pintle_kinematics::vector::{Vector, column, dot, product, transpose, transposed_product};
 
 /// The rotation of b against a since the initial state.
 fn since(right: &Right<'_>) -> [[f64; 3]; 3] {
@@ -62,22 +62,14 @@ pub(super) const ALL: &[Wrong] = &[
         (&["diagnosis::digits-lost"], "ur2"),
     ),
     Wrong::new(
-        ("ROTATION", "the angle by acos((tr Q − 1)/2) and the axis by the skew part"),
+        ("RADIAL-THRUST", "the radius as the root of a difference of squares"),
         &[F],
         |right, numbers| {
-            let of = |q: [[f64; 3]; 3]| {
-                let angle = ((q[0][0] + q[1][1] + q[2][2] - 1.0) / 2.0).clamp(-1.0, 1.0).acos();
-                let skew = [q[2][1] - q[1][2], q[0][2] - q[2][0], q[1][0] - q[0][1]];
-                scale(skew, angle / (2.0 * angle.sin()))
-            };
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
-            // On the sheet of the right one: what is meant is the loss of digits.
-            let (got, first) = (of(right.q()), of(q0));
-            each(numbers, F, |k, _, x| {
-                let mine = got[k - 3] - first[k - 3];
-                if (mine - x).abs() < 1e-3 { mine } else { x }
-            });
+            let of = |d: Vector<f64>, axis: Vector<f64>| (dot(d, d) - dot(axis, d).powi(2)).max(0.0).sqrt();
+            let initial = right.initial();
+            let first = of(initial.reference, column(&initial.a.triad, 2));
+            one(numbers, F, (0, 0), |_| of(right.d(), right.a(2)) - first);
         },
-        (&["diagnosis::digits-lost"], "ur1"),
+        (&["diagnosis::digits-lost"], "u1"),
     ),
 ];

@@ -16,6 +16,8 @@ pub(super) struct Operation {
     relation: Option<&'static str>,
     /// Whether the self-test has it for rows.
     is_known: bool,
+    /// Whether it says something of rows with columns of displacements only.
+    needs_displacements: bool,
     change: Box<dyn Fn(&mut [f64])>,
 }
 
@@ -36,7 +38,7 @@ fn multiplied(row: &mut [f64], columns: Range<usize>, factor: f64) {
 
 impl Operation {
     fn new(cause: Cause, change: impl Fn(&mut [f64]) + 'static) -> Self {
-        Self { cause, relation: None, is_known: false, change: Box::new(change) }
+        Self { cause, relation: None, is_known: false, needs_displacements: false, change: Box::new(change) }
     }
 
     fn related(mut self, relation: &'static str) -> Self {
@@ -64,9 +66,14 @@ impl Operation {
         }
     }
 
+    /// Whether it says something of such a row.
+    fn is_of(&self, row: &[f64]) -> bool {
+        !self.needs_displacements || row[XA..THETA_A].iter().chain(&row[XB..THETA_B]).any(|x| *x != 0.0)
+    }
+
     /// Of row k: the blocks that it changes.
     pub(super) fn of_row(&self, k: usize, row: &[f64]) -> Option<Hypothesis> {
-        if self.is_known {
+        if self.is_known || !self.is_of(row) {
             return None;
         }
         let changed = self.of(row);
@@ -85,10 +92,13 @@ impl Operation {
     }
 
     /// Of the second derivatives of component k.
-    pub(super) fn of_matrix(&self, k: usize, matrix: &[f64]) -> Hypothesis {
+    pub(super) fn of_matrix(&self, k: usize, matrix: &[f64]) -> Option<Hypothesis> {
+        if !matrix.chunks(DOFS).any(|row| self.is_of(row)) {
+            return None;
+        }
         let changed = self.on_both(matrix);
         let changes = changed.into_iter().enumerate().filter(|(n, x)| *x != matrix[*n]);
-        self.hypothesis(k, changes.collect())
+        Some(self.hypothesis(k, changes.collect()))
     }
 
     /// Of the rate, or acceleration, of component k, from its row, and its second derivatives.
@@ -97,8 +107,11 @@ impl Operation {
         k: usize,
         (row, matrix): (&[f64], &[f64]),
         (velocity, acceleration): (&[f64], Option<&[f64]>),
-    ) -> Hypothesis {
+    ) -> Option<Hypothesis> {
         let changed = self.of(row);
+        if changed == row || !self.is_of(row) {
+            return None;
+        }
         let x = match acceleration {
             None => along(&changed, velocity),
             Some(acceleration) => along(&changed, acceleration) + twice(&self.on_both(matrix), velocity),
@@ -108,7 +121,7 @@ impl Operation {
             Cause::NodeLeftOut if changed[..XB].iter().all(|x| *x == 0.0) => Cause::RatesOfAIgnored,
             cause => cause,
         };
-        Hypothesis { cause, ..self.hypothesis(k, vec![(0, x)]) }
+        Some(Hypothesis { cause, ..self.hypothesis(k, vec![(0, x)]) })
     }
 }
 
@@ -164,7 +177,8 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
                 turned(row, at + XB, &y);
             }
         };
-        found.push(Operation::new(Cause::DisplacementTakenAsLocal, change).related(relation));
+        let all = Operation::new(Cause::DisplacementTakenAsLocal, change).related(relation);
+        found.push(Operation { needs_displacements: true, ..all });
     }
     // The derivative by the total vector is Jᵀ times the spatial one.
     let jacobians = total.map(|phi: Vector<f64>| {

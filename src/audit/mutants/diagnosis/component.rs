@@ -176,13 +176,11 @@ impl Symptoms<'_> {
             }
             let measure = connector.differentiated(k);
             if measure.is_some_and(|measure| measure.unit() == Unit::Angle) {
-                for (relation, axis) in axes(triads) {
+                for axis in axes(triads) {
                     let of = |sign: f64| put(THETA_B, axis.map(|x| sign * x)).into_iter();
                     let both = |sign: f64| of(sign).chain(put(THETA_A, axis.map(|x| -sign * x)));
                     for sign in [1.0, -1.0] {
-                        found.push(
-                            Hypothesis::of_row(Cause::AxisForGradient, k, both(sign)).related(relation),
-                        );
+                        found.push(Hypothesis::of_row(Cause::AxisForGradient, k, both(sign)));
                     }
                 }
             }
@@ -209,7 +207,7 @@ impl Symptoms<'_> {
                 let all = matrix.iter().enumerate().map(|(n, x)| (n, of(n / DOFS, n % DOFS, *x), *x));
                 Hypothesis::of_row(cause, k, all.filter(|(_, x, old)| x != old).map(|(n, x, _)| (n, x)))
             };
-            found.extend(operations.iter().map(|operation| operation.of_matrix(k, matrix)));
+            found.extend(operations.iter().filter_map(|operation| operation.of_matrix(k, matrix)));
             let of = |j: usize, at: usize| (at..at + 3).contains(&j);
             let is_a = |j: usize| of(j, THETA_A);
             let turns = |j: usize| of(j, THETA_A) || of(j, THETA_B);
@@ -290,7 +288,8 @@ impl Symptoms<'_> {
             let matrix = of(Quantity::SecondDerivatives);
             let zeros = [0.0; DOFS * DOFS];
             let matrix = matrix.unwrap_or(&zeros);
-            found.extend(operations.iter().map(|one| one.of_rate(k, (row, matrix), (velocity, faster))));
+            let made = operations.iter().filter_map(|one| one.of_rate(k, (row, matrix), (velocity, faster)));
+            found.extend(made);
             let mut is = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
             is(Cause::SignLost, want.abs());
             for (cause, changes) in levers(row, separations) {
@@ -331,29 +330,20 @@ impl Symptoms<'_> {
             let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
             let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
             let relative = relative(if faster.is_some() { acceleration } else { velocity });
-            for (relation, axis) in axes(triads).into_iter().filter(|_| is_angle) {
-                let x = along(&axis, &relative);
-                let made = Hypothesis::one(Cause::AxisForGradient, (k, 0), x);
-                found.push(made.related(relation));
+            for axis in axes(triads).into_iter().filter(|_| is_angle) {
+                found.push(Hypothesis::one(Cause::AxisForGradient, (k, 0), along(&axis, &relative)));
             }
         }
         found
     }
 }
 
-/// The directions of the nodes, in words.
-fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<(&'static str, Vector<f64>)> {
+/// The directions of the nodes, those midway between them, and their sums.
+fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<Vector<f64>> {
     let of = |i: usize| {
         let (a, b) = (column(a, i), column(b, i));
         let sum = add(a, b);
-        let midway = scale(sum, 1.0 / norm(sum));
-        let between = "a direction midway between a and b";
-        [
-            ("a direction of a", a),
-            ("a direction of b", b),
-            (between, midway),
-            ("the sum of two directions", sum),
-        ]
+        [a, b, scale(sum, 1.0 / norm(sum)), sum]
     };
     (0..3).flat_map(of).collect()
 }
@@ -375,7 +365,15 @@ fn along_axes(
         }
         Hypothesis::of_row(cause, k, row.into_iter().enumerate())
     };
+    let of_displacements = |cause: Cause, e: Vector<f64>| {
+        let changes = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
+        Hypothesis::of_row(cause, k, changes)
+    };
     vec![
+        of_displacements(Cause::AxesOfA, column(a, i)),
+        of_displacements(Cause::AxesOfB, column(b, i)),
+        of_displacements(Cause::GlobalAxes, global),
+        of_displacements(Cause::InitialAxes, column(initial, i)),
         of(Cause::AxesOfA, column(a, i), Some(THETA_A)),
         of(Cause::AxesOfB, column(b, i), Some(THETA_B)),
         of(Cause::AxesOfB, column(b, i), Some(THETA_A)),

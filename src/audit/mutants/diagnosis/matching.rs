@@ -90,11 +90,17 @@ const LOST: [f64; 4] = [1.0, 1e2, 1e4, 1e6];
 /// things.
 const LEFT: f64 = 1e-2;
 
+/// Changes that are smaller than this part of the largest error need not be seen.
+const SEEN: f64 = 1e-3;
+
 /// Single entries without structure that are named one by one.
 const SINGLE: usize = 2;
 
 /// The share of the states at which a cause must explain all that is wrong, to be preferred to one that explains entries one by one.
 const NEARLY_ALL: f64 = 0.8;
+
+/// The share of the states at which a cause must explain something.
+const RARELY: f64 = 0.1;
 
 /// What numbers equal, where the cause leaves it open.
 type Relation = Option<String>;
@@ -102,7 +108,8 @@ type Relation = Option<String>;
 /// What a cause explains at a state.
 #[derive(Default)]
 struct Explains {
-    entries: BTreeSet<Cell>,
+    /// What it explains, and the bits that each is worth.
+    entries: Wrongs,
     region: BTreeSet<Cell>,
     times: usize,
 }
@@ -142,38 +149,49 @@ impl AtState {
         self.data.iter().filter_map(of).collect()
     }
 
-    /// Whether numbers are those that a hypothesis makes.
-    fn fits(
+    /// Where numbers are those that a hypothesis makes: what of them was wrong, with the bits that each is worth.
+    fn explained(
         &self,
-        changes: &[(usize, usize, f64)],
-        cause: Cause,
+        (changes, cause): (&[(usize, usize, f64)], Cause),
         wider: f64,
         largest: &BTreeMap<Class, f64>,
-    ) -> bool {
+        wrong: &Wrongs,
+    ) -> Option<Wrongs> {
         let mut sizes = [0.0_f64; 2];
         let mut worst = [0.0_f64; 2];
         for (k, i, x) in changes {
-            let Some(datum) = self.data.get(&(*k, *i)) else { return false };
-            let Some(got) = datum.got else { return false };
+            let datum = self.data.get(&(*k, *i))?;
+            let got = datum.got?;
             let off = |from: f64| if got == from { 0.0 } else { (got - from).abs() };
             sizes = [sizes[0].max(x.abs()), sizes[1].max(datum.want.abs())];
             worst = [worst[0].max(off(datum.want)), worst[1].max(off(*x))];
         }
         let [error, left] = worst;
         if !(error > 0.0 && left <= LEFT * error) {
-            return false;
+            return None;
         }
         // What is given has the rounding of the right numbers once more, for it is compared with rounded ones; and what is multiplied, that of the
         // product.
         let grown = if sizes[1] > 0.0 { (sizes[0] / sizes[1]).clamp(1.0, 1e6) } else { 1.0 };
-        changes.iter().all(|(k, i, x)| {
-            let of = |datum: &Datum| {
-                let class = largest.get(&datum.class).copied().unwrap_or(0.0);
-                let allowed = 2.0 * wider * cause.gain().max(grown) * class;
-                datum.got.is_some_and(|got| got == *x || (got - x).abs() <= allowed)
-            };
-            self.data.get(&(*k, *i)).is_some_and(of)
-        })
+        let mut explained = Wrongs::new();
+        for (k, i, x) in changes {
+            let datum = self.data.get(&(*k, *i))?;
+            let got = datum.got?;
+            let class = largest.get(&datum.class).copied().unwrap_or(0.0);
+            let allowed = 2.0 * wider * cause.gain().max(grown) * class;
+            // Wide tolerances confirm nothing: what a mistake changes visibly must be seen to have changed.
+            let change = (x - datum.want).abs();
+            let is_seen = change <= SEEN * error || (got - x).abs() <= change / 2.0;
+            if got != *x && !((got - x).abs() <= allowed && is_seen) {
+                return None;
+            }
+            if let Some(bits) = wrong.get(&(*k, *i)) {
+                // Of what is so much wider than the tolerance chance meets more.
+                let met = (allowed / (2.0 * wider * datum.tolerance)).log2().max(0.0);
+                explained.insert((*k, *i), if met.is_finite() { (bits - met).max(0.0) } else { 0.0 });
+            }
+        }
+        Some(explained)
     }
 }
 
@@ -198,18 +216,23 @@ impl Matching<'_> {
         let mut found: BTreeMap<(Cause, Relation), ByState> = BTreeMap::new();
         for (n, state) in self.states.iter().enumerate() {
             let largest = state.tolerances();
-            for hypothesis in &state.hypotheses {
-                let places = || hypothesis.changes.iter().map(|(k, i, _)| (*k, *i));
-                if !places().any(|place| wrong[n].contains_key(&place))
-                    || !state.fits(&hypothesis.changes, hypothesis.cause, wider, &largest)
-                {
+            let touches = |hypothesis: &&Hypothesis| {
+                hypothesis.changes.iter().any(|(k, i, _)| wrong[n].contains_key(&(*k, *i)))
+            };
+            let mut touching: Vec<&Hypothesis> = state.hypotheses.iter().filter(touches).collect();
+            // What changes least comes first: another that explains no more adds nothing.
+            touching.sort_by_key(|hypothesis| hypothesis.changes.len());
+            for Hypothesis { cause, changes, relation } in touching {
+                let Some(of) = state.explained((changes, *cause), wider, &largest, &wrong[n]) else {
+                    continue;
+                };
+                let explains = found.entry((*cause, relation.clone())).or_default().entry(n).or_default();
+                if of.keys().all(|place| explains.entries.contains_key(place)) {
                     continue;
                 }
-                let key = (hypothesis.cause, hypothesis.relation.clone());
-                let explains = found.entry(key).or_default().entry(n).or_default();
                 explains.times += 1;
-                explains.entries.extend(places().filter(|place| wrong[n].contains_key(place)));
-                explains.region.extend(places());
+                explains.entries.extend(of);
+                explains.region.extend(changes.iter().map(|(k, i, _)| (*k, *i)));
             }
         }
         self.add_constants(wider, &wrong, &mut found);
@@ -263,23 +286,18 @@ impl Matching<'_> {
                 let mut by_state = ByState::new();
                 let mut count = 0;
                 for (n, wrong) in wrong.iter().enumerate() {
-                    let entries: BTreeSet<Cell> =
-                        region.iter().filter(|place| wrong.contains_key(place)).copied().collect();
-                    if entries.is_empty() {
+                    if !region.iter().any(|place| wrong.contains_key(place)) {
                         continue;
                     }
                     let changes: Vec<_> = region
                         .iter()
                         .filter_map(|place| Some((place.0, place.1, make(at(n, place)?.0.want))))
                         .collect();
-                    if changes.len() == region.len()
-                        && self.states[n].fits(&changes, cause, wider, &largest[n])
-                    {
+                    let of = self.states[n].explained((&changes, cause), wider, &largest[n], wrong);
+                    if let Some(entries) = of.filter(|_| changes.len() == region.len()) {
                         count += entries.len();
-                        by_state.insert(
-                            n,
-                            Explains { entries, region: region.iter().copied().collect(), times: 1 },
-                        );
+                        let region = region.iter().copied().collect();
+                        by_state.insert(n, Explains { entries, region, times: 1 });
                     }
                 }
                 if count < least {
@@ -338,8 +356,8 @@ impl Matching<'_> {
         let rank = |cause: Cause, by_state: &ByState| {
             let (mut bits, mut states, mut times, mut most) = (0.0, [0; 2], 0, 0.0_f64);
             for (n, explains) in by_state {
-                let of: Vec<f64> =
-                    explains.entries.iter().filter_map(|place| wrong[*n].get(place)).copied().collect();
+                let left = explains.entries.iter().filter(|(place, _)| wrong[*n].contains_key(place));
+                let of: Vec<f64> = left.map(|(_, bits)| *bits).collect();
                 if of.is_empty() {
                     continue;
                 }
@@ -358,7 +376,10 @@ impl Matching<'_> {
         let mut ranks: Vec<Rank<'_>> = Vec::new();
         for (key, by_state) in found {
             let (bits, states, times) = rank(key.0, by_state);
-            if bits >= enough {
+            // A constant is none that holds at a few of many states; and what stands at a has its opposite at b.
+            let is_constant = matches!(key.0, Cause::Factor | Cause::Offset | Cause::Scaled);
+            let least = if is_constant { NEARLY_ALL } else { RARELY };
+            if bits >= enough && (self.states.len() == 1 || states[0] as f64 >= least * open as f64) {
                 ranks.push(Rank { cause: key.0, relation: &key.1, by_state, bits, states, times });
             }
         }
@@ -371,7 +392,13 @@ impl Matching<'_> {
         let mut contenders: Vec<&Rank<'_>> = ranks.iter().filter(is_as_good).collect();
         contenders.sort_by(|x, y| {
             let order = |rank: &Rank<'_>| {
-                (rank.cause.says_little(), std::cmp::Reverse(rank.states[1]), rank.times, rank.cause)
+                (
+                    rank.cause.is_of_an_entry(),
+                    rank.cause.says_little(),
+                    std::cmp::Reverse(rank.states[1]),
+                    rank.times,
+                    rank.cause,
+                )
             };
             order(x).cmp(&order(y))
         });
@@ -383,8 +410,8 @@ impl Matching<'_> {
         also.dedup();
         let (mut entries, mut region) = (BTreeSet::new(), BTreeSet::new());
         for (n, explains) in chosen.by_state {
-            if explains.entries.iter().any(|place| wrong[*n].contains_key(place)) {
-                entries.extend(explains.entries.iter().copied());
+            if explains.entries.keys().any(|place| wrong[*n].contains_key(place)) {
+                entries.extend(explains.entries.keys().copied());
                 region.extend(explains.region.iter().copied());
             }
         }
@@ -394,7 +421,7 @@ impl Matching<'_> {
             _ => self.words.region(shown),
         };
         for (n, explains) in chosen.by_state {
-            wrong[*n].retain(|place, _| !explains.entries.contains(place));
+            wrong[*n].retain(|place, _| !explains.entries.contains_key(place));
         }
         let relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
         let equals = if place.contains(", ") { "equal" } else { "equals" };

@@ -40,7 +40,7 @@ pub struct Explained {
     pub code: Code,
     /// What equals what, and what that means.
     pub sentence: String,
-    /// Others that make the same numbers at this state.
+    /// Others that make the same numbers at these states.
     #[schemars(with = "Vec<String>")]
     pub also: Vec<Code>,
 }
@@ -84,10 +84,24 @@ impl Diagnosis {
 
 impl Explained {
     fn said(&self) -> String {
-        if self.also.is_empty() {
+        // What says less of the same numbers adds nothing.
+        let says_more = |code: &&Code| {
+            !matches!(
+                code,
+                Code::DiagnosisDropped
+                    | Code::DiagnosisSignOfEntry
+                    | Code::DiagnosisSpurious
+                    | Code::DiagnosisScaled
+                    | Code::DiagnosisFactor
+                    | Code::DiagnosisOffset
+                    | Code::DiagnosisSignOfBlock
+                    | Code::DiagnosisBlockMissing
+            )
+        };
+        let others: Vec<&str> = self.also.iter().filter(says_more).map(|code| code.as_str()).collect();
+        if others.is_empty() {
             return self.sentence.clone();
         }
-        let others: Vec<&str> = self.also.iter().map(|code| code.as_str()).collect();
-        format!("{} (at this state the same as {})", self.sentence, others.join(", "))
+        format!("{} (here the same as {})", self.sentence, others.join(", "))
     }
 }

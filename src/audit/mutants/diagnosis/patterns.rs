@@ -11,7 +11,7 @@ use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Matrix, transpose, transposed_product};
+use pintle_kinematics::vector::{Matrix, column, dot, product, transpose, transposed_product};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
@@ -41,7 +41,7 @@ fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Specia
     let (pair, initial) = (&step.state.pair, &case.definition.initial);
     let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
     let (q, q0) = (relative(pair), relative(initial));
-    let since = pintle_kinematics::vector::product(&q, &transpose(&q0));
+    let since = product(&q, &transpose(&q0));
     let angle = |r: &Matrix<f64>| norm(so3::log(r));
     let d = norm(pair.separation()) / case.length;
     let bent = (q[0][2].hypot(q[1][2])).atan2(q[2][2]);
@@ -73,6 +73,13 @@ fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Specia
         ),
         special("the nodes coincide", "a division by the distance, or a difference of large numbers", d),
     ];
+    let across = [0, 1].map(|i| dot(column(&pair.a.triad, i), pair.separation()));
+    let radius = across[0].hypot(across[1]) / case.length;
+    found.push(special(
+        "b is on the axis e3a",
+        "the root of a difference of squares, or a division by the radius",
+        radius,
+    ));
     let connector = case.connector();
     let asked = Request::new(&[Output::CP], [true; 6], 0);
     if let Some((at, _)) = case.evaluation(&asked) {
