@@ -261,6 +261,16 @@ codes! {
     DiagnosisBlockMissing = "diagnosis::block-missing": "The columns of one kind are zero.";
     DiagnosisOffset = "diagnosis::offset": "A value is off by the same constant at every state.";
     DiagnosisFactor = "diagnosis::factor": "A component, or a block of columns, is off by the same factor at every state.";
+    DiagnosisOtherLength = "diagnosis::other-length": "The numbers are a square, a logarithm, or the length of another vector than the one that is meant.";
+    DiagnosisLinearised = "diagnosis::linearised": "The numbers are those of small motions about the initial state: its rows, and these times the displacements and rotations.";
+    DiagnosisIncremental = "diagnosis::incremental": "The value is summed up from increments, a row times the motion since the state before, which is right for small ones only.";
+    DiagnosisIncrement = "diagnosis::increment": "The value is the change since the state before, where that since the initial state is expected.";
+    DiagnosisNotNormalised = "diagnosis::not-normalised": "A row, or a rate, is off by a length or the cosine of an angle at the state: a vector that was not normalised, or a division that is missing.";
+    DiagnosisOtherJacobian = "diagnosis::other-jacobian": "The rows are formed with another Jacobian of the rotation vector: not inverted, transposed, or that of the other side.";
+    DiagnosisRateForAcceleration = "diagnosis::rate-for-acceleration": "A rate is formed with accelerations, or an acceleration with rates.";
+    DiagnosisSymmetrised = "diagnosis::symmetrised": "A matrix that is not symmetric was made so, as half of the sum with its transpose.";
+    DiagnosisSinglePrecision = "diagnosis::single-precision": "Every number fits 24 bits: it was computed, or written, in single precision.";
+    DiagnosisDifferences = "diagnosis::differences": "All derivatives are wrong in their last digits at every state: differences with a step, or constants with few digits.";
     DiagnosisNumberLeftOut = "diagnosis::number-left-out": "A friction criterion lacks the number of a factor, such as 1/L where β = 2/L presses.";
     DiagnosisMultiplied = "diagnosis::multiplied": "A friction criterion multiplies by a radius or length that must divide, such as m · R for m/R.";
     DiagnosisStickForSlip = "diagnosis::stick-for-slip": "The tangent of a friction is that of stick where it slips, or of slip where it sticks.";

@@ -34,6 +34,8 @@ macro_rules! causes {
 causes! {
     NotANumber = DiagnosisNotANumber, "no number", "0/0 or a root of less than zero at special states";
     DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
+    SinglePrecision = DiagnosisSinglePrecision, "what is expected to 24 bits", "single precision";
+    Differences = DiagnosisDifferences, "what is expected but for the last digits", "differences with a step, or constants with few digits";
     SignLost = DiagnosisSignLost, "the magnitude of what is expected", "sign lost, as by acos or a norm";
     Reversed = DiagnosisSign, "minus what is expected", "opposite sign convention";
     NodesSwapped = DiagnosisNodesSwapped, "what is expected with a and b exchanged", "nodes swapped";
@@ -65,6 +67,14 @@ causes! {
     Folded = DiagnosisFolded, "what is expected folded back at a right angle", "asin or atan for atan2";
     OtherParameters = DiagnosisOtherParameters, "another function of the same rotation", "another set of rotation parameters";
     OtherOrder = DiagnosisOtherOrder, "the angles of another sequence of axes", "another order of rotations";
+    OtherLength = DiagnosisOtherLength, "another measure of length", "a square, a logarithm, or the length of another vector";
+    Linearised = DiagnosisLinearised, "what is expected of small motions about the initial state", "linearised";
+    Incremental = DiagnosisIncremental, "the value before and a row times the increment", "increments summed up";
+    Increment = DiagnosisIncrement, "the change since the state before", "an increment for the total";
+    OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
+    NotNormalised = DiagnosisNotNormalised, "what is expected times a length or cosine of the state", "not normalised";
+    RateForAcceleration = DiagnosisRateForAcceleration, "the row times rates of the other order", "rates for accelerations, or the other way round";
+    Symmetrised = DiagnosisSymmetrised, "the symmetric part of what is expected", "a matrix made symmetric";
     AxisForGradient = DiagnosisAxisForGradient, "a direction of a triad", "an axis for the gradient of the angle";
     ConjugateForPrinted = DiagnosisConjugate, "the row of the component", "conjugate moment for the printed one, or the other way round";
     GeometricTermMissing = DiagnosisGeometricTerm, "what is expected without the term of the lever d × δθ", "geometric term missing";

@@ -3,6 +3,7 @@
 //! A routine starts from the right numbers of a state, and changes them, or computes them anew from positions and triads in the wrong way.
 
 mod forces;
+mod other;
 mod rates;
 mod rows;
 mod second;
@@ -268,7 +269,11 @@ pub(crate) fn put(row: &mut [f64], at: usize, by: Vector<f64>) {
 
 #[test]
 fn causes_of_the_corpus_are_named() {
-    assert_named("seen", &[values::ALL, rows::ALL, rates::ALL, second::ALL, forces::ALL, special::ALL], 90);
+    assert_named(
+        "seen",
+        &[values::ALL, rows::ALL, rates::ALL, second::ALL, forces::ALL, special::ALL, other::ALL],
+        90,
+    );
 }
 
 /// Right routines: the product's numbers, and numbers by other formulas. Nothing is wrong of any type, in any quantity, at any state.

@@ -85,7 +85,7 @@ pub(super) const ALL: &[Wrong] = &[
     Wrong::new(
         ("EULER", "rates in degrees per second"),
         &[RATE],
-        |_, numbers| each(numbers, RATE, |_, _, x| x.to_degrees()),
+        |right, numbers| each(numbers, RATE, |k, _, x| if right.is_angle(k) { x.to_degrees() } else { x }),
         (&["diagnosis::degrees"], "dur1/dt"),
     ),
     Wrong::new(

@@ -5,8 +5,9 @@ use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::mutants::mutant::{ROTATIONS, part};
 use pintle_kinematics::node::{DOFS, PSI_A, THETA_A, THETA_B, XA, XB};
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Matrix, Vector, apply, product, transpose};
+use pintle_kinematics::vector::{Matrix, Vector, apply, column, dot, product, transpose, transposed_product};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -192,6 +193,28 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
             turned(row, THETA_A, &x);
             turned(row, THETA_B, &y);
         }));
+    }
+    // Both rotations turned from the axes of one node to those of the other.
+    let over = product(&b, &back_a);
+    for by in [over, transpose(&over)] {
+        let change = move |row: &mut [f64]| ROTATIONS.iter().for_each(|at| turned(row, *at, &by));
+        found.push(Operation::new(Cause::RotationTurnedTwice, change).related("B Aᵀ or A Bᵀ × expected"));
+    }
+    let q = transposed_product(&a, &b);
+    let (d, d0) = (pair.separation(), initial.separation());
+    let across = |d: Vector<f64>, i: usize, j: usize| dot(column(&a, i), d).hypot(dot(column(&a, j), d));
+    let lengths = [norm(d), norm(d0), across(d, 0, 1)];
+    let cosine = (1.0 - q[0][2] * q[0][2]).max(0.0).sqrt();
+    let sine = (1.0 - q[2][2] * q[2][2]).max(0.0).sqrt();
+    let angle = norm(so3::log(&q));
+    for factor in lengths.into_iter().chain([cosine, sine, 1.0 + q[2][2], q[2][2], angle]) {
+        for factor in [factor, 1.0 / factor, factor * factor, 1.0 / (factor * factor)] {
+            found.push(Operation::new(Cause::NotNormalised, move |row| multiplied(row, 0..DOFS, factor)));
+            let turning = move |row: &mut [f64]| {
+                ROTATIONS.iter().for_each(|at| multiplied(row, *at..at + 3, factor));
+            };
+            found.push(Operation::new(Cause::NotNormalised, turning));
+        }
     }
     found.extend(of_blocks());
     found.extend(of_order());

@@ -6,15 +6,18 @@ use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
-use crate::mutants::diagnosis::patterns::{digits_lost, without_numbers};
+use crate::mutants::diagnosis::patterns::{differences, digits_lost, single_precision, without_numbers};
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
 use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::measure::Unit;
-use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B, XA, XB};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::{DOF, DOFS, Pair, THETA_A, THETA_B, XA, XB};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::vector::{Matrix, Vector, add, apply, column, cross, scale, sub};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Matrix, Vector, add, apply, column, cross, product, scale, sub, transpose, transposed_product,
+};
 use std::collections::BTreeSet;
 
 /// Wrong numbers, and what they must be.
@@ -45,6 +48,9 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     if whole.is_empty() {
         return without_numbers(&lacking, &words);
     }
+    if let Some(few) = single_precision(&whole, &words) {
+        return Some(few);
+    }
     if let Some(lost) = digits_lost(&whole, &words) {
         return Some(lost);
     }
@@ -59,7 +65,10 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
         }
     }
     let has_offsets = quantity == Quantity::Value;
-    Matching { states, regions: regions.into_iter().collect(), has_offsets, words: &words }.diagnosis()
+    let matching = Matching { states, regions: regions.into_iter().collect(), has_offsets, words: &words };
+    let found = matching.diagnosis();
+    let is_open = found.as_ref().is_some_and(|found| found.causes.is_empty());
+    is_open.then(|| differences(&whole, &words)).flatten().or(found)
 }
 
 /// The class of an entry.
@@ -184,6 +193,7 @@ impl Symptoms<'_> {
                     }
                 }
             }
+            found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
             if let Some(i) = measure.and_then(axis_of) {
                 let initial = &self.case.definition.initial.a.triad;
                 found.extend(along_axes(k, i, (triads, initial), pair.separation()));
@@ -232,6 +242,10 @@ impl Symptoms<'_> {
                 found.push(changed(Cause::BlockMissing, &|i, j, x| if is_in(i, j) { 0.0 } else { x }));
                 found.push(changed(Cause::BlockReversed, &|i, j, x| if is_in(i, j) { -x } else { x }));
             }
+            let mirrored = |i: usize, j: usize| matrix[j * DOFS + i];
+            found.push(changed(Cause::Symmetrised, &|i, j, x| (x + mirrored(i, j)) / 2.0));
+            found.push(changed(Cause::Symmetrised, &|i, j, x| if j < i { mirrored(i, j) } else { x }));
+            found.push(changed(Cause::Symmetrised, &|i, j, x| if j > i { mirrored(i, j) } else { x }));
             let triangles: [Place<'_>; 2] = [&|i, j| i < j, &|i, j| i > j];
             for is_empty in triangles {
                 for rest in [1.0, 2.0] {
@@ -292,6 +306,10 @@ impl Symptoms<'_> {
             found.extend(made);
             let mut is = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
             is(Cause::SignLost, want.abs());
+            is(
+                Cause::RateForAcceleration,
+                along(row, if faster.is_some() { velocity } else { acceleration }),
+            );
             for (cause, changes) in levers(row, separations) {
                 let mut changed = row.to_vec();
                 changes.into_iter().for_each(|(j, x)| changed[j] = x);
@@ -345,7 +363,31 @@ fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<Vector<f64>> {
         let sum = add(a, b);
         [a, b, scale(sum, 1.0 / norm(sum)), sum]
     };
-    (0..3).flat_map(of).collect()
+    let across = |n: usize| cross(column(b, n % 3), column(a, n / 3));
+    (0..3).flat_map(of).chain((0..9).map(across)).collect()
+}
+
+/// Rows of a component of the rotation vector by other Jacobians than the inverse left one, along the axes of a.
+fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
+    let Some(step) = case.last() else { return Vec::new() };
+    let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
+    let (q, q0) = (relative(&step.state.pair), relative(&case.definition.initial));
+    let (i, r) = match measure {
+        Measure::RotationVector(i) | Measure::RotationVectorAtB(i) => (i - 1, q),
+        Measure::Misalignment(i) | Measure::Cardan(i) => (i - 1, product(&q, &transpose(&q0))),
+        _ => return Vec::new(),
+    };
+    let phi = so3::log(&r);
+    let (left, inverse) = (so3::left_jacobian(phi), so3::inverse_left_jacobian(phi));
+    let of = |m: Matrix<f64>| {
+        let g = apply(&step.state.pair.a.triad, m[i]);
+        Hypothesis::of_row(
+            Cause::OtherJacobian,
+            k,
+            put(THETA_B, g).into_iter().chain(put(THETA_A, g.map(|x| -x))),
+        )
+    };
+    vec![of(left), of(transpose(&left)), of(transpose(&inverse)), of(inverse)]
 }
 
 /// The row of a coordinate along other axes: of b, global ones, initial ones of a.
@@ -393,12 +435,14 @@ fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
     let plus = |v: Vector<f64>, times: f64| [0, 1, 2].map(|i| v[i] + times * lever[i]);
     let moved = |times: f64| [put(THETA_A, plus(of_a, -1.0)), put(THETA_B, plus(of_b, times))].concat();
     vec![
+        (Cause::LeverAtB, moved(1.0)),
+        (Cause::LeverAtB, [put(THETA_A, plus(of_a, -0.5)), put(THETA_B, plus(of_b, 0.5))].concat()),
+        (Cause::LeverAtB, [put(THETA_A, plus(of_a, -0.5)), put(THETA_B, plus(of_b, -0.5))].concat()),
         (Cause::LeverReversed, put(THETA_A, plus(of_a, -2.0))),
         (Cause::GeometricTermMissing, put(THETA_A, plus(of_a, -1.0))),
         (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),
         (Cause::InitialTurned, put(THETA_A, sub(of_a, of_initial))),
         (Cause::InitialTurned, put(THETA_A, add(sub(of_a, lever), of_initial))),
-        (Cause::LeverAtB, moved(1.0)),
         (Cause::LeverAtB, moved(-1.0)),
     ]
 }

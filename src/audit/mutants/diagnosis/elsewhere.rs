@@ -80,6 +80,7 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
     for map in of_triads {
         add(Cause::TriadsTransposed, None, &mapped(case, map, true));
     }
+    add(Cause::Linearised, None, &mapped(case, |_| initial, false));
     let mut before = case.clone();
     before.path.pop();
     if before.path.is_empty() {

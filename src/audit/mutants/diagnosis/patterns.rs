@@ -184,3 +184,68 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
     );
     Some(told(Cause::DigitsLost, sentence, &cells))
 }
+
+/// Wrong numbers everywhere, and by how much at most, in conditioned scales, at each state.
+struct Errors {
+    cells: BTreeSet<Cell>,
+    count: usize,
+    largest: Vec<f64>,
+}
+
+fn errors(symptoms: &[&Symptoms<'_>]) -> Errors {
+    let mut found = Errors { cells: BTreeSet::new(), count: 0, largest: Vec::new() };
+    for one in symptoms {
+        let mut largest = 0.0_f64;
+        for (k, i, want) in one.want.entries(one.quantity).iter() {
+            let Some(got) = one.got.get(k, i) else { continue };
+            let (error, tolerance) = ((got - want).abs(), one.bound.tolerance(one.quantity, k, i));
+            if error > tolerance {
+                found.cells.insert((k, i));
+                found.count += 1;
+                largest = largest.max(error * C * U / tolerance);
+            }
+        }
+        found.largest.push(largest);
+    }
+    found
+}
+
+fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
+    let count = errors.largest.len();
+    let states = if count == 1 { "state" } else { "states" };
+    let place = place(&errors.cells, words);
+    let equals = if place.contains(", ") { "equal" } else { "equals" };
+    let (relation, meaning) = (cause.relation(), cause.meaning());
+    let sentence = format!("{place} {equals} {relation}: {meaning}, at {count} of {count} {states}");
+    told(cause, sentence, &errors.cells)
+}
+
+/// Numbers of 24 bits: chance gives one in 2²⁹ so few.
+pub(super) fn single_precision(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let errors = errors(symptoms);
+    let is_single = |one: &&Symptoms<'_>, x: f64, place: Cell| {
+        #[expect(clippy::cast_possible_truncation, reason = "that is what is looked for")]
+        let single = f64::from(x as f32);
+        let tolerance = one.bound.tolerance(one.quantity, place.0, place.1);
+        x == single
+            || (x - one.want.entries(one.quantity).get(place.0, place.1).unwrap_or(x)).abs() <= tolerance
+    };
+    let are_single = |one: &&Symptoms<'_>| one.got.iter().all(|(k, i, x)| is_single(one, x, (k, i)));
+    let is_little = errors.largest.iter().all(|largest| *largest < LOST);
+    (errors.count > 2 && is_little && symptoms.iter().all(are_single))
+        .then(|| everywhere(Cause::SinglePrecision, &errors, words))
+}
+
+/// Derivatives that are right to fewer digits at every state: differences.
+pub(super) fn differences(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    /// What differences are wrong by at least, and how many states tell.
+    const LEAST: (f64, usize) = (1e-13, 4);
+    let errors = errors(symptoms);
+    let components = errors.cells.iter().map(|(k, _)| *k).collect();
+    let is_regular =
+        |one: &&&Symptoms<'_>| specials(one, &components).iter().all(|special| special.distance > NEAR);
+    let is_little = errors.largest.iter().all(|largest| *largest > LEAST.0 && *largest < LOST);
+    let is_derivative = symptoms.iter().all(|one| one.quantity != Quantity::Value);
+    (is_derivative && is_little && symptoms.iter().filter(is_regular).count() >= LEAST.1)
+        .then(|| everywhere(Cause::Differences, &errors, words))
+}

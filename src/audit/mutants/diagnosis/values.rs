@@ -1,12 +1,14 @@
 //! What mistakes make of values: initial values, axes, turns, other functions of the same rotation.
 
-use crate::case::quantity::Entries;
+use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
+use crate::mutants::diagnosis::columns::along;
 use crate::mutants::diagnosis::matching::Hypothesis;
+use crate::oracles::force::product_with_forces;
 use pintle_kinematics::connector::{Components, Output, Request};
 use pintle_kinematics::measure::{Measure, Unit};
-use pintle_kinematics::node::Pair;
+use pintle_kinematics::node::{DOFS, Pair, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::{Matrix, apply, column, dot, scale, sub, transpose, transposed_product};
 use std::f64::consts::{PI, TAU};
@@ -50,7 +52,13 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
     still.path = vec![Step::between(initial, *initial)];
     still.start = None;
     let (now, first) = (positions(case), positions(&still));
-    let mut found = Vec::new();
+    let mut earlier = case.clone();
+    earlier.path.pop();
+    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+    let before = earlier
+        .evaluation(&asked)
+        .map_or([None; 6], |(found, _)| std::array::from_fn(|k| found.residual[k].or(found.displacement[k])));
+    let mut found = of_rows(case, &before);
     for (k, _, f) in want.iter() {
         let Some(measure) = connector.differentiated(k) else { continue };
         let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
@@ -61,7 +69,9 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
             // Where the value is a position less its initial one.
             if (now - first - f).abs() <= 1e-9 * (1.0 + now.abs()) {
                 add(Cause::InitialKept, now);
+                add(Cause::InitialKept, now + first);
                 add(Cause::InitialTwice, f - first);
+                add(Cause::OtherOrder, -now - first);
                 add(Cause::SignLost, now.abs() - first);
                 add(Cause::SignLost, now.abs() - first.abs());
                 if let Some(reference) = case.definition.references[k] {
@@ -71,8 +81,21 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                 }
                 if is_angle {
                     of_function(now, first, &mut add);
+                } else {
+                    let mut of = |f: &dyn Fn(f64) -> f64| add(Cause::OtherLength, f(now) - f(first));
+                    of(&|x| x * x);
+                    of(&|x| x * x / 2.0);
+                    of(&f64::ln);
+                    of(&f64::ln_1p);
+                    of(&|x| x + x * x / 2.0);
+                    of(&|x| x / first);
+                    of(&|x| x * x / (2.0 * first));
+                    of(&|x| x * x / (2.0 * first * first));
                 }
             }
+        }
+        if let Some(before) = before[k] {
+            add(Cause::Increment, f - before);
         }
         if is_angle {
             of_function(f, 0.0, &mut add);
@@ -100,6 +123,24 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                 );
             }
         }
+        if matches!(measure, Measure::Distance | Measure::RadialDistance) {
+            let (d, d0) = (pair.separation(), initial.separation());
+            let [u, v, w] = [0, 1, 2].map(|i| dot(column(&pair.a.triad, i), d));
+            let [u0, v0, w0] = [0, 1, 2].map(|i| dot(column(&initial.a.triad, i), d0));
+            for x in [
+                norm(d) - norm(d0),
+                norm(sub(d, d0)),
+                u - u0,
+                v - v0,
+                w - w0,
+                u.hypot(v) - u0.hypot(v0),
+                u.hypot(w) - u0.hypot(w0),
+                v.hypot(w) - v0.hypot(w0),
+                (d[0].abs() + d[1].abs() + d[2].abs()) - (d0[0].abs() + d0[1].abs() + d0[2].abs()),
+            ] {
+                found.push(Hypothesis::one(Cause::OtherLength, (k, 0), x));
+            }
+        }
         if let Some(i) = axis_of(measure) {
             of_axes(pair, initial, i, first[k], &mut |cause, x| {
                 found.push(Hypothesis::one(cause, (k, 0), x))
@@ -107,6 +148,50 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
         }
     }
     found.extend(of_rotation(case, want, (&now, &first)));
+    found
+}
+
+/// The rows of a state.
+fn rows(case: &Case) -> Entries<f64> {
+    product_with_forces(case)
+        .map(|numbers| numbers.entries(Quantity::FirstDerivatives).clone())
+        .unwrap_or_default()
+}
+
+/// Values from rows: those of small motions about the initial state, and those of an increment.
+fn of_rows(case: &Case, before: &Components<f64>) -> Vec<Hypothesis> {
+    let Some((last, path)) = case.path.split_last() else { return Vec::new() };
+    let initial = case.definition.initial;
+    let motion = |from: &Pair<f64>| {
+        let since = Step::between(from, last.state.pair).increment;
+        let mut all = [0.0; DOFS];
+        for (end, (now, then)) in
+            [(&last.state.pair.a, &from.a), (&last.state.pair.b, &from.b)].into_iter().enumerate()
+        {
+            let moved = sub(now.displacement, then.displacement);
+            all[XB * end..XB * end + 3].copy_from_slice(&moved);
+            all[XB * end + 3..XB * end + 6].copy_from_slice(&since.rotation[end]);
+            all[XB * end + 6] = now.flow - then.flow;
+        }
+        all
+    };
+    let at_rest = Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() };
+    let earlier =
+        if path.is_empty() { at_rest.clone() } else { Case { path: path.to_vec(), ..case.clone() } };
+    let from = path.last().map_or(initial, |step| step.state.pair);
+    let mut found = Vec::new();
+    let mut add = |cause: Cause, rows: &Entries<f64>, motion: &[f64; DOFS], before: &dyn Fn(usize) -> f64| {
+        for (k, row) in rows.0.iter().enumerate() {
+            let Some(row) = row else { continue };
+            found.push(Hypothesis::one(cause, (k, 0), before(k) + along(row, motion)));
+        }
+    };
+    let (total, increment) = (motion(&initial), motion(&from));
+    add(Cause::Linearised, &rows(&at_rest), &total, &|_| 0.0);
+    add(Cause::Linearised, &rows(case), &total, &|_| 0.0);
+    let old = |k: usize| before[k].unwrap_or(0.0);
+    add(Cause::Incremental, &rows(case), &increment, &old);
+    add(Cause::Incremental, &rows(&earlier), &increment, &old);
     found
 }
 
@@ -185,6 +270,14 @@ fn of_rotation(
     };
     let q = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
     let (q, q0) = (q(pair), q(initial));
+    // Printed constraints: cosines for angles.
+    for i in 0..3 {
+        for j in 0..3 {
+            for sign in [1.0, -1.0] {
+                add(Cause::OtherParameters, [sign * q[i][j]; 3], [sign * q0[i][j]; 3]);
+            }
+        }
+    }
     let is_vector = rotational.iter().flatten().all(|measure| {
         matches!(
             measure,
