@@ -68,11 +68,8 @@ causes! {
     OtherParameters = DiagnosisOtherParameters, "another function of the same rotation", "another set of rotation parameters";
     OtherOrder = DiagnosisOtherOrder, "the angles of another sequence of axes", "another order of rotations";
     OtherLength = DiagnosisOtherLength, "another measure of length", "a square, a logarithm, or the length of another vector";
-    Linearised = DiagnosisLinearised, "what is expected of small motions about the initial state", "linearised";
     Incremental = DiagnosisIncremental, "the value before and a row times the increment", "increments summed up";
     Increment = DiagnosisIncrement, "the change since the state before", "an increment for the total";
-    OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
-    NotNormalised = DiagnosisNotNormalised, "what is expected times a length or cosine of the state", "not normalised";
     RateForAcceleration = DiagnosisRateForAcceleration, "the row times rates of the other order", "rates for accelerations, or the other way round";
     Symmetrised = DiagnosisSymmetrised, "the symmetric part of what is expected", "a matrix made symmetric";
     AxisForGradient = DiagnosisAxisForGradient, "a direction of a triad", "an axis for the gradient of the angle";
@@ -95,6 +92,9 @@ causes! {
     DerivativeForResolved = DiagnosisDerivative, "the time derivative of the component", "derivatives for nodal rates resolved along b";
     LinearPartMissing = DiagnosisLinearPart, "what the rates alone give", "the part linear in the accelerations missing";
     ComponentZero = DiagnosisComponentZero, "zero throughout", "not computed";
+    Linearised = DiagnosisLinearised, "what is expected of small motions about the initial state", "linearised";
+    OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
+    NotNormalised = DiagnosisNotNormalised, "what is expected times a length or cosine of the state", "not normalised";
     BlockReversed = DiagnosisSignOfBlock, "minus what is expected", "sign of a block";
     BlockMissing = DiagnosisBlockMissing, "zero", "block missing";
     NumberLeftOut = DiagnosisNumberLeftOut, "what the criterion gives without the number of a factor", "1/L for 2/L";

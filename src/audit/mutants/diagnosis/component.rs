@@ -51,9 +51,6 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     if let Some(few) = single_precision(&whole, &words) {
         return Some(few);
     }
-    if let Some(lost) = digits_lost(&whole, &words) {
-        return Some(lost);
-    }
     let states = whole.iter().map(|symptoms| symptoms.at_state()).collect();
     let mut regions: BTreeSet<Vec<Cell>> = BTreeSet::new();
     for (k, row) in symptoms.iter().flat_map(|one| one.wanted().0.iter().enumerate()) {
@@ -66,9 +63,12 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     }
     let has_offsets = quantity == Quantity::Value;
     let matching = Matching { states, regions: regions.into_iter().collect(), has_offsets, words: &words };
-    let found = matching.diagnosis();
-    let is_open = found.as_ref().is_some_and(|found| found.causes.is_empty());
-    is_open.then(|| differences(&whole, &words)).flatten().or(found)
+    let found = matching.diagnosis()?;
+    if found.is_whole() {
+        return Some(found);
+    }
+    let fewer = digits_lost(&whole, &words).or_else(|| differences(&whole, &words));
+    Some(fewer.unwrap_or(found))
 }
 
 /// The class of an entry.

@@ -311,8 +311,11 @@ impl Matching<'_> {
                     known.times += 1;
                 }
             };
-            // Nothing, and the opposite, are causes of their own.
-            if factor.is_finite() && factor.abs() > 1e-12 && (factor + 1.0).abs() > 1e-9 {
+            // Nothing, and the opposite, are causes of their own; and what is off in the last digits is off by no constant.
+            if factor.is_finite()
+                && factor.abs() > 1e-12
+                && [1.0, -1.0].iter().all(|one| (factor - one).abs() > 1e-9)
+            {
                 let cause = if is_entry { Cause::Scaled } else { Cause::Factor };
                 let relation = if is_entry {
                     format!("{factor:.10} × expected")

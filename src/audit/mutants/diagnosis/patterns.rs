@@ -18,6 +18,9 @@ use std::f64::consts::PI;
 /// So near to a special state (rad, or lengths of the connector) that numbers are lost there.
 const NEAR: f64 = 1e-6;
 
+/// So near that a constraint holds it there.
+const HELD: f64 = 1e-13;
+
 /// So near that digits are.
 const CLOSE: f64 = 0.1;
 
@@ -89,9 +92,6 @@ fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Specia
             if measure.unit() == Unit::Angle {
                 found.push(special("the angle is near 0 or ±π", "acos, or 1 − cos", from(PI, x)));
                 found.push(special("the angle is near ±π/2", "asin, or a tangent", from(PI, x - PI / 2.0)));
-            } else {
-                let value = symptoms.want.entries(Quantity::Value).get(*k, 0).unwrap_or(f64::INFINITY);
-                found.push(special("the displacement is near zero", "a division by it", value / case.length));
             }
         }
     }
@@ -163,6 +163,10 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
     let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
     let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
     let count = states.len();
+    // One state tells of no tendency.
+    if count < 2 {
+        return None;
+    }
     let kinds = states.first()?.len();
     let is_lost = |n: usize| {
         let near = |at: &Vec<Special>, lost: f64| {
@@ -171,8 +175,10 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
         };
         let nearest = states.iter().filter_map(|at| at.get(n)).map(|special| special.distance);
         let mean = nearest.map(|x| x.max(U).ln()).sum::<f64>() / count as f64;
-        (states.iter().zip(&lost).all(|(at, lost)| near(at, *lost)) && mean < CLOSE.powi(2).ln())
-            .then_some(mean)
+        // What a constraint holds there is near it everywhere.
+        let is_held = states.iter().filter_map(|at| at.get(n)).all(|special| special.distance < HELD);
+        let is_lost = states.iter().zip(&lost).all(|(at, lost)| near(at, *lost));
+        (is_lost && !is_held && mean < CLOSE.powi(2).ln()).then_some(mean)
     };
     let nearest = (0..kinds).filter_map(|n| Some((n, is_lost(n)?))).min_by(|x, y| x.1.total_cmp(&y.1));
     let (n, _) = nearest?;
