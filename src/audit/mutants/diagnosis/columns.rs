@@ -11,6 +11,9 @@ use pintle_kinematics::vector::{Matrix, Vector, apply, column, dot, product, tra
 use std::f64::consts::PI;
 use std::ops::Range;
 
+/// What is done to a row, in place.
+type Change = dyn Fn(&mut [f64]);
+
 /// A linear change of the columns of a row: it changes rates and second derivatives alike.
 pub(super) struct Operation {
     pub(super) cause: Cause,
@@ -19,7 +22,7 @@ pub(super) struct Operation {
     is_known: bool,
     /// Whether it says something of rows with columns of displacements only.
     needs_displacements: bool,
-    change: Box<dyn Fn(&mut [f64])>,
+    change: Box<Change>,
 }
 
 /// The blocks of columns.
