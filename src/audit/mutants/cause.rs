@@ -36,6 +36,7 @@ causes! {
     DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
     SinglePrecision = DiagnosisSinglePrecision, "what is expected to 24 bits", "single precision";
     Differences = DiagnosisDifferences, "what is expected but for the last digits", "differences with a step, or constants with few digits";
+    ComponentZero = DiagnosisComponentZero, "zero throughout", "not computed";
     SignLost = DiagnosisSignLost, "the magnitude of what is expected", "sign lost, as by acos or a norm";
     Reversed = DiagnosisSign, "minus what is expected", "opposite sign convention";
     NodesSwapped = DiagnosisNodesSwapped, "what is expected with a and b exchanged", "nodes swapped";
@@ -53,7 +54,7 @@ causes! {
     InitialTwice = DiagnosisInitialTwice, "what is expected less its initial value", "initial value subtracted twice";
     ReferenceSubtracted = DiagnosisReference, "what is expected less the constitutive reference", "constitutive reference for the initial value, or besides it";
     InitialTurned = DiagnosisInitialTurned, "the relative displacement u_b − u_a along the axes of a", "the initial separation turned with a";
-    AxesOfA = DiagnosisAxesOfA, "what is expected along the axes of a", "axes of a for those midway";
+    AxesOfA = DiagnosisAxesOfA, "what is expected along the axes of a", "axes of a for those that are meant";
     AxesMidway = DiagnosisAxesMidway, "what is expected along axes midway between those of a and b", "axes midway for those of a";
     AxesOfB = DiagnosisAxesOfB, "what is expected along the axes of b", "axes of b for those of a";
     GlobalAxes = DiagnosisGlobalAxes, "what is expected along the global axes", "global axes for those of a";
@@ -91,7 +92,6 @@ causes! {
     Coriolis = DiagnosisCoriolis, "what is expected without a part of that quadratic in the rates", "the centripetal or the Coriolis part missing, halved or doubled";
     DerivativeForResolved = DiagnosisDerivative, "the time derivative of the component", "derivatives for nodal rates resolved along b";
     LinearPartMissing = DiagnosisLinearPart, "what the rates alone give", "the part linear in the accelerations missing";
-    ComponentZero = DiagnosisComponentZero, "zero throughout", "not computed";
     Linearised = DiagnosisLinearised, "what is expected of small motions about the initial state", "linearised";
     OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
     NotNormalised = DiagnosisNotNormalised, "what is expected times a length or cosine of the state", "not normalised";
@@ -103,8 +103,8 @@ causes! {
     CouplingMissing = DiagnosisContactForceHeld, "what is expected with the contact force held", "coupling to what presses missing";
     ElasticForViscous = DiagnosisElasticForViscous, "what is expected of each other", "elastic and viscous slopes exchanged";
     SecantForTangent = DiagnosisSecant, "force / displacement over the whole motion or increment", "the secant instead of the tangent";
-    Offset = DiagnosisOffset, "what is expected and a constant", "a constant offset";
     Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";
+    Offset = DiagnosisOffset, "what is expected and a constant", "a constant offset";
     Dropped = DiagnosisDropped, "zero", "entry dropped";
     Sign = DiagnosisSignOfEntry, "minus what is expected", "sign of an entry";
     Spurious = DiagnosisSpurious, "what must be zero", "entry that must be zero";

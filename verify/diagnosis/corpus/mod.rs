@@ -272,7 +272,7 @@ fn causes_of_the_corpus_are_named() {
     assert_named(
         "seen",
         &[values::ALL, rows::ALL, rates::ALL, second::ALL, forces::ALL, special::ALL, other::ALL],
-        90,
+        95,
     );
 }
 

@@ -6,7 +6,7 @@ use pintle_kinematics::connector::State;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{add, apply, cross, dot, scale, sub, transpose, transposed_product};
+use pintle_kinematics::vector::{add, apply, cross, dot, product, scale, sub, transpose, transposed_product};
 
 /// The state before: numbers there.
 fn at_rest(right: &Right<'_>) -> Numbers<f64> {
@@ -76,7 +76,7 @@ pub(super) const ALL: &[Wrong] = &[
         |right, numbers| {
             let rest = at_rest(right);
             let (now, first) = (right.pair(), right.initial());
-            let turned = |now, then| so3::log(&pintle_kinematics::vector::product(now, &transpose(then)));
+            let turned = |now, then| so3::log(&product(now, &transpose(then)));
             let mut q = [0.0; DOFS];
             put(&mut q, 0, now.a.displacement);
             put(&mut q, 3, turned(&now.a.triad, &first.a.triad));
@@ -206,5 +206,106 @@ pub(super) const ALL: &[Wrong] = &[
             }
         },
         (&["diagnosis::lever-at-b"], "nodal forces of u1"),
+    ),
+    Wrong::new(
+        ("PLANAR", "u2 and u3 exchanged, one with the opposite sign"),
+        &[DF],
+        |_, numbers| {
+            numbers.entries_mut(DF).0.swap(1, 2);
+            row(numbers, DF, 2, |row| row.iter_mut().for_each(|x| *x = -*x));
+        },
+        (&["diagnosis::components-swapped"], "∂u2, ∂u3"),
+    ),
+    Wrong::new(
+        ("AXIAL", "(1 − q qᵀ) without the division by |d|"),
+        &[DDF],
+        |right, numbers| each(numbers, DDF, |_, _, x| x * norm(right.d())),
+        (&["diagnosis::not-normalised"], "∂²u1"),
+    ),
+    Wrong::new(
+        ("SLIPRING", "the belt's flow left out"),
+        &[F],
+        |right, numbers| {
+            one(numbers, F, (0, 0), |_| norm(right.d()) / norm(right.initial().reference) - 1.0);
+        },
+        (&["diagnosis::motion-ignored"], "u1"),
+    ),
+    Wrong::new(
+        ("CONSTANT VELOCITY", "the third Cardan angle for the torsion"),
+        &[F],
+        |right, numbers| one(numbers, F, (4, 0), |_| (-right.q()[0][1]).atan2(right.q()[0][0])),
+        (&["diagnosis::other-order"], "ur2"),
+    ),
+    Wrong::new(
+        ("ROTATION", "the rotation vector of Q Q₀ᵀ for the difference"),
+        &[F],
+        |right, numbers| {
+            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let phi = so3::log(&product(&right.q(), &transpose(&q0)));
+            each(numbers, F, |k, _, _| phi[k - 3]);
+        },
+        (&["diagnosis::other-parameters"], "ur1"),
+    ),
+    Wrong::new(
+        ("BEAM", "log Q: what the directions differ by initially is ignored"),
+        &[F],
+        |right, numbers| {
+            let phi = so3::log(&right.q());
+            for k in 3..6 {
+                one(numbers, F, (k, 0), |_| phi[k - 3]);
+            }
+        },
+        (&["diagnosis::initial-value-kept"], "ur1"),
+    ),
+    Wrong::new(
+        ("RADIAL-THRUST", "the row of e1a for that of the radial direction"),
+        &[DF],
+        |right, numbers| {
+            row(numbers, DF, 0, |row| {
+                put(row, 0, scale(right.a(0), -1.0));
+                put(row, 3, cross(right.a(0), right.d()));
+                put(row, 7, right.a(0));
+            });
+        },
+        (&["diagnosis::other-length"], "∂u1"),
+    ),
+    Wrong::new(
+        ("PROJECTION CARTESIAN", "the moments of both nodes at a"),
+        &[F, DF],
+        |_, numbers| {
+            for k in 0..3 {
+                row(numbers, DF, k, |row| {
+                    put(row, 3, add(part(row, 3), part(row, 10)));
+                    put(row, 10, [0.0; 3]);
+                });
+            }
+        },
+        (&["diagnosis::lever-at-b"], "∂u1"),
+    ),
+    Wrong::new(
+        ("ACCELEROMETER", "accelerations along the axes of a"),
+        &[ACC],
+        |right, numbers| {
+            let [_, a] = right.rates();
+            each(numbers, ACC, |k, _, _| dot(right.a(k), sub(part(&a, 7), part(&a, 0))));
+        },
+        (&["diagnosis::axes-of-a"], "d²u1/dt²"),
+    ),
+    Wrong::new(
+        ("ROTATION-ACCELEROMETER", "ω_b alone"),
+        &[RATE],
+        |right, numbers| {
+            let [v, _] = right.rates();
+            each(numbers, RATE, |k, _, _| dot(right.b(k - 3), part(&v, 10)));
+        },
+        (&["diagnosis::rates-of-a-ignored"], "dur1/dt"),
+    ),
+    Wrong::new(
+        ("CYLINDRICAL", "an identity left over in the stiffness of a"),
+        &[STIFF],
+        |_, numbers| {
+            each(numbers, STIFF, |_, n, x| if n / DOFS == n % DOFS && n % DOFS < 3 { x + 1.0 } else { x })
+        },
+        (&["diagnosis::offset", "diagnosis::spurious"], "stiffness of ur1"),
     ),
 ];

@@ -22,6 +22,8 @@ pub(super) struct Operation {
     is_known: bool,
     /// Whether it says something of rows with columns of displacements only.
     needs_displacements: bool,
+    /// Whether it multiplies the whole row, which second derivatives suffer once.
+    is_scalar: bool,
     change: Box<Change>,
 }
 
@@ -42,7 +44,14 @@ fn multiplied(row: &mut [f64], columns: Range<usize>, factor: f64) {
 
 impl Operation {
     fn new(cause: Cause, change: impl Fn(&mut [f64]) + 'static) -> Self {
-        Self { cause, relation: None, is_known: false, needs_displacements: false, change: Box::new(change) }
+        Self {
+            cause,
+            relation: None,
+            is_known: false,
+            needs_displacements: false,
+            is_scalar: false,
+            change: Box::new(change),
+        }
     }
 
     fn related(mut self, relation: &'static str) -> Self {
@@ -89,6 +98,9 @@ impl Operation {
     /// Both sides of a matrix.
     fn on_both(&self, matrix: &[f64]) -> Vec<f64> {
         let rows: Vec<f64> = matrix.chunks(DOFS).flat_map(|row| self.of(row)).collect();
+        if self.is_scalar {
+            return rows;
+        }
         let across = |matrix: &[f64]| -> Vec<f64> {
             (0..DOFS * DOFS).map(|n| matrix[n % DOFS * DOFS + n / DOFS]).collect()
         };
@@ -212,7 +224,8 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
     let angle = norm(so3::log(&q));
     for factor in lengths.into_iter().chain([cosine, sine, 1.0 + q[2][2], q[2][2], angle]) {
         for factor in [factor, 1.0 / factor, factor * factor, 1.0 / (factor * factor)] {
-            found.push(Operation::new(Cause::NotNormalised, move |row| multiplied(row, 0..DOFS, factor)));
+            let all = Operation::new(Cause::NotNormalised, move |row| multiplied(row, 0..DOFS, factor));
+            found.push(Operation { is_scalar: true, ..all });
             let turning = move |row: &mut [f64]| {
                 ROTATIONS.iter().for_each(|at| multiplied(row, *at..at + 3, factor));
             };
@@ -237,7 +250,8 @@ fn of_blocks() -> Vec<Operation> {
     {
         found.push(both(Cause::DegreesForRadians, ROTATIONS, factor).related(relation));
         let all = move |row: &mut [f64]| multiplied(row, 0..DOFS, factor);
-        found.push(Operation::new(Cause::DegreesForRadians, all).related(relation));
+        let all = Operation::new(Cause::DegreesForRadians, all).related(relation);
+        found.push(Operation { is_scalar: true, ..all });
         for at in ROTATIONS {
             let one = move |row: &mut [f64]| multiplied(row, at..at + 3, factor);
             found.push(Operation::new(Cause::DegreesForRadians, one).related(relation));
@@ -247,13 +261,24 @@ fn of_blocks() -> Vec<Operation> {
         found.push(both(Cause::LengthUnit, ROTATIONS, factor).related(relation));
         found.push(both(Cause::LengthUnit, DISPLACEMENTS, factor).related(relation));
         let all = move |row: &mut [f64]| multiplied(row, 0..DOFS, factor);
-        found.push(Operation::new(Cause::LengthUnit, all).related(relation));
+        let all = Operation::new(Cause::LengthUnit, all).related(relation);
+        found.push(Operation { is_scalar: true, ..all });
     }
     for (cause, factor) in [(Cause::RotationHalved, 0.5), (Cause::RotationDoubled, 2.0)] {
         found.extend(
             ROTATIONS.map(|at| Operation::new(cause, move |row| multiplied(row, at..at + 3, factor)).known()),
         );
         found.push(both(cause, ROTATIONS, factor));
+    }
+    for (from, to) in [(THETA_A, THETA_B), (THETA_B, THETA_A)] {
+        let moved = move |row: &mut [f64]| {
+            for i in 0..3 {
+                row[to + i] += row[from + i];
+                row[from + i] = 0.0;
+            }
+        };
+        found
+            .push(Operation::new(Cause::LeverAtB, moved).related("the moments of both nodes at one of them"));
     }
     found.push(Operation::new(Cause::SameSignForBoth, |row| multiplied(row, 0..XB, -1.0)).known());
     found.push(Operation::new(Cause::NodeLeftOut, |row| multiplied(row, 0..XB, 0.0)));

@@ -128,13 +128,22 @@ impl Symptoms<'_> {
             let all = |of: fn(f64) -> f64| entries.iter().map(move |x| of(*x)).enumerate();
             found.push(Hypothesis::of_row(Cause::Reversed, k, all(|x| -x)));
             found.push(Hypothesis::of_row(Cause::ComponentZero, k, all(|_| 0.0)));
-            // The self-test exchanges neighbours of one class.
-            for (l, others) in self.wanted().0.iter().enumerate().skip(k + 1).filter(|(l, _)| k / 3 != l / 3)
-            {
+            // The self-test exchanges neighbours of one class, without a sign.
+            for (l, others) in self.wanted().0.iter().enumerate().skip(k + 1) {
                 let Some(others) = others else { continue };
-                let changes = others.iter().enumerate().map(|(i, x)| (k, i, *x));
-                let back = entries.iter().enumerate().map(|(i, x)| (l, i, *x));
-                found.push(Hypothesis::many(Cause::RowsSwapped, changes.chain(back).collect()));
+                for signs in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]] {
+                    if signs == [1.0; 2] && k / 3 == l / 3 {
+                        continue;
+                    }
+                    let there = others.iter().enumerate().map(|(i, x)| (k, i, signs[0] * x));
+                    let back = entries.iter().enumerate().map(|(i, x)| (l, i, signs[1] * x));
+                    let made = Hypothesis::many(Cause::RowsSwapped, there.chain(back).collect());
+                    found.push(if signs == [1.0; 2] {
+                        made
+                    } else {
+                        made.related("what is expected of each other, with another sign")
+                    });
+                }
             }
         }
         // Three components one place on, either way.
@@ -194,6 +203,16 @@ impl Symptoms<'_> {
                 }
             }
             found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
+            if matches!(measure, Some(Measure::RadialDistance | Measure::Distance)) {
+                let d = pair.separation();
+                let direct = scale(d, 1.0 / norm(d));
+                for e in [column(triads[0], 0), column(triads[0], 1), column(triads[0], 2), direct] {
+                    let ends = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
+                    let all = ends.clone().chain(put(THETA_A, cross(e, d)));
+                    found.push(Hypothesis::of_row(Cause::OtherLength, k, all));
+                    found.push(Hypothesis::of_row(Cause::OtherLength, k, ends));
+                }
+            }
             if let Some(i) = measure.and_then(axis_of) {
                 let initial = &self.case.definition.initial.a.triad;
                 found.extend(along_axes(k, i, (triads, initial), pair.separation()));
@@ -345,6 +364,16 @@ impl Symptoms<'_> {
             } else {
                 is(Cause::DerivativeForResolved, along(row, velocity));
             }
+            if let Some((i, at)) = connector.differentiated(k).and_then(resolved_at) {
+                let v = faster.unwrap_or(velocity);
+                let (of_a, of_b) = (part(v, at), part(v, at + XB));
+                let global = [0, 1, 2].map(|n| f64::from(u8::from(n == i)));
+                let [a, b] = triads.map(|triad| column(triad, i));
+                for (cause, e) in [(Cause::AxesOfA, a), (Cause::GlobalAxes, global)] {
+                    is(cause, along(&e, &sub(of_b, of_a)));
+                }
+                is(Cause::RatesOfAIgnored, along(&b, &of_b));
+            }
             let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
             let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
             let relative = relative(if faster.is_some() { acceleration } else { velocity });
@@ -353,6 +382,15 @@ impl Symptoms<'_> {
             }
         }
         found
+    }
+}
+
+/// Which axis of b nodal rates are resolved along, and where these stand.
+const fn resolved_at(measure: Measure) -> Option<(usize, usize)> {
+    match measure {
+        Measure::PositionAtB(i) => Some((i - 1, XA)),
+        Measure::RotationVectorAtB(i) => Some((i - 1, THETA_A)),
+        _ => None,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
 use pintle_kinematics::node::{DOFS, Node, Pair, XB};
-use pintle_kinematics::vector::transpose;
+use pintle_kinematics::vector::{identity, transpose};
 
 /// A case whose pairs are others, with the increments between them.
 fn mapped(case: &Case, of: impl Fn(&Pair<f64>) -> Pair<f64>, is_initial_too: bool) -> Case {
@@ -45,7 +45,13 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
     let turned = |from: &Node<f64>, triad| Node { triad, ..*from };
     let moved = |from: &Node<f64>, by: &Node<f64>| Node { displacement: by.displacement, ..*from };
     type Map<'a> = &'a dyn Fn(&Pair<f64>) -> Pair<f64>;
-    let left_out: [(&'static str, Map<'_>); 5] = [
+    let still = |from: &Node<f64>, by: &Node<f64>| Node { flow: by.flow, ..*from };
+    let left_out: [(&'static str, Map<'_>); 6] = [
+        ("what is expected with the flows left out", &|pair| Pair {
+            a: still(&pair.a, &initial.a),
+            b: still(&pair.b, &initial.b),
+            ..*pair
+        }),
         ("what is expected with the rotation of a left out", &|pair| Pair {
             a: turned(&pair.a, initial.a.triad),
             ..*pair
@@ -80,6 +86,8 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
     for map in of_triads {
         add(Cause::TriadsTransposed, None, &mapped(case, map, true));
     }
+    let global = |pair: &Pair<f64>| Pair { a: turned(&pair.a, identity()), ..*pair };
+    add(Cause::GlobalAxes, None, &mapped(case, global, true));
     add(Cause::Linearised, None, &mapped(case, |_| initial, false));
     let mut before = case.clone();
     before.path.pop();

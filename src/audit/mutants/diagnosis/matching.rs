@@ -100,7 +100,7 @@ const SINGLE: usize = 2;
 const NEARLY_ALL: f64 = 0.8;
 
 /// The share of the states at which a cause must explain something.
-const RARELY: f64 = 0.1;
+const RARELY: f64 = 0.4;
 
 /// What numbers equal, where the cause leaves it open.
 type Relation = Option<String>;
@@ -213,6 +213,7 @@ impl Matching<'_> {
         if wrong.iter().all(BTreeMap::is_empty) {
             return None;
         }
+        let all = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
         let mut found: BTreeMap<(Cause, Relation), ByState> = BTreeMap::new();
         for (n, state) in self.states.iter().enumerate() {
             let largest = state.tolerances();
@@ -247,6 +248,14 @@ impl Matching<'_> {
             diagnosis.causes.extend(self.singles(&mut wrong));
         }
         diagnosis.unexplained = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
+        // That some entries of several states are zero, say, explains nothing where others are wrong besides.
+        if self.states.len() > 1
+            && diagnosis.unexplained > 0
+            && diagnosis.causes.iter().all(|one| one.cause.is_of_an_entry())
+        {
+            diagnosis.causes.clear();
+            diagnosis.unexplained = all;
+        }
         Some(diagnosis)
     }
 
@@ -281,7 +290,8 @@ impl Matching<'_> {
                 ))
             };
             let best = wrongs.iter().filter_map(clear).max_by(|x, y| x.0.total_cmp(&y.0));
-            let Some((_, factor, _)) = best else { continue };
+            // What must be zero has no factor.
+            let factor = best.map_or(f64::NAN, |best| best.1);
             let mut add = |cause: Cause, relation: String, make: &dyn Fn(f64) -> f64| {
                 let mut by_state = ByState::new();
                 let mut count = 0;
@@ -324,7 +334,8 @@ impl Matching<'_> {
                 };
                 add(cause, relation, &|want| factor * want);
             }
-            if self.has_offsets && !is_entry && region.len() == 1 {
+            let is_offset = if is_entry { best.is_none() } else { self.has_offsets };
+            if is_offset && region.len() == 1 {
                 let sharp = |(n, place): &(usize, Cell)| {
                     let (datum, got) = at(*n, place)?;
                     Some((datum.tolerance, got - datum.want))

@@ -10,7 +10,10 @@ use pintle_kinematics::connector::{Components, Output, Request};
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{DOFS, Pair, XB};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::vector::{Matrix, apply, column, dot, scale, sub, transpose, transposed_product};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Matrix, apply, column, dot, product, scale, sub, transpose, transposed_product,
+};
 use std::f64::consts::{PI, TAU};
 
 /// Positions of the components at the end of a case.
@@ -87,6 +90,8 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                     of(&|x| x * x / 2.0);
                     of(&f64::ln);
                     of(&f64::ln_1p);
+                    of(&|x| x / (1.0 + x));
+                    of(&|x| -first * first / x);
                     of(&|x| x + x * x / 2.0);
                     of(&|x| x / first);
                     of(&|x| x * x / (2.0 * first));
@@ -287,7 +292,25 @@ fn of_rotation(
     for (of, of_first) in [(q, q0), (transpose(&q), transpose(&q0))] {
         for (angles, initial) in sequences(&of).into_iter().zip(sequences(&of_first)) {
             add(Cause::OtherOrder, angles, initial);
+            for n in 0..3 {
+                add(Cause::OtherOrder, [angles[n]; 3], [initial[n]; 3]);
+            }
         }
+    }
+    // The rotation vector of another rotation, and the difference of those of the nodes.
+    let [of_a, of_b] = [(&pair.a, &initial.a), (&pair.b, &initial.b)]
+        .map(|(now, then)| so3::log(&product(&now.triad, &transpose(&then.triad))));
+    let apart = sub(of_b, of_a);
+    for vector in [so3::log(&product(&q, &transpose(&q0))), so3::log(&product(&transpose(&q0), &q))] {
+        add(Cause::OtherParameters, vector, [0.0; 3]);
+    }
+    for vector in [apart, apply(&transpose(&pair.a.triad), apart), apply(&transpose(&initial.a.triad), apart)]
+    {
+        add(Cause::OtherParameters, vector, [0.0; 3]);
+    }
+    add(Cause::OtherParameters, so3::log(&q), so3::log(&q0));
+    if rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_))) {
+        add(Cause::InitialKept, so3::log(&q), [0.0; 3]);
     }
     let vector = |all: &Components<f64>| Some([all[3]?, all[4]?, all[5]?]);
     let held = || Some([0, 1, 2].map(|i| want.get(3 + i, 0)).map(|x| x.unwrap_or(0.0)));
