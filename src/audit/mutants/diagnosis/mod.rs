@@ -7,9 +7,19 @@
 //! A mistake *fits* where every entry that it makes is the one given, within the tolerance. One that fits is believed where chance
 //! would not do it. Chance meets an entry off by n tolerances once in n, so that it is worth log₂ n bits. All entries explained
 //! must be worth log₂(1000 N) bits together, N being the number of mistakes tried. A mistake explains more than another where the
-//! entries that only it explains are worth log₂ 1000 bits; those that explain as much are named beside it, for at this state they
-//! make the same numbers. Where nothing is believed, that is said. Numbers that have lost digits besides are tried again with
-//! tolerances so much wider.
+//! entries that only it explains are worth log₂ 1000 bits. Those that explain as much are named beside it.
+//!
+//! All states are judged together at which a check was wrong: [`diagnose_all`]. What explains everything at nearly all of them comes
+//! first, and what says least last: single entries, a constant. A constant is told of one number, the same at every state. Where nothing
+//! is believed, that is said. Numbers that have lost digits besides are tried again with tolerances so much wider.
+//!
+//! | file | what mistakes make of |
+//! |---|---|
+//! | `columns` | the columns of rows, and with them rates and second derivatives |
+//! | `component` | rows, rates, second derivatives, forces, stiffness |
+//! | `values` | values |
+//! | `elsewhere` | all of them, at other nodes than those that are meant |
+//! | `patterns` | digits, near special states |
 
 mod columns;
 mod component;
