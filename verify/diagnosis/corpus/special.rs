@@ -26,8 +26,8 @@ pub(super) const ALL: &[Wrong] = &[
         ("AXIAL", "the rate of change divides by the change"),
         &[F, DF],
         |right, numbers| {
-            let f = right.of(F, 0, 0);
-            row(numbers, DF, 0, |row| row.iter_mut().for_each(|x| *x *= f / f));
+            let (f, same) = (right.of(F, 0, 0), right.of(F, 0, 0));
+            row(numbers, DF, 0, |row| row.iter_mut().for_each(|x| *x *= f / same));
         },
         (&["diagnosis::not-a-number"], "∂u1"),
     ),
