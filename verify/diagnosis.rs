@@ -1,6 +1,7 @@
 //! Why a matrix is wrong: every mistake of the catalogue is named as what it is, conventions too, and noise is not named at all.
 
 mod candidates;
+mod corpus;
 mod offers;
 mod tables;
 

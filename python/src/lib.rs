@@ -172,6 +172,9 @@ impl Loaded {
     }
 }
 
+/// The name of an array, and its numbers.
+type Numbers = (String, Vec<f64>);
+
 impl Loaded {
     fn evaluated(
         &self,
@@ -179,7 +182,7 @@ impl Loaded {
         outputs: &[String],
         order: u8,
         independent: bool,
-    ) -> Result<(usize, Vec<(String, Vec<f64>)>), String> {
+    ) -> Result<(usize, Vec<Numbers>), String> {
         let read = states.map(|file| StateFile::read(file, &self.scene)).transpose();
         let read = read.map_err(|error| wrong(&error).to_string())?;
         let own =
@@ -192,7 +195,7 @@ impl Loaded {
         let named = Output::ALL.into_iter().filter(|output| (0..6).any(|k| request.wants(*output, k)));
         let named: Vec<Output> =
             named.filter(|output| output.is_kinematic() || is_residual(*output)).collect();
-        let mut arrays: Vec<(String, Vec<f64>)> =
+        let mut arrays: Vec<Numbers> =
             named.iter().map(|output| (output.name().to_string(), Vec::new())).collect();
         let (mut jacobian, mut hessian) = (Vec::new(), Vec::new());
         let mut sequence = Sequence::new(&self.model, &plan);

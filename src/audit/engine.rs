@@ -206,13 +206,13 @@ fn law_of_type(law: Invariant, demands: &[invariant::Demand], connection: &Conne
     check
 }
 
-/// The checks of many cases, whatever the number of threads.
+/// The checks of many cases, in their order, whatever the number of threads; wrong numbers of a few are kept at a time.
 fn gather(cases: impl IndexedParallelIterator<Item = Vec<Check>>) -> Vec<Check> {
-    let all: Vec<Vec<Check>> = cases.collect();
-    let mut found = Vec::new();
-    for checks in all {
+    let merged = |mut found: Vec<Check>, checks: Vec<Check>| {
         checks_of(&mut found, checks);
-    }
+        found
+    };
+    let mut found = cases.fold(Vec::new, merged).reduce(Vec::new, merged);
     found.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
     found
 }

@@ -9,7 +9,7 @@ use crate::judge::comparison::Comparison;
 use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
 use crate::laws::demanded::Invariant;
 use crate::model::ModelReport;
-use crate::mutants::diagnosis::{Diagnosis, Symptoms, diagnose};
+use crate::mutants::diagnosis::{Diagnosis, Sample, Symptoms, diagnose_all};
 use crate::oracles::certificate::Certificate;
 use crate::oracles::oracle::{Answer, Oracle};
 use crate::settings::Settings;
@@ -80,7 +80,7 @@ pub struct Check {
     pub worst_state: Option<String>,
     /// How mutants of the same numbers fared.
     pub score: Score,
-    /// Why it is wrong, at the state that tells most.
+    /// Why it is wrong: what holds at nearly all states at which it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<Box<Diagnosis>>,
     /// The file to which its counter-example was written: `pintle replay` runs it again.
@@ -98,6 +98,9 @@ pub struct Check {
     pub contradicted: [u64; 2],
     #[serde(skip)]
     components: Components,
+    /// What is wrong, at some of the states at which it is.
+    #[serde(skip)]
+    samples: Vec<Sample>,
 }
 
 /// Why numbers that were compared, or a law, are undecided.
@@ -124,6 +127,7 @@ impl Check {
             failing: None,
             contradicted: [0; 2],
             components: Components::default(),
+            samples: Vec::new(),
         }
     }
 
@@ -217,17 +221,27 @@ impl Check {
         }
     }
 
-    /// Says why numbers are wrong, and keeps them to be shown.
+    /// Keeps numbers that are wrong, to say why when every state was seen, and to be shown.
     pub(super) fn explain(&mut self, symptoms: &Symptoms<'_>, answer: &Answer) {
-        if !matches!(self.verdict, Verdict::Wrong | Verdict::UnstableFormula) {
+        self.samples = vec![Sample::new(symptoms)];
+        if self.verdict == Verdict::Invalid {
             return;
         }
-        // A formula that loses digits need not be mistaken.
-        let is_told = |found: &Diagnosis| self.verdict == Verdict::Wrong || found.is_whole();
-        self.diagnosis = diagnose(symptoms).filter(is_told).map(Box::new);
         if symptoms.quantity == Quantity::FirstDerivatives {
             let allowed = |k: usize, j: usize| answer.allowed(symptoms.bound, symptoms.quantity, k, j);
             self.comparison = Some(Box::new(Comparison::new(symptoms.got, &answer.numbers, allowed)));
+        }
+    }
+
+    /// Settles the figures over all states, and says why numbers are wrong.
+    pub fn finish(&mut self) {
+        self.score.finish();
+        let samples = std::mem::take(&mut self.samples);
+        let symptoms: Vec<Symptoms<'_>> = samples.iter().map(Sample::symptoms).collect();
+        // A formula that loses digits need not be mistaken.
+        let is_told = |found: &Diagnosis| self.verdict != Verdict::UnstableFormula || found.is_whole();
+        if let Some(found) = diagnose_all(&symptoms).filter(is_told) {
+            self.diagnosis = Some(Box::new(found));
         }
     }
 
@@ -309,6 +323,7 @@ impl Check {
             states.iter_mut().zip(more).for_each(|(states, more)| *states += more);
         }
         self.score.merge(other.score);
+        Sample::merge(&mut self.samples, other.samples);
         if let Some(diagnosis) = other.diagnosis
             && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
         {
@@ -429,7 +444,7 @@ impl Subject {
         expected: &Expected,
     ) -> Self {
         for check in &mut checks {
-            check.score.finish();
+            check.finish();
         }
         let judged = checks.iter().filter_map(|check| check.quantity);
         let judged: BTreeSet<Quantity> = judged.chain(expected.quantities.iter().copied()).collect();

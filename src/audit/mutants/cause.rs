@@ -32,30 +32,79 @@ macro_rules! causes {
 }
 
 causes! {
+    NotANumber = DiagnosisNotANumber, "no number", "0/0 or a root of less than zero at special states";
+    DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
+    SinglePrecision = DiagnosisSinglePrecision, "what is expected to 24 bits", "single precision";
+    Differences = DiagnosisDifferences, "what is expected but for the last digits", "differences with a step, or constants with few digits";
+    ComponentZero = DiagnosisComponentZero, "zero throughout", "not computed";
+    SignLost = DiagnosisSignLost, "the magnitude of what is expected", "sign lost, as by acos or a norm";
+    Reversed = DiagnosisSign, "minus what is expected", "opposite sign convention";
     NodesSwapped = DiagnosisNodesSwapped, "what is expected with a and b exchanged", "nodes swapped";
     RowsSwapped = DiagnosisComponentsSwapped, "what is expected of each other", "components swapped";
-    Reversed = DiagnosisSign, "minus what is expected", "opposite sign convention";
     SameSignForBoth = DiagnosisSignOfA, "minus what is expected", "sign of the first node";
     RotationTakenAsLocal = DiagnosisRotationAsLocal, "Rᵀ × expected", "rotation degrees of freedom taken as local";
     RotationTurnedTwice = DiagnosisRotationTurnedTwice, "R × expected", "rotation degrees of freedom turned forth instead of back";
+    DisplacementTakenAsLocal = DiagnosisDisplacementAsLocal, "Rᵀ × expected", "displacements of nodes taken along the axes of a node";
+    TotalVector = DiagnosisTotalVector, "the derivative by the total rotation vector", "not spatial variations";
+    BodyRates = DiagnosisBodyRates, "what rates along the axes of the node give", "angular velocities and accelerations taken along body axes";
     BlockTransposed = DiagnosisBlockTransposed, "the transpose of what is expected", "block transposed";
     DegreesForRadians = DiagnosisDegrees, "what is expected × 180/π or × π/180", "degrees for radians";
+    LengthUnit = DiagnosisUnitOfLength, "what is expected × 1000 or × 0.001", "another unit of length";
+    InitialKept = DiagnosisInitialKept, "what is expected and its initial value", "initial value not subtracted";
+    InitialTwice = DiagnosisInitialTwice, "what is expected less its initial value", "initial value subtracted twice";
+    ReferenceSubtracted = DiagnosisReference, "what is expected less the constitutive reference", "constitutive reference for the initial value, or besides it";
+    InitialTurned = DiagnosisInitialTurned, "the relative displacement u_b − u_a along the axes of a", "the initial separation turned with a";
+    AxesOfA = DiagnosisAxesOfA, "what is expected along the axes of a", "axes of a for those that are meant";
+    AxesMidway = DiagnosisAxesMidway, "what is expected along axes midway between those of a and b", "axes midway for those of a";
+    AxesOfB = DiagnosisAxesOfB, "what is expected along the axes of b", "axes of b for those of a";
+    GlobalAxes = DiagnosisGlobalAxes, "what is expected along the global axes", "global axes for those of a";
+    InitialAxes = DiagnosisInitialAxes, "what is expected along the initial axes of a", "axes that do not turn with a";
+    TriadsTransposed = DiagnosisTriadsTransposed, "what is expected with triads transposed", "rows of triads taken for their columns";
+    MotionIgnored = DiagnosisMotionIgnored, "what is expected with a motion left out", "a motion of a node does not count";
+    StateBefore = DiagnosisStateBefore, "what was expected at the state before", "an increment late";
+    TurnForgotten = DiagnosisTurnsForgotten, "what is expected less whole turns", "previous turns forgotten";
+    TurnAdded = DiagnosisTurnsAdded, "what is expected and whole turns", "turns that were not made, or a range from 0 to 2π";
+    WrongParity = DiagnosisHalfTurn, "what is expected and half a turn", "nπ of the wrong parity";
+    Folded = DiagnosisFolded, "what is expected folded back at a right angle", "asin or atan for atan2";
+    OtherParameters = DiagnosisOtherParameters, "another function of the same rotation", "another set of rotation parameters";
+    OtherOrder = DiagnosisOtherOrder, "the angles of another sequence of axes", "another order of rotations";
+    OtherLength = DiagnosisOtherLength, "another measure of length", "a square, a logarithm, or the length of another vector";
+    Incremental = DiagnosisIncremental, "the value before and a row times the increment", "increments summed up";
+    Increment = DiagnosisIncrement, "the change since the state before", "an increment for the total";
+    RateForAcceleration = DiagnosisRateForAcceleration, "the row times rates of the other order", "rates for accelerations, or the other way round";
+    Symmetrised = DiagnosisSymmetrised, "the symmetric part of what is expected", "a matrix made symmetric";
+    AxisForGradient = DiagnosisAxisForGradient, "a direction of a triad", "an axis for the gradient of the angle";
+    ConjugateForPrinted = DiagnosisConjugate, "the row of the component", "conjugate moment for the printed one, or the other way round";
+    GeometricTermMissing = DiagnosisGeometricTerm, "what is expected without the term of the lever d × δθ", "geometric term missing";
+    GeometricTermDoubled = DiagnosisLeverDoubled, "what is expected with twice the term of the lever d × δθ", "geometric term counted twice";
+    LeverReversed = DiagnosisLeverReversed, "what is expected with minus the term of the lever d × δθ", "geometric term with the wrong sign";
+    LeverAtB = DiagnosisLeverAtB, "what is expected with the lever d at b", "moment about the wrong node";
+    FrameHeld = DiagnosisFrameHeld, "what is expected with the directions held", "directions do not turn in the second derivatives";
+    BracketKept = DiagnosisNotSymmetrised, "the derivatives of the rows", "second derivatives not symmetrised by half the bracket";
+    OneTriangle = DiagnosisOneTriangle, "one triangle of what is expected", "the other half of a symmetric matrix not filled";
+    NodeLeftOut = DiagnosisNodeLeftOut, "zero", "one node left out";
     RotationHalved = DiagnosisRotationHalved, "half of what is expected", "rotation block halved";
     RotationDoubled = DiagnosisRotationDoubled, "twice what is expected", "rotation block doubled";
-    GeometricTermMissing = DiagnosisGeometricTerm, "what is expected without the term of the lever d × δθ", "geometric term missing";
-    LeverReversed = DiagnosisLeverReversed, "what is expected with minus the term of the lever d × δθ", "geometric term with the wrong sign";
-    BracketKept = DiagnosisNotSymmetrised, "the derivatives of the rows", "second derivatives not symmetrised by half the bracket";
     ColumnsSwapped = DiagnosisColumnsSwapped, "what is expected of each other", "columns swapped";
-    TurnForgotten = DiagnosisTurnsForgotten, "what is expected less whole turns", "previous turns forgotten";
-    WrongParity = DiagnosisHalfTurn, "what is expected and half a turn", "nπ of the wrong parity";
     RatesOfAIgnored = DiagnosisRatesOfA, "what the rates of the second node alone give", "rates of the first node ignored";
     QuadraticPartMissing = DiagnosisQuadraticPart, "what the accelerations alone give", "the part quadratic in the rates missing";
+    QuadraticPartDoubled = DiagnosisQuadraticDoubled, "what is expected with another multiple of the part quadratic in the rates", "the part quadratic in the rates doubled, halved or reversed";
+    Coriolis = DiagnosisCoriolis, "what is expected without a part of that quadratic in the rates", "the centripetal or the Coriolis part missing, halved or doubled";
+    DerivativeForResolved = DiagnosisDerivative, "the time derivative of the component", "derivatives for nodal rates resolved along b";
+    LinearPartMissing = DiagnosisLinearPart, "what the rates alone give", "the part linear in the accelerations missing";
+    Linearised = DiagnosisLinearised, "what is expected of small motions about the initial state", "linearised";
+    OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
+    NotNormalised = DiagnosisNotNormalised, "what is expected times a length or cosine of the state", "not normalised";
+    BlockReversed = DiagnosisSignOfBlock, "minus what is expected", "sign of a block";
+    BlockMissing = DiagnosisBlockMissing, "zero", "block missing";
     NumberLeftOut = DiagnosisNumberLeftOut, "what the criterion gives without the number of a factor", "1/L for 2/L";
     MultipliedInsteadOfDivided = DiagnosisMultiplied, "what the criterion gives with a radius multiplied", "a moment times its radius, which must divide it";
     StickForSlip = DiagnosisStickForSlip, "the tangent of the other state", "stick for slip, or slip for stick";
     CouplingMissing = DiagnosisContactForceHeld, "what is expected with the contact force held", "coupling to what presses missing";
     ElasticForViscous = DiagnosisElasticForViscous, "what is expected of each other", "elastic and viscous slopes exchanged";
     SecantForTangent = DiagnosisSecant, "force / displacement over the whole motion or increment", "the secant instead of the tangent";
+    Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";
+    Offset = DiagnosisOffset, "what is expected and a constant", "a constant offset";
     Dropped = DiagnosisDropped, "zero", "entry dropped";
     Sign = DiagnosisSignOfEntry, "minus what is expected", "sign of an entry";
     Spurious = DiagnosisSpurious, "what must be zero", "entry that must be zero";
@@ -103,9 +152,15 @@ impl Cause {
     pub(super) const fn gain(self) -> f64 {
         match self {
             Self::DegreesForRadians => 180.0 / std::f64::consts::PI,
-            Self::RotationDoubled | Self::LeverReversed => 2.0,
+            Self::RotationDoubled | Self::LeverReversed | Self::GeometricTermDoubled => 2.0,
             _ => 1.0,
         }
+    }
+
+    /// Whether it says something of single entries only, or that numbers are off by one constant: any other cause says more.
+    pub(super) const fn says_little(self) -> bool {
+        self.is_of_an_entry()
+            || matches!(self, Self::Offset | Self::Factor | Self::BlockMissing | Self::BlockReversed)
     }
 
     /// Whether it says something of single entries only.

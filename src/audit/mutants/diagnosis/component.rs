@@ -3,14 +3,21 @@
 use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
-use crate::mutants::diagnosis::matching::{Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
+use crate::mutants::diagnosis::elsewhere::elsewhere;
+use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::patterns::{differences, digits_lost, single_precision, without_numbers};
+use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
-use crate::mutants::mutant::{Changes, OfRow, ROTATIONS, Scene, mutants, part, put};
+use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
 use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::measure::Unit;
-use pintle_kinematics::node;
-use pintle_kinematics::node::{DOF, DOFS};
-use pintle_kinematics::vector::{Matrix, apply, cross};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::{DOF, DOFS, Pair, THETA_A, THETA_B, XA, XB};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Matrix, Vector, add, apply, column, cross, product, scale, sub, transpose, transposed_product,
+};
 use std::collections::BTreeSet;
 
 /// Wrong numbers, and what they must be.
@@ -29,16 +36,39 @@ pub struct Symptoms<'a> {
 
 /// Why numbers are wrong; `None` where none is.
 pub fn diagnose(symptoms: &Symptoms<'_>) -> Option<Diagnosis> {
-    let Symptoms { quantity, got, bound, .. } = *symptoms;
-    let data = symptoms.wanted().iter().map(|(k, i, want)| {
-        let tolerance = bound.tolerance(quantity, k, i);
-        ((k, i), Datum { got: got.get(k, i), want, tolerance, class: class(quantity, k, i) })
-    });
+    diagnose_all(std::slice::from_ref(symptoms))
+}
+
+/// Why numbers of one quantity are wrong at several states: a cause is told that holds at nearly all of them; `None` where nothing is.
+pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
+    let quantity = symptoms.first()?.quantity;
+    let is_number = |symptoms: &&Symptoms<'_>| symptoms.got.iter().all(|(.., x)| x.is_finite());
     let words = ComponentWords { quantity };
-    let hypotheses = symptoms.hypotheses();
-    let mut matching = Matching { data: data.collect(), hypotheses, words: &words };
-    matching.add_mistakes_of_entries();
-    matching.diagnosis()
+    let (whole, lacking): (Vec<&Symptoms<'_>>, Vec<&Symptoms<'_>>) = symptoms.iter().partition(is_number);
+    if whole.is_empty() {
+        return without_numbers(&lacking, &words);
+    }
+    if let Some(few) = single_precision(&whole, &words) {
+        return Some(few);
+    }
+    let states = whole.iter().map(|symptoms| symptoms.at_state()).collect();
+    let mut regions: BTreeSet<Vec<Cell>> = BTreeSet::new();
+    for (k, row) in symptoms.iter().flat_map(|one| one.wanted().0.iter().enumerate()) {
+        let Some(row) = row else { continue };
+        regions.insert((0..row.len()).map(|i| (k, i)).collect());
+        let of_block = |block: &std::ops::Range<usize>| block.clone().map(|i| (k, i)).collect();
+        if row.len() == DOFS {
+            regions.extend(BLOCKS.iter().map(of_block));
+        }
+    }
+    let has_offsets = quantity == Quantity::Value;
+    let matching = Matching { states, regions: regions.into_iter().collect(), has_offsets, words: &words };
+    let found = matching.diagnosis()?;
+    if found.is_whole() {
+        return Some(found);
+    }
+    let fewer = digits_lost(&whole, &words).or_else(|| differences(&whole, &words));
+    Some(fewer.unwrap_or(found))
 }
 
 /// The class of an entry.
@@ -63,6 +93,17 @@ impl Symptoms<'_> {
         self.want.entries(self.quantity)
     }
 
+    fn at_state(&self) -> AtState {
+        let Self { quantity, got, bound, .. } = *self;
+        let data = self.wanted().iter().map(|(k, i, want)| {
+            let tolerance = bound.tolerance(quantity, k, i);
+            ((k, i), Datum { got: got.get(k, i), want, tolerance, class: class(quantity, k, i) })
+        });
+        let mut state = AtState { data: data.collect(), hypotheses: self.hypotheses() };
+        state.add_mistakes_of_entries();
+        state
+    }
+
     fn hypotheses(&self) -> Vec<Hypothesis> {
         let connector = self.case.connector();
         let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
@@ -79,34 +120,369 @@ impl Symptoms<'_> {
             scale: &scale,
         };
         let made = mutants(self.quantity, &scene).into_iter();
-        let made =
-            made.map(|mutant| Hypothesis { cause: Cause::of(mutant.mistake), changes: mutant.changes });
+        let of = |changes, mistake| Hypothesis { cause: Cause::of(mistake), changes, relation: None };
+        let made = made.map(|mutant| of(mutant.changes, mutant.mistake));
         let mut found: Vec<Hypothesis> = made.filter(|made| !made.cause.is_of_an_entry()).collect();
         for (k, entries) in self.wanted().0.iter().enumerate() {
             let Some(entries) = entries else { continue };
-            let changes = entries.iter().enumerate().map(|(i, x)| (k, i, -x)).collect();
-            found.push(Hypothesis { cause: Cause::Reversed, changes: Changes::Many(changes) });
-            if matches!(self.quantity, Quantity::FirstDerivatives | Quantity::NodalForces) {
-                found.extend(self.conventions(k, entries));
+            let all = |of: fn(f64) -> f64| entries.iter().map(move |x| of(*x)).enumerate();
+            found.push(Hypothesis::of_row(Cause::Reversed, k, all(|x| -x)));
+            found.push(Hypothesis::of_row(Cause::ComponentZero, k, all(|_| 0.0)));
+            // The self-test exchanges neighbours of one class, without a sign.
+            for (l, others) in self.wanted().0.iter().enumerate().skip(k + 1) {
+                let Some(others) = others else { continue };
+                for signs in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]] {
+                    if signs == [1.0; 2] && k / 3 == l / 3 {
+                        continue;
+                    }
+                    let there = others.iter().enumerate().map(|(i, x)| (k, i, signs[0] * x));
+                    let back = entries.iter().enumerate().map(|(i, x)| (l, i, signs[1] * x));
+                    let made = Hypothesis::many(Cause::RowsSwapped, there.chain(back).collect());
+                    found.push(if signs == [1.0; 2] {
+                        made
+                    } else {
+                        made.related("what is expected of each other, with another sign")
+                    });
+                }
+            }
+        }
+        // Three components one place on, either way.
+        for first in [0, 3] {
+            let rows = [0, 1, 2].map(|i| self.wanted().0[first + i].as_ref());
+            let [Some(x), Some(y), Some(z)] = rows else { continue };
+            for from in [[y, z, x], [z, x, y]] {
+                let placed = from.into_iter().enumerate();
+                let changes =
+                    placed.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, x)| (first + i, j, *x)));
+                found.push(Hypothesis::many(Cause::RowsSwapped, changes.collect()));
+            }
+        }
+        found.extend(elsewhere(self.case, self.quantity));
+        match self.quantity {
+            Quantity::Value => found.extend(of_values(self.case, self.wanted(), self.got)),
+            Quantity::FirstDerivatives | Quantity::NodalForces => found.extend(self.of_rows()),
+            Quantity::SecondDerivatives | Quantity::GeometricStiffness => found.extend(self.of_matrices()),
+            Quantity::Rate | Quantity::Acceleration => found.extend(self.of_rates()),
+            _ => {}
+        }
+        found
+    }
+
+    /// Changes of rows that are no mistakes of the self-test.
+    fn of_rows(&self) -> Vec<Hypothesis> {
+        let Some(pair) = self.case.last().map(|step| &step.state.pair) else { return Vec::new() };
+        let connector = self.case.connector();
+        let operations = operations(self.case);
+        let others = match self.quantity {
+            Quantity::NodalForces => Quantity::FirstDerivatives,
+            _ => Quantity::NodalForces,
+        };
+        let mut found = Vec::new();
+        for (k, row) in self.wanted().0.iter().enumerate() {
+            let Some(row) = row else { continue };
+            let triads = [&pair.a.triad, &pair.b.triad];
+            let separations = [pair.separation(), self.case.definition.initial.separation()];
+            let made = conventions(row, triads).into_iter().chain(levers(row, separations));
+            found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
+            found.extend(operations.iter().filter_map(|operation| operation.of_row(k, row)));
+            if let Some(other) = &self.want.entries(others).0[k] {
+                found.push(Hypothesis::of_row(
+                    Cause::ConjugateForPrinted,
+                    k,
+                    other.iter().copied().enumerate(),
+                ));
+            }
+            let measure = connector.differentiated(k);
+            if measure.is_some_and(|measure| measure.unit() == Unit::Angle) {
+                for axis in axes(triads) {
+                    let of = |sign: f64| put(THETA_B, axis.map(|x| sign * x)).into_iter();
+                    let both = |sign: f64| of(sign).chain(put(THETA_A, axis.map(|x| -sign * x)));
+                    for sign in [1.0, -1.0] {
+                        found.push(Hypothesis::of_row(Cause::AxisForGradient, k, both(sign)));
+                    }
+                }
+            }
+            found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
+            if matches!(measure, Some(Measure::RadialDistance | Measure::Distance)) {
+                let d = pair.separation();
+                let direct = scale(d, 1.0 / norm(d));
+                for e in [column(triads[0], 0), column(triads[0], 1), column(triads[0], 2), direct] {
+                    let ends = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
+                    let all = ends.clone().chain(put(THETA_A, cross(e, d)));
+                    found.push(Hypothesis::of_row(Cause::OtherLength, k, all));
+                    found.push(Hypothesis::of_row(Cause::OtherLength, k, ends));
+                }
+            }
+            if let Some(i) = measure.and_then(axis_of) {
+                let initial = &self.case.definition.initial.a.triad;
+                found.extend(along_axes(k, i, (triads, initial), pair.separation()));
             }
         }
         found
     }
 
-    /// Changes of convention of a row that are no mistakes of the self-test.
-    fn conventions(&self, k: usize, row: &[f64]) -> Vec<Hypothesis> {
-        let Some(pair) = self.case.last().map(|step| &step.state.pair) else { return Vec::new() };
-        let mut found = conventions(row, [&pair.a.triad, &pair.b.triad]);
-        let lever = cross(part(row, node::XB), pair.separation());
-        let block = part(row, node::THETA_A);
-        let reversed = [0, 1, 2].map(|i| block[i] - 2.0 * lever[i]);
-        found.push((Cause::LeverReversed, put(node::THETA_A, reversed)));
-        let of = |(cause, changes): (Cause, OfRow)| Hypothesis {
-            cause,
-            changes: Changes::Many(changes.into_iter().map(|(i, x)| (k, i, x)).collect()),
+    /// Changes of second derivatives that are no mistakes of the self-test.
+    fn of_matrices(&self) -> Vec<Hypothesis> {
+        let operations = operations(self.case);
+        let first = match self.quantity {
+            Quantity::GeometricStiffness => Quantity::NodalForces,
+            _ => Quantity::FirstDerivatives,
         };
-        found.into_iter().map(of).collect()
+        let pair = self.case.last().map(|step| step.state.pair);
+        let mut found = Vec::new();
+        for (k, matrix) in self.wanted().0.iter().enumerate() {
+            let Some(matrix) = matrix else { continue };
+            let changed = |cause: Cause, of: &dyn Fn(usize, usize, f64) -> f64| {
+                let all = matrix.iter().enumerate().map(|(n, x)| (n, of(n / DOFS, n % DOFS, *x), *x));
+                Hypothesis::of_row(cause, k, all.filter(|(_, x, old)| x != old).map(|(n, x, _)| (n, x)))
+            };
+            found.extend(operations.iter().filter_map(|operation| operation.of_matrix(k, matrix)));
+            let of = |j: usize, at: usize| (at..at + 3).contains(&j);
+            let is_a = |j: usize| of(j, THETA_A);
+            let turns = |j: usize| of(j, THETA_A) || of(j, THETA_B);
+            let moves = |j: usize| of(j, XA) || of(j, XB);
+            type Place<'a> = &'a dyn Fn(usize, usize) -> bool;
+            let held: [Place<'_>; 4] =
+                [&|i, j| is_a(i) || is_a(j), &|i, _| is_a(i), &|_, j| is_a(j), &|i, j| is_a(i) && is_a(j)];
+            for is_held in held {
+                found.push(changed(Cause::FrameHeld, &|i, j, x| if is_held(i, j) { 0.0 } else { x }));
+            }
+            let blocks: [Place<'_>; 8] = [
+                &|i, j| turns(i) && turns(j),
+                &|i, j| moves(i) && moves(j),
+                &|i, j| turns(i) != turns(j) && moves(i) != moves(j),
+                &|i, j| (i < XB) != (j < XB),
+                &|i, j| i < XB && j < XB,
+                &|i, j| i >= XB && j >= XB,
+                &|i, j| of(i, THETA_A) && of(j, THETA_B) || of(j, THETA_A) && of(i, THETA_B),
+                &|i, j| of(i, THETA_B) && of(j, THETA_B),
+            ];
+            for is_in in blocks {
+                found.push(changed(Cause::BlockMissing, &|i, j, x| if is_in(i, j) { 0.0 } else { x }));
+                found.push(changed(Cause::BlockReversed, &|i, j, x| if is_in(i, j) { -x } else { x }));
+            }
+            let mirrored = |i: usize, j: usize| matrix[j * DOFS + i];
+            found.push(changed(Cause::Symmetrised, &|i, j, x| (x + mirrored(i, j)) / 2.0));
+            found.push(changed(Cause::Symmetrised, &|i, j, x| if j < i { mirrored(i, j) } else { x }));
+            found.push(changed(Cause::Symmetrised, &|i, j, x| if j > i { mirrored(i, j) } else { x }));
+            let triangles: [Place<'_>; 2] = [&|i, j| i < j, &|i, j| i > j];
+            for is_empty in triangles {
+                for rest in [1.0, 2.0] {
+                    found.push(changed(Cause::OneTriangle, &|i, j, x| {
+                        if is_empty(i, j) {
+                            0.0
+                        } else if i == j {
+                            x
+                        } else {
+                            rest * x
+                        }
+                    }));
+                }
+            }
+            let (Some(pair), Some(row)) = (&pair, self.want.entries(first).0[k].as_deref()) else { continue };
+            let mut terms = vec![0.0; DOFS * DOFS];
+            second_variation(row, pair).into_iter().for_each(|(i, j, term)| terms[i * DOFS + j] += term);
+            for (cause, times) in [
+                (Cause::GeometricTermDoubled, 1.0),
+                (Cause::LeverReversed, -2.0),
+                (Cause::GeometricTermMissing, -1.0),
+            ] {
+                found.push(changed(cause, &|i, j, x| x + times * terms[i * DOFS + j]));
+            }
+            // The other order: the bracket with the other sign, of both nodes or of one.
+            for (times, ats) in
+                [(1.0, &ROTATIONS[..]), (-1.0, &ROTATIONS), (1.0, &[THETA_A]), (-1.0, &[THETA_A])]
+            {
+                for part_of in [0.5, 1.0] {
+                    found.push(changed(Cause::BracketKept, &|i, j, x| {
+                        let Some(at) = ats.iter().find(|at| of(i, **at) && of(j, **at)) else { return x };
+                        let axis = |n: usize| [0, 1, 2].map(|m| f64::from(u8::from(at + m == n)));
+                        x + times * part_of * along(&cross(axis(i), axis(j)), &part(row, *at))
+                    }));
+                }
+            }
+        }
+        found
     }
+
+    /// Changes of rates, or accelerations, that are no mistakes of the self-test.
+    fn of_rates(&self) -> Vec<Hypothesis> {
+        let Some(state) = self.case.last().map(|step| &step.state) else { return Vec::new() };
+        let operations = operations(self.case);
+        let (velocity, acceleration) = (&state.velocity, &state.acceleration);
+        let faster = (self.quantity == Quantity::Acceleration).then_some(&acceleration[..]);
+        let connector = self.case.connector();
+        let triads = [&state.pair.a.triad, &state.pair.b.triad];
+        let separations = [state.pair.separation(), self.case.definition.initial.separation()];
+        let mut found = Vec::new();
+        for (k, _, want) in self.wanted().iter() {
+            let of = |quantity: Quantity| self.want.entries(quantity).0[k].as_deref();
+            let Some(row) = of(Quantity::FirstDerivatives) else { continue };
+            let matrix = of(Quantity::SecondDerivatives);
+            let zeros = [0.0; DOFS * DOFS];
+            let matrix = matrix.unwrap_or(&zeros);
+            let made = operations.iter().filter_map(|one| one.of_rate(k, (row, matrix), (velocity, faster)));
+            found.extend(made);
+            let mut is = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
+            is(Cause::SignLost, want.abs());
+            is(
+                Cause::RateForAcceleration,
+                along(row, if faster.is_some() { velocity } else { acceleration }),
+            );
+            for (cause, changes) in levers(row, separations) {
+                let mut changed = row.to_vec();
+                changes.into_iter().for_each(|(j, x)| changed[j] = x);
+                let more = faster.map_or(0.0, |_| twice(matrix, velocity));
+                is(cause, along(&changed, faster.unwrap_or(velocity)) + more);
+            }
+            if let Some(faster) = faster {
+                let linear = along(row, faster);
+                let quadratic = want - linear;
+                is(Cause::LinearPartMissing, quadratic);
+                for times in [1.0, -0.5, -2.0] {
+                    is(Cause::QuadraticPartDoubled, want + times * quadratic);
+                }
+                // The parts of the quadratic one in the angular velocity alone, and in its product with the others.
+                let spins = |at: [usize; 2]| {
+                    let mut v = [0.0; DOFS];
+                    at.iter().for_each(|at| v[*at..at + 3].copy_from_slice(&velocity[*at..at + 3]));
+                    twice(matrix, &v)
+                };
+                let (turning, moving) = (spins(ROTATIONS), spins([XA, XB]));
+                is(Cause::Coriolis, linear + turning);
+                is(Cause::Coriolis, linear + moving);
+                is(Cause::Coriolis, linear + turning + moving);
+                is(Cause::Coriolis, want - turning);
+                is(Cause::Coriolis, want - moving);
+                is(Cause::Coriolis, linear + turning + moving + (quadratic - turning - moving) / 2.0);
+                is(Cause::Coriolis, linear + turning + moving + 2.0 * (quadratic - turning - moving));
+                // Of the rates of b alone, in the quadratic part alone, or in the linear one.
+                let mut of_b = *velocity;
+                of_b[..XB].fill(0.0);
+                is(Cause::RatesOfAIgnored, linear + twice(matrix, &of_b));
+                is(Cause::RatesOfAIgnored, along(&row[XB..], &faster[XB..]) + twice(matrix, &of_b));
+            } else {
+                is(Cause::DerivativeForResolved, along(row, velocity));
+            }
+            if let Some((i, at)) = connector.differentiated(k).and_then(resolved_at) {
+                let v = faster.unwrap_or(velocity);
+                let (of_a, of_b) = (part(v, at), part(v, at + XB));
+                let global = [0, 1, 2].map(|n| f64::from(u8::from(n == i)));
+                let [a, b] = triads.map(|triad| column(triad, i));
+                for (cause, e) in [(Cause::AxesOfA, a), (Cause::GlobalAxes, global)] {
+                    is(cause, along(&e, &sub(of_b, of_a)));
+                }
+                is(Cause::RatesOfAIgnored, along(&b, &of_b));
+            }
+            let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
+            let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
+            let relative = relative(if faster.is_some() { acceleration } else { velocity });
+            for axis in axes(triads).into_iter().filter(|_| is_angle) {
+                found.push(Hypothesis::one(Cause::AxisForGradient, (k, 0), along(&axis, &relative)));
+            }
+        }
+        found
+    }
+}
+
+/// Which axis of b nodal rates are resolved along, and where these stand.
+const fn resolved_at(measure: Measure) -> Option<(usize, usize)> {
+    match measure {
+        Measure::PositionAtB(i) => Some((i - 1, XA)),
+        Measure::RotationVectorAtB(i) => Some((i - 1, THETA_A)),
+        _ => None,
+    }
+}
+
+/// The directions of the nodes, those midway between them, and their sums.
+fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<Vector<f64>> {
+    let of = |i: usize| {
+        let (a, b) = (column(a, i), column(b, i));
+        let sum = add(a, b);
+        [a, b, scale(sum, 1.0 / norm(sum)), sum]
+    };
+    let across = |n: usize| cross(column(b, n % 3), column(a, n / 3));
+    (0..3).flat_map(of).chain((0..9).map(across)).collect()
+}
+
+/// Rows of a component of the rotation vector by other Jacobians than the inverse left one, along the axes of a.
+fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
+    let Some(step) = case.last() else { return Vec::new() };
+    let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
+    let (q, q0) = (relative(&step.state.pair), relative(&case.definition.initial));
+    let (i, r) = match measure {
+        Measure::RotationVector(i) | Measure::RotationVectorAtB(i) => (i - 1, q),
+        Measure::Misalignment(i) | Measure::Cardan(i) => (i - 1, product(&q, &transpose(&q0))),
+        _ => return Vec::new(),
+    };
+    let phi = so3::log(&r);
+    let (left, inverse) = (so3::left_jacobian(phi), so3::inverse_left_jacobian(phi));
+    let of = |m: Matrix<f64>| {
+        let g = apply(&step.state.pair.a.triad, m[i]);
+        Hypothesis::of_row(
+            Cause::OtherJacobian,
+            k,
+            put(THETA_B, g).into_iter().chain(put(THETA_A, g.map(|x| -x))),
+        )
+    };
+    vec![of(left), of(transpose(&left)), of(transpose(&inverse)), of(inverse)]
+}
+
+/// The row of a coordinate along other axes: of b, global ones, initial ones of a.
+fn along_axes(
+    k: usize,
+    i: usize,
+    ([a, b], initial): ([&Matrix<f64>; 2], &Matrix<f64>),
+    d: Vector<f64>,
+) -> Vec<Hypothesis> {
+    let global = [0, 1, 2].map(|n| f64::from(u8::from(n == i)));
+    let of = |cause: Cause, e: Vector<f64>, at: Option<usize>| {
+        let mut row = [0.0; DOFS];
+        row[XA..THETA_A].copy_from_slice(&e.map(|x| -x));
+        row[XB..THETA_B].copy_from_slice(&e);
+        if let Some(at) = at {
+            row[at..at + 3].copy_from_slice(&cross(e, d));
+        }
+        Hypothesis::of_row(cause, k, row.into_iter().enumerate())
+    };
+    let of_displacements = |cause: Cause, e: Vector<f64>| {
+        let changes = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
+        Hypothesis::of_row(cause, k, changes)
+    };
+    vec![
+        of_displacements(Cause::AxesOfA, column(a, i)),
+        of_displacements(Cause::AxesOfB, column(b, i)),
+        of_displacements(Cause::GlobalAxes, global),
+        of_displacements(Cause::InitialAxes, column(initial, i)),
+        of(Cause::AxesOfA, column(a, i), Some(THETA_A)),
+        of(Cause::AxesOfB, column(b, i), Some(THETA_B)),
+        of(Cause::AxesOfB, column(b, i), Some(THETA_A)),
+        of(Cause::AxesOfB, column(b, i), None),
+        of(Cause::GlobalAxes, global, None),
+        of(Cause::GlobalAxes, global, Some(THETA_A)),
+        of(Cause::InitialAxes, column(initial, i), None),
+        of(Cause::InitialAxes, column(initial, i), Some(THETA_A)),
+    ]
+}
+
+/// The lever of a row counted otherwise; the separation now and initially.
+fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
+    let lever = cross(part(row, XB), d);
+    let of_initial = cross(part(row, XB), initial);
+    let [of_a, of_b] = ROTATIONS.map(|at| part(row, at));
+    let plus = |v: Vector<f64>, times: f64| [0, 1, 2].map(|i| v[i] + times * lever[i]);
+    let moved = |times: f64| [put(THETA_A, plus(of_a, -1.0)), put(THETA_B, plus(of_b, times))].concat();
+    vec![
+        (Cause::LeverAtB, moved(1.0)),
+        (Cause::LeverAtB, [put(THETA_A, plus(of_a, -0.5)), put(THETA_B, plus(of_b, 0.5))].concat()),
+        (Cause::LeverAtB, [put(THETA_A, plus(of_a, -0.5)), put(THETA_B, plus(of_b, -0.5))].concat()),
+        (Cause::LeverReversed, put(THETA_A, plus(of_a, -2.0))),
+        (Cause::GeometricTermMissing, put(THETA_A, plus(of_a, -1.0))),
+        (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),
+        (Cause::InitialTurned, put(THETA_A, sub(of_a, of_initial))),
+        (Cause::InitialTurned, put(THETA_A, add(sub(of_a, lever), of_initial))),
+        (Cause::LeverAtB, moved(-1.0)),
+    ]
 }
 
 /// Rotations of a row of nodal derivatives by other conventions: turned twice by the triads of the nodes, and doubled.
@@ -119,7 +495,7 @@ pub fn conventions(row: &[f64], triads: [&Matrix<f64>; 2]) -> Vec<(Cause, OfRow)
     ROTATIONS.into_iter().zip(triads).flat_map(of).collect()
 }
 
-struct ComponentWords {
+pub(super) struct ComponentWords {
     quantity: Quantity,
 }
 
@@ -151,7 +527,7 @@ impl Words for ComponentWords {
     }
 
     fn rotations(&self, places: &BTreeSet<Cell>) -> [bool; 2] {
-        [node::THETA_A, node::THETA_B].map(|at| places.iter().any(|(_, j)| (at..at + 3).contains(j)))
+        ROTATIONS.map(|at| places.iter().any(|(_, j)| (at..at + 3).contains(j)))
     }
 }
 

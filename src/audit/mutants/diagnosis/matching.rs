@@ -27,11 +27,27 @@ pub(super) struct Datum {
 pub(super) struct Hypothesis {
     pub(super) cause: Cause,
     pub(super) changes: Changes,
+    /// What the numbers equal, where the cause leaves it open.
+    pub(super) relation: Option<String>,
 }
 
 impl Hypothesis {
     pub(super) fn one(cause: Cause, (k, i): Cell, x: f64) -> Self {
-        Self { cause, changes: Changes::One([(k, i, x)]) }
+        Self { cause, changes: Changes::One([(k, i, x)]), relation: None }
+    }
+
+    /// Changes of row k: place, number.
+    pub(super) fn of_row(cause: Cause, k: usize, changes: impl IntoIterator<Item = (usize, f64)>) -> Self {
+        Self::many(cause, changes.into_iter().map(|(i, x)| (k, i, x)).collect())
+    }
+
+    pub(super) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
+        Self { cause, changes: Changes::Many(changes), relation: None }
+    }
+
+    pub(super) fn related(mut self, relation: impl Into<String>) -> Self {
+        self.relation = Some(relation.into());
+        self
     }
 }
 
@@ -47,10 +63,20 @@ pub(super) trait Words {
     fn rotations(&self, places: &BTreeSet<Cell>) -> [bool; 2];
 }
 
-/// Numbers, and mistakes that may explain them.
-pub(super) struct Matching<'a> {
+/// Numbers at one state, and mistakes that may explain them.
+#[derive(Default)]
+pub(super) struct AtState {
     pub(super) data: BTreeMap<Cell, Datum>,
     pub(super) hypotheses: Vec<Hypothesis>,
+}
+
+/// Numbers at states at which some are wrong, and mistakes that may explain them.
+pub(super) struct Matching<'a> {
+    pub(super) states: Vec<AtState>,
+    /// Cells that one constant may put off, as those of a row: by a factor.
+    pub(super) regions: Vec<Vec<Cell>>,
+    /// Whether a constant may be added to each cell, too.
+    pub(super) has_offsets: bool,
     pub(super) words: &'a dyn Words,
 }
 
@@ -64,10 +90,37 @@ const LOST: [f64; 4] = [1.0, 1e2, 1e4, 1e6];
 /// things.
 const LEFT: f64 = 1e-2;
 
+/// Changes that are smaller than this part of the largest error need not be seen.
+const SEEN: f64 = 1e-3;
+
 /// Single entries without structure that are named one by one.
 const SINGLE: usize = 2;
 
-impl Matching<'_> {
+/// The share of the states at which a cause must explain all that is wrong, to be preferred to one that explains entries one by one.
+const NEARLY_ALL: f64 = 0.8;
+
+/// The share of the states at which a cause must explain something.
+const RARELY: f64 = 0.4;
+
+/// What numbers equal, where the cause leaves it open.
+type Relation = Option<String>;
+
+/// What a cause explains at a state.
+#[derive(Default)]
+struct Explains {
+    /// What it explains, and the bits that each is worth.
+    entries: Wrongs,
+    region: BTreeSet<Cell>,
+    times: usize,
+}
+
+/// What a cause explains at each state, by the place of the state.
+type ByState = BTreeMap<usize, Explains>;
+
+/// Wrong entries of a state, with the bits that each is worth.
+type Wrongs = BTreeMap<Cell, f64>;
+
+impl AtState {
     /// Adds what every number can suffer by itself: that it is missing, that it has the wrong sign.
     pub(super) fn add_mistakes_of_entries(&mut self) {
         for (place, datum) in self.data.iter().filter(|(_, datum)| datum.want != 0.0) {
@@ -76,6 +129,73 @@ impl Matching<'_> {
         }
     }
 
+    /// The largest tolerance of each class.
+    fn tolerances(&self) -> BTreeMap<Class, f64> {
+        let mut largest: BTreeMap<Class, f64> = BTreeMap::new();
+        for datum in self.data.values() {
+            let most = largest.entry(datum.class).or_default();
+            *most = most.max(datum.tolerance);
+        }
+        largest
+    }
+
+    fn wrong(&self, wider: f64) -> Wrongs {
+        let of = |(place, datum): (&Cell, &Datum)| {
+            let error = (datum.got? - datum.want).abs();
+            let tolerance = wider * datum.tolerance;
+            let bits = (error / tolerance).log2().clamp(0.0, f64::from(f64::MANTISSA_DIGITS));
+            (error.is_nan() || error > tolerance).then_some((*place, bits))
+        };
+        self.data.iter().filter_map(of).collect()
+    }
+
+    /// Where numbers are those that a hypothesis makes: what of them was wrong, with the bits that each is worth.
+    fn explained(
+        &self,
+        (changes, cause): (&[(usize, usize, f64)], Cause),
+        wider: f64,
+        largest: &BTreeMap<Class, f64>,
+        wrong: &Wrongs,
+    ) -> Option<Wrongs> {
+        let mut sizes = [0.0_f64; 2];
+        let mut worst = [0.0_f64; 2];
+        for (k, i, x) in changes {
+            let datum = self.data.get(&(*k, *i))?;
+            let got = datum.got?;
+            let off = |from: f64| if got == from { 0.0 } else { (got - from).abs() };
+            sizes = [sizes[0].max(x.abs()), sizes[1].max(datum.want.abs())];
+            worst = [worst[0].max(off(datum.want)), worst[1].max(off(*x))];
+        }
+        let [error, left] = worst;
+        if !(error > 0.0 && left <= LEFT * error) {
+            return None;
+        }
+        // What is given has the rounding of the right numbers once more, for it is compared with rounded ones; and what is multiplied, that of the
+        // product.
+        let grown = if sizes[1] > 0.0 { (sizes[0] / sizes[1]).clamp(1.0, 1e6) } else { 1.0 };
+        let mut explained = Wrongs::new();
+        for (k, i, x) in changes {
+            let datum = self.data.get(&(*k, *i))?;
+            let got = datum.got?;
+            let class = largest.get(&datum.class).copied().unwrap_or(0.0);
+            let allowed = 2.0 * wider * cause.gain().max(grown) * class;
+            // Wide tolerances confirm nothing: what a mistake changes visibly must be seen to have changed.
+            let change = (x - datum.want).abs();
+            let is_seen = change <= SEEN * error || (got - x).abs() <= change / 2.0;
+            if got != *x && !((got - x).abs() <= allowed && is_seen) {
+                return None;
+            }
+            if let Some(bits) = wrong.get(&(*k, *i)) {
+                // Of what is so much wider than the tolerance chance meets more.
+                let met = (allowed / (2.0 * wider * datum.tolerance)).log2().max(0.0);
+                explained.insert((*k, *i), if met.is_finite() { (bits - met).max(0.0) } else { 0.0 });
+            }
+        }
+        Some(explained)
+    }
+}
+
+impl Matching<'_> {
     /// Why numbers are wrong; `None` where none is.
     pub(super) fn diagnosis(&self) -> Option<Diagnosis> {
         let first = self.explain(LOST[0])?;
@@ -89,112 +209,244 @@ impl Matching<'_> {
 
     /// The mistakes that explain what is wrong, with tolerances `wider` times as wide; `None` where nothing is wrong.
     fn explain(&self, wider: f64) -> Option<Diagnosis> {
-        let mut class_tolerance: BTreeMap<Class, f64> = BTreeMap::new();
-        for datum in self.data.values() {
-            let most = class_tolerance.entry(datum.class).or_default();
-            *most = most.max(datum.tolerance);
-        }
-        // What is given has the rounding of the right numbers once more: they are compared with rounded ones.
-        let allowed = |datum: &Datum, cause: Cause| {
-            let class = class_tolerance.get(&datum.class).copied().unwrap_or(0.0);
-            2.0 * wider * cause.gain() * class
-        };
-        // Bits that each wrong entry is worth.
-        let mut wrong: BTreeMap<Cell, f64> = BTreeMap::new();
-        for (place, datum) in &self.data {
-            let Some(got) = datum.got else { continue };
-            let error = (got - datum.want).abs();
-            let tolerance = wider * datum.tolerance;
-            let is_wrong = error.is_nan() || error > tolerance;
-            if is_wrong {
-                wrong.insert(*place, (error / tolerance).log2().clamp(0.0, f64::from(f64::MANTISSA_DIGITS)));
-            }
-        }
-        if wrong.is_empty() {
+        let mut wrong: Vec<Wrongs> = self.states.iter().map(|state| state.wrong(wider)).collect();
+        if wrong.iter().all(BTreeMap::is_empty) {
             return None;
         }
-        let fits = |hypothesis: &&Hypothesis| {
-            let of_wrong = hypothesis.changes.iter().filter(|(k, i, _)| wrong.contains_key(&(*k, *i)));
-            let [error, left] = of_wrong.fold([0.0_f64; 2], |[error, left], (k, i, x)| {
-                let off = |from: f64, got: f64| if got == from { 0.0 } else { (got - from).abs() };
-                match self.data.get(&(*k, *i)).and_then(|datum| Some((datum.want, datum.got?))) {
-                    Some((want, got)) => [error.max(off(want, got)), left.max(off(*x, got))],
-                    None => [error, left],
+        let all = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
+        let mut found: BTreeMap<(Cause, Relation), ByState> = BTreeMap::new();
+        for (n, state) in self.states.iter().enumerate() {
+            let largest = state.tolerances();
+            let touches = |hypothesis: &&Hypothesis| {
+                hypothesis.changes.iter().any(|(k, i, _)| wrong[n].contains_key(&(*k, *i)))
+            };
+            let mut touching: Vec<&Hypothesis> = state.hypotheses.iter().filter(touches).collect();
+            // What changes least comes first: another that explains no more adds nothing.
+            touching.sort_by_key(|hypothesis| hypothesis.changes.len());
+            for Hypothesis { cause, changes, relation } in touching {
+                let Some(of) = state.explained((changes, *cause), wider, &largest, &wrong[n]) else {
+                    continue;
+                };
+                let explains = found.entry((*cause, relation.clone())).or_default().entry(n).or_default();
+                if of.keys().all(|place| explains.entries.contains_key(place)) {
+                    continue;
                 }
-            });
-            error > 0.0
-                && left <= LEFT * error
-                && hypothesis.changes.iter().all(|(k, i, x)| {
-                    let datum = self.data.get(&(*k, *i));
-                    datum.and_then(|datum| Some((datum, datum.got?))).is_some_and(|(datum, got)| {
-                        got == *x || (got - x).abs() <= allowed(datum, hypothesis.cause)
-                    })
-                })
-        };
-        let fitting: Vec<&Hypothesis> = self.hypotheses.iter().filter(fits).collect();
-        let mut found = Diagnosis::default();
-        let enough = (CHANCE * self.hypotheses.len().max(1) as f64).log2();
-        while !wrong.is_empty() {
-            let Some(explained) = self.best(&fitting, &mut wrong, enough) else { break };
-            found.causes.push(explained);
-        }
-        // What stands out of tolerances that were widened is the largest of the digits lost.
-        if wrong.len() <= SINGLE && wider <= LOST[0] {
-            for place in std::mem::take(&mut wrong).into_keys() {
-                found.causes.push(self.single(place));
+                explains.times += 1;
+                explains.entries.extend(of);
+                explains.region.extend(changes.iter().map(|(k, i, _)| (*k, *i)));
             }
         }
-        found.unexplained = wrong.len();
-        Some(found)
+        self.add_constants(wider, &wrong, &mut found);
+        let most = self.states.iter().map(|state| state.hypotheses.len()).max().unwrap_or(0);
+        let enough = (CHANCE * (most + self.regions.len()).max(1) as f64).log2();
+        let mut diagnosis = Diagnosis::default();
+        while let Some(explained) = self.best(&found, &mut wrong, enough) {
+            diagnosis.causes.push(explained);
+        }
+        // What stands out of tolerances that were widened is the largest of the digits lost.
+        if wider <= LOST[0] {
+            diagnosis.causes.extend(self.singles(&mut wrong));
+        }
+        diagnosis.unexplained = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
+        // That some entries of several states are zero, say, explains nothing where others are wrong besides.
+        if self.states.len() > 1
+            && diagnosis.unexplained > 0
+            && diagnosis.causes.iter().all(|one| one.cause.is_of_an_entry())
+        {
+            diagnosis.causes.clear();
+            diagnosis.unexplained = all;
+        }
+        Some(diagnosis)
+    }
+
+    /// Adds constant factors and offsets: one number, the same at every state, which one entry tells and the others confirm.
+    fn add_constants(&self, wider: f64, wrong: &[Wrongs], found: &mut BTreeMap<(Cause, Relation), ByState>) {
+        let largest: Vec<_> = self.states.iter().map(AtState::tolerances).collect();
+        let at = |n: usize, place: &Cell| {
+            let datum = self.states[n].data.get(place)?;
+            Some((datum, datum.got.filter(|got| got.is_finite())?))
+        };
+        let everything: Vec<Cell> = wrong.iter().flat_map(BTreeMap::keys).copied().collect();
+        let singles: BTreeSet<Cell> = everything.iter().copied().collect();
+        let of_cells = singles.iter().map(|place| (vec![*place], true));
+        let regions = self.regions.iter().map(|region| (region.clone(), false)).chain(of_cells);
+        for (region, is_entry) in regions {
+            let mut wrongs: Vec<(usize, Cell)> = Vec::new();
+            for (n, wrong) in wrong.iter().enumerate() {
+                wrongs
+                    .extend(region.iter().filter(|place| wrong.contains_key(place)).map(|place| (n, *place)));
+            }
+            let least = if is_entry { 1 } else { 2 };
+            if wrongs.len() < least {
+                continue;
+            }
+            let clear = |(n, place): &(usize, Cell)| {
+                let (datum, got) = at(*n, place)?;
+                let digits = datum.want.abs() / datum.tolerance;
+                (datum.want != 0.0 && digits.is_finite()).then_some((
+                    digits,
+                    got / datum.want,
+                    got - datum.want,
+                ))
+            };
+            let best = wrongs.iter().filter_map(clear).max_by(|x, y| x.0.total_cmp(&y.0));
+            // What must be zero has no factor.
+            let factor = best.map_or(f64::NAN, |best| best.1);
+            let mut add = |cause: Cause, relation: String, make: &dyn Fn(f64) -> f64| {
+                let mut by_state = ByState::new();
+                let mut count = 0;
+                for (n, wrong) in wrong.iter().enumerate() {
+                    if !region.iter().any(|place| wrong.contains_key(place)) {
+                        continue;
+                    }
+                    let changes: Vec<_> = region
+                        .iter()
+                        .filter_map(|place| Some((place.0, place.1, make(at(n, place)?.0.want))))
+                        .collect();
+                    let of = self.states[n].explained((&changes, cause), wider, &largest[n], wrong);
+                    if let Some(entries) = of.filter(|_| changes.len() == region.len()) {
+                        count += entries.len();
+                        let region = region.iter().copied().collect();
+                        by_state.insert(n, Explains { entries, region, times: 1 });
+                    }
+                }
+                if count < least {
+                    return;
+                }
+                let all = found.entry((cause, Some(relation))).or_default();
+                for (n, explains) in by_state {
+                    let known = all.entry(n).or_default();
+                    known.entries.extend(explains.entries);
+                    known.region.extend(explains.region);
+                    known.times += 1;
+                }
+            };
+            // Nothing, and the opposite, are causes of their own; and what is off in the last digits is off by no constant.
+            if factor.is_finite()
+                && factor.abs() > 1e-12
+                && [1.0, -1.0].iter().all(|one| (factor - one).abs() > 1e-9)
+            {
+                let cause = if is_entry { Cause::Scaled } else { Cause::Factor };
+                let relation = if is_entry {
+                    format!("{factor:.10} × expected")
+                } else {
+                    format!("{} × expected", short(factor, 6))
+                };
+                add(cause, relation, &|want| factor * want);
+            }
+            let is_offset = if is_entry { best.is_none() } else { self.has_offsets };
+            if is_offset && region.len() == 1 {
+                let sharp = |(n, place): &(usize, Cell)| {
+                    let (datum, got) = at(*n, place)?;
+                    Some((datum.tolerance, got - datum.want))
+                };
+                let sharpest = wrongs.iter().filter_map(sharp).min_by(|x, y| x.0.total_cmp(&y.0));
+                if let Some((_, offset)) = sharpest {
+                    let sign = if offset < 0.0 { '−' } else { '+' };
+                    let relation = format!("what is expected {sign} {}", short(offset.abs(), 6));
+                    add(Cause::Offset, relation, &|want| want + offset);
+                }
+            }
+        }
     }
 
     /// The mistake that explains most of what is wrong, which is then explained.
     fn best(
         &self,
-        fitting: &[&Hypothesis],
-        wrong: &mut BTreeMap<Cell, f64>,
+        found: &BTreeMap<(Cause, Relation), ByState>,
+        wrong: &mut [Wrongs],
         enough: f64,
     ) -> Option<Explained> {
-        #[derive(Default)]
-        struct Explains {
-            entries: BTreeSet<Cell>,
-            region: BTreeSet<Cell>,
+        struct Rank<'a> {
+            cause: Cause,
+            relation: &'a Relation,
+            by_state: &'a ByState,
+            bits: f64,
+            /// At how many states it explains something, and all.
+            states: [usize; 2],
             times: usize,
         }
-        let mut by_cause: BTreeMap<Cause, Explains> = BTreeMap::new();
-        for hypothesis in fitting {
-            let places = || hypothesis.changes.iter().map(|(k, i, _)| (*k, *i));
-            if !places().any(|place| wrong.contains_key(&place)) {
-                continue;
+        let open = wrong.iter().filter(|wrong| !wrong.is_empty()).count();
+        let rank = |cause: Cause, by_state: &ByState| {
+            let (mut bits, mut states, mut times, mut most) = (0.0, [0; 2], 0, 0.0_f64);
+            for (n, explains) in by_state {
+                let left = explains.entries.iter().filter(|(place, _)| wrong[*n].contains_key(place));
+                let of: Vec<f64> = left.map(|(_, bits)| *bits).collect();
+                if of.is_empty() {
+                    continue;
+                }
+                most = of.iter().copied().fold(most, f64::max);
+                bits += of.iter().sum::<f64>();
+                states[0] += 1;
+                states[1] += usize::from(of.len() == wrong[*n].len());
+                times = times.max(explains.times);
             }
-            let explains = by_cause.entry(hypothesis.cause).or_default();
-            explains.times += 1;
-            explains.entries.extend(places().filter(|place| wrong.contains_key(place)));
-            explains.region.extend(places());
+            // What a constant is, one entry told.
+            if matches!(cause, Cause::Factor | Cause::Offset | Cause::Scaled) {
+                bits -= most;
+            }
+            (bits, states, times)
+        };
+        let mut ranks: Vec<Rank<'_>> = Vec::new();
+        for (key, by_state) in found {
+            let (bits, states, times) = rank(key.0, by_state);
+            // A constant is none that holds at a few of many states; and what stands at a has its opposite at b.
+            let is_constant = matches!(key.0, Cause::Factor | Cause::Offset | Cause::Scaled);
+            let least = if is_constant { NEARLY_ALL } else { RARELY };
+            if bits >= enough && (self.states.len() == 1 || states[0] as f64 >= least * open as f64) {
+                ranks.push(Rank { cause: key.0, relation: &key.1, by_state, bits, states, times });
+            }
         }
-        let bits =
-            |entries: &BTreeSet<Cell>| -> f64 { entries.iter().filter_map(|place| wrong.get(place)).sum() };
-        let most = by_cause.values().map(|explains| bits(&explains.entries)).fold(0.0, f64::max);
-        if most < enough {
-            return None;
+        let most = ranks.iter().map(|rank| rank.bits).fold(0.0, f64::max);
+        let margin = CHANCE.log2();
+        let is_as_good = |rank: &&Rank<'_>| {
+            rank.bits > most - margin
+                || !rank.cause.says_little() && rank.states[1] as f64 >= NEARLY_ALL * open as f64
+        };
+        let mut contenders: Vec<&Rank<'_>> = ranks.iter().filter(is_as_good).collect();
+        contenders.sort_by(|x, y| {
+            let order = |rank: &Rank<'_>| {
+                (
+                    rank.cause.is_of_an_entry(),
+                    rank.cause.says_little(),
+                    std::cmp::Reverse(rank.states[1]),
+                    rank.times,
+                    rank.cause,
+                )
+            };
+            order(x).cmp(&order(y))
+        });
+        let chosen = *contenders.first()?;
+        let cause = chosen.cause;
+        let as_much = contenders.iter().skip(1).filter(|rank| rank.bits > chosen.bits - margin);
+        let mut also: Vec<Code> =
+            as_much.map(|rank| rank.cause.code()).filter(|code| *code != cause.code()).collect();
+        also.dedup();
+        let (mut entries, mut region) = (BTreeSet::new(), BTreeSet::new());
+        for (n, explains) in chosen.by_state {
+            if explains.entries.keys().any(|place| wrong[*n].contains_key(place)) {
+                entries.extend(explains.entries.keys().copied());
+                region.extend(explains.region.iter().copied());
+            }
         }
-        let contenders =
-            by_cause.iter().filter(|(_, explains)| bits(&explains.entries) > most - CHANCE.log2());
-        let contenders: BTreeSet<(usize, Cause)> =
-            contenders.map(|(cause, explains)| (explains.times, *cause)).collect();
-        let (_, cause) = *contenders.first()?;
-        let explains = by_cause.get(&cause)?;
-        let also: Vec<Code> = contenders.iter().skip(1).map(|(_, other)| other.code()).collect();
-        let shown = if cause.is_of_an_entry() { &explains.entries } else { &explains.region };
+        let shown = if cause.is_of_an_entry() { &entries } else { &region };
         let place = match shown.first() {
             Some(only) if shown.len() == 1 => self.words.entry(*only),
             _ => self.words.region(shown),
         };
-        wrong.retain(|place, _| !explains.entries.contains(place));
-        let relation = self.relation(cause, &explains.region);
+        for (n, explains) in chosen.by_state {
+            wrong[*n].retain(|place, _| !explains.entries.contains_key(place));
+        }
+        let relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
         let equals = if place.contains(", ") { "equal" } else { "equals" };
-        let sentence = format!("{place} {equals} {relation}: {}", cause.meaning());
+        let at = self.at(chosen.states[0], open);
+        let sentence = format!("{place} {equals} {relation}: {}{at}", cause.meaning());
         Some(Explained { cause, code: cause.code(), sentence, also })
+    }
+
+    /// At how many of the states, in words, where there is more than one.
+    pub(super) fn at(&self, states: usize, open: usize) -> String {
+        if self.states.len() > 1 { format!(", at {states} of {open} states") } else { String::new() }
     }
 
     /// What the numbers equal, with the triads in question.
@@ -210,10 +462,30 @@ impl Matching<'_> {
         }
     }
 
-    /// An entry that is wrong by itself.
-    fn single(&self, place: Cell) -> Explained {
+    /// Entries that are wrong by themselves: at one state a few, at several none that must not be zero at each, for there no factor is
+    /// constant.
+    fn singles(&self, wrong: &mut [Wrongs]) -> Vec<Explained> {
+        let open: Vec<usize> = (0..wrong.len()).filter(|n| !wrong[*n].is_empty()).collect();
+        let Some(first) = open.first() else { return Vec::new() };
+        if open.iter().any(|n| wrong[*n].len() > SINGLE) {
+            return Vec::new();
+        }
+        let of_all = open.iter().flat_map(|n| wrong[*n].keys().map(|place| self.single(*n, *place)));
+        if open.len() > 1 && of_all.into_iter().any(|found| found.cause != Cause::Spurious) {
+            return Vec::new();
+        }
+        let places: Vec<Cell> = wrong[*first].keys().copied().collect();
+        let mut found: Vec<Explained> = places.into_iter().map(|place| self.single(*first, place)).collect();
+        let at = self.at(open.len(), open.len());
+        found.iter_mut().for_each(|found| found.sentence += &at);
+        wrong.iter_mut().for_each(BTreeMap::clear);
+        found
+    }
+
+    /// An entry that is wrong by itself, at a state.
+    fn single(&self, n: usize, place: Cell) -> Explained {
         let name = self.words.entry(place);
-        let datum = self.data.get(&place);
+        let datum = self.states[n].data.get(&place);
         let of = |f: fn(&Datum) -> Option<f64>| datum.and_then(f).unwrap_or(f64::NAN);
         let (got, want) = (of(|datum| datum.got), of(|datum| Some(datum.want)));
         // What is left of a cancellation has no relative error of its own.

@@ -7,20 +7,36 @@
 //! A mistake *fits* where every entry that it makes is the one given, within the tolerance. One that fits is believed where chance
 //! would not do it. Chance meets an entry off by n tolerances once in n, so that it is worth log₂ n bits. All entries explained
 //! must be worth log₂(1000 N) bits together, N being the number of mistakes tried. A mistake explains more than another where the
-//! entries that only it explains are worth log₂ 1000 bits; those that explain as much are named beside it, for at this state they
-//! make the same numbers. Where nothing is believed, that is said. Numbers that have lost digits besides are tried again with
-//! tolerances so much wider.
+//! entries that only it explains are worth log₂ 1000 bits. Those that explain as much are named beside it.
+//!
+//! All states are judged together at which a check was wrong: [`diagnose_all`]. What explains everything at nearly all of them comes
+//! first, and what says least last: single entries, a constant. A constant is told of one number, the same at every state. Where nothing
+//! is believed, that is said. Numbers that have lost digits besides are tried again with tolerances so much wider.
+//!
+//! | file | what mistakes make of |
+//! |---|---|
+//! | `columns` | the columns of rows, and with them rates and second derivatives |
+//! | `component` | rows, rates, second derivatives, forces, stiffness |
+//! | `values` | values |
+//! | `elsewhere` | all of them, at other nodes than those that are meant |
+//! | `patterns` | digits, near special states |
 
+mod columns;
 mod component;
+mod elsewhere;
 mod matching;
+mod patterns;
+mod sample;
 mod table;
+mod values;
 
 use pintle_scene::Code;
 use pintle_scene::grammar::count;
 use serde::Serialize;
 
 pub use crate::mutants::cause::Cause;
-pub use component::{Symptoms, conventions, diagnose};
+pub use component::{Symptoms, conventions, diagnose, diagnose_all};
+pub use sample::Sample;
 pub use table::diagnose_table;
 
 /// One mistake that explains wrong entries.
@@ -34,7 +50,7 @@ pub struct Explained {
     pub code: Code,
     /// What equals what, and what that means.
     pub sentence: String,
-    /// Others that make the same numbers at this state.
+    /// Others that make the same numbers at these states.
     #[schemars(with = "Vec<String>")]
     pub also: Vec<Code>,
 }
@@ -78,10 +94,24 @@ impl Diagnosis {
 
 impl Explained {
     fn said(&self) -> String {
-        if self.also.is_empty() {
+        // What says less of the same numbers adds nothing.
+        let says_more = |code: &&Code| {
+            !matches!(
+                code,
+                Code::DiagnosisDropped
+                    | Code::DiagnosisSignOfEntry
+                    | Code::DiagnosisSpurious
+                    | Code::DiagnosisScaled
+                    | Code::DiagnosisFactor
+                    | Code::DiagnosisOffset
+                    | Code::DiagnosisSignOfBlock
+                    | Code::DiagnosisBlockMissing
+            )
+        };
+        let others: Vec<&str> = self.also.iter().filter(says_more).map(|code| code.as_str()).collect();
+        if others.is_empty() {
             return self.sentence.clone();
         }
-        let others: Vec<&str> = self.also.iter().map(|code| code.as_str()).collect();
-        format!("{} (at this state the same as {})", self.sentence, others.join(", "))
+        format!("{} (here the same as {})", self.sentence, others.join(", "))
     }
 }

@@ -1,9 +1,8 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
 use crate::judge::table::ResultTable;
-use crate::mutants::diagnosis::matching::{Cell, Datum, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::matching::{AtState, Cell, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
-use crate::mutants::mutant::Changes;
 use std::collections::BTreeSet;
 
 /// Why numbers are wrong; `None` where none is. Tried are the mistakes that the table knows, and those that every number can suffer.
@@ -14,24 +13,23 @@ pub fn diagnose_table(table: &ResultTable) -> Option<Diagnosis> {
         let (want, tolerance) = (entry.want.to_f64(), entry.tolerance());
         (place(i), Datum { got: Some(entry.got), want, tolerance, class: entry.class })
     });
-    let known = table.mistakes.iter().map(|change| Hypothesis {
-        cause: Cause::of(change.mistake),
-        changes: Changes::Many(change.changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect()),
-    });
+    let placed = |changes: &[(usize, f64)]| changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect();
+    let known = table
+        .mistakes
+        .iter()
+        .map(|change| Hypothesis::many(Cause::of(change.mistake), placed(&change.changes)));
     let mut hypotheses: Vec<Hypothesis> = known.collect();
     for row in 0..table.rows.len() {
         let changes = table.entries.iter().enumerate().skip(row * width).take(width);
-        let changes = changes.map(|(i, entry)| (row, i % width, -entry.want.to_f64())).collect();
-        hypotheses.push(Hypothesis { cause: Cause::Reversed, changes: Changes::Many(changes) });
+        let changes = changes.map(|(i, entry)| (i % width, -entry.want.to_f64()));
+        hypotheses.push(Hypothesis::of_row(Cause::Reversed, row, changes));
     }
-    hypotheses.extend(table.conventions.iter().map(|(cause, changes)| Hypothesis {
-        cause: *cause,
-        changes: Changes::Many(changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect()),
-    }));
+    let conventions = table.conventions.iter();
+    hypotheses.extend(conventions.map(|(cause, changes)| Hypothesis::many(*cause, placed(changes))));
     let words = TableWords { table, width };
-    let mut matching = Matching { data: data.collect(), hypotheses, words: &words };
-    matching.add_mistakes_of_entries();
-    matching.diagnosis()
+    let mut state = AtState { data: data.collect(), hypotheses };
+    state.add_mistakes_of_entries();
+    Matching { states: vec![state], regions: Vec::new(), has_offsets: false, words: &words }.diagnosis()
 }
 
 struct TableWords<'a> {

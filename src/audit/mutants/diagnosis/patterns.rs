@@ -1,0 +1,257 @@
+//! What is wrong at special states only: no number at all, or fewer digits the nearer they are.
+
+use crate::case::quantity::Quantity;
+use crate::judge::bound::C;
+use crate::mutants::diagnosis::component::Symptoms;
+use crate::mutants::diagnosis::matching::{Cell, Words};
+use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
+use pintle_kinematics::connector::{Output, Request};
+use pintle_kinematics::measure::Unit;
+use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::scalar::U;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Matrix, column, dot, product, transpose, transposed_product};
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+
+/// So near to a special state (rad, or lengths of the connector) that numbers are lost there.
+const NEAR: f64 = 1e-6;
+
+/// So near that a constraint holds it there.
+const HELD: f64 = 1e-13;
+
+/// So near that digits are.
+const CLOSE: f64 = 0.1;
+
+/// What is larger than this part of its conditioned scale is no loss of digits.
+const LOST: f64 = 1e-4;
+
+/// How many roundings, over the distance or its square, are still a loss of digits.
+const ROUNDINGS: f64 = 1e3;
+
+/// A special kind of states, and how far a state is from it.
+struct Special {
+    at: &'static str,
+    formula: &'static str,
+    distance: f64,
+}
+
+/// How far a state is from special ones; those of a component count where that has wrong numbers.
+fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Special> {
+    let case = symptoms.case;
+    let Some(step) = case.last() else { return Vec::new() };
+    let (pair, initial) = (&step.state.pair, &case.definition.initial);
+    let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
+    let (q, q0) = (relative(pair), relative(initial));
+    let since = product(&q, &transpose(&q0));
+    let angle = |r: &Matrix<f64>| norm(so3::log(r));
+    let d = norm(pair.separation()) / case.length;
+    let bent = (q[0][2].hypot(q[1][2])).atan2(q[2][2]);
+    let tilted = q[0][2].clamp(-1.0, 1.0).asin();
+    let special = |at, formula, distance: f64| Special { at, formula, distance: distance.abs() };
+    let mut found = vec![
+        special(
+            "b has not turned against a since the initial state",
+            "an angle or axis from a rotation that is none",
+            angle(&since),
+        ),
+        special("the axes of a and b coincide", "acos((tr Q − 1)/2), or a division by the angle", angle(&q)),
+        special(
+            "b is turned by π against a",
+            "acos((tr Q − 1)/2), or a division by the sine",
+            angle(&q) - PI,
+        ),
+        special(
+            "b has turned by π against a since the initial state",
+            "a division by the sine",
+            angle(&since) - PI,
+        ),
+        special("e3a and e3b coincide", "acos(e3a·e3b), or 1 − cos of a small angle", bent),
+        special("e3a and e3b are opposite", "acos(e3a·e3b)", bent - PI),
+        special(
+            "the second angle is at ±π/2",
+            "asin of an entry of Q, or a division by its cosine",
+            tilted.abs() - PI / 2.0,
+        ),
+        special("the nodes coincide", "a division by the distance, or a difference of large numbers", d),
+    ];
+    let across = [0, 1].map(|i| dot(column(&pair.a.triad, i), pair.separation()));
+    let radius = across[0].hypot(across[1]) / case.length;
+    found.push(special(
+        "b is on the axis e3a",
+        "the root of a difference of squares, or a division by the radius",
+        radius,
+    ));
+    let connector = case.connector();
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    if let Some((at, _)) = case.evaluation(&asked) {
+        for k in components {
+            let (Some(x), Some(measure)) = (at.position[*k], connector.differentiated(*k)) else { continue };
+            let from = |period: f64, x: f64| x - period * (x / period).round();
+            if measure.unit() == Unit::Angle {
+                found.push(special("the angle is near 0 or ±π", "acos, or 1 − cos", from(PI, x)));
+                found.push(special("the angle is near ±π/2", "asin, or a tangent", from(PI, x - PI / 2.0)));
+            }
+        }
+    }
+    let has_moved =
+        |now: &Node<f64>, then: &Node<f64>| now.triad != then.triad || now.displacement != then.displacement;
+    let nothing = !has_moved(&pair.a, &initial.a) && !has_moved(&pair.b, &initial.b);
+    found
+        .insert(0, special("nothing has moved", "0/0 at the initial state", if nothing { 0.0 } else { 1.0 }));
+    found
+}
+
+fn told(cause: Cause, sentence: String, cells: &BTreeSet<Cell>) -> Diagnosis {
+    let explained = Explained { cause, code: cause.code(), sentence, also: Vec::new() };
+    Diagnosis { causes: if cells.is_empty() { Vec::new() } else { vec![explained] }, unexplained: 0 }
+}
+
+fn place(cells: &BTreeSet<Cell>, words: &dyn Words) -> String {
+    match cells.first() {
+        Some(only) if cells.len() == 1 => words.entry(*only),
+        _ => words.region(cells),
+    }
+}
+
+/// The special kind of states at which all of these are: the index, and the largest distance.
+fn common(states: &[Vec<Special>], far: f64) -> Option<usize> {
+    let first = states.first()?;
+    (0..first.len())
+        .find(|n| states.iter().all(|at| at.get(*n).is_some_and(|special| special.distance <= far)))
+}
+
+/// Numbers that are none: at which states.
+pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let of = |one: &Symptoms<'_>| -> Vec<Cell> {
+        one.got.iter().filter(|(.., x)| !x.is_finite()).map(|(k, i, _)| (k, i)).collect()
+    };
+    let cells: BTreeSet<Cell> = symptoms.iter().flat_map(|one| of(one)).collect();
+    let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
+    let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
+    let at = common(&states, NEAR)?;
+    let Special { at, formula, .. } = states.first()?.get(at)?;
+    let count = states.len();
+    let (place, states) = (place(&cells, words), if count == 1 { "state" } else { "states" });
+    let sentence = format!(
+        "{place} is no number where {at}, at {count} of {count} {states}: {formula}; {}",
+        Cause::NotANumber.meaning()
+    );
+    Some(told(Cause::NotANumber, sentence, &cells))
+}
+
+/// Numbers that are wrong by little, and more the nearer their states are to special ones.
+pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let mut cells: BTreeSet<Cell> = BTreeSet::new();
+    let mut lost = Vec::new();
+    for one in symptoms {
+        let mut most = 0.0_f64;
+        for (k, i, want) in one.want.entries(one.quantity).iter() {
+            let Some(got) = one.got.get(k, i) else { continue };
+            let (error, tolerance) = ((got - want).abs(), one.bound.tolerance(one.quantity, k, i));
+            if error > tolerance {
+                cells.insert((k, i));
+                most = most.max(error * C * U / tolerance);
+            }
+        }
+        if most > LOST {
+            return None;
+        }
+        lost.push(most);
+    }
+    let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
+    let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
+    let count = states.len();
+    // One state tells of no tendency.
+    if count < 2 {
+        return None;
+    }
+    let kinds = states.first()?.len();
+    let is_lost = |n: usize| {
+        let near = |at: &Vec<Special>, lost: f64| {
+            let distance = at.get(n).map_or(1.0, |special| special.distance);
+            distance < CLOSE && lost * distance * distance <= ROUNDINGS * U
+        };
+        let nearest = states.iter().filter_map(|at| at.get(n)).map(|special| special.distance);
+        let mean = nearest.map(|x| x.max(U).ln()).sum::<f64>() / count as f64;
+        // What a constraint holds there is near it everywhere.
+        let is_held = states.iter().filter_map(|at| at.get(n)).all(|special| special.distance < HELD);
+        let is_lost = states.iter().zip(&lost).all(|(at, lost)| near(at, *lost));
+        (is_lost && !is_held && mean < CLOSE.powi(2).ln()).then_some(mean)
+    };
+    let nearest = (0..kinds).filter_map(|n| Some((n, is_lost(n)?))).min_by(|x, y| x.1.total_cmp(&y.1));
+    let (n, _) = nearest?;
+    let Special { at, formula, .. } = states.first()?.get(n)?;
+    let (place, states) = (place(&cells, words), if count == 1 { "state" } else { "states" });
+    let sentence = format!(
+        "{place} loses digits where {at}, at {count} of {count} {states}: {formula}; {}",
+        Cause::DigitsLost.meaning()
+    );
+    Some(told(Cause::DigitsLost, sentence, &cells))
+}
+
+/// Wrong numbers everywhere, and by how much at most, in conditioned scales, at each state.
+struct Errors {
+    cells: BTreeSet<Cell>,
+    count: usize,
+    largest: Vec<f64>,
+}
+
+fn errors(symptoms: &[&Symptoms<'_>]) -> Errors {
+    let mut found = Errors { cells: BTreeSet::new(), count: 0, largest: Vec::new() };
+    for one in symptoms {
+        let mut largest = 0.0_f64;
+        for (k, i, want) in one.want.entries(one.quantity).iter() {
+            let Some(got) = one.got.get(k, i) else { continue };
+            let (error, tolerance) = ((got - want).abs(), one.bound.tolerance(one.quantity, k, i));
+            if error > tolerance {
+                found.cells.insert((k, i));
+                found.count += 1;
+                largest = largest.max(error * C * U / tolerance);
+            }
+        }
+        found.largest.push(largest);
+    }
+    found
+}
+
+fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
+    let count = errors.largest.len();
+    let states = if count == 1 { "state" } else { "states" };
+    let place = place(&errors.cells, words);
+    let equals = if place.contains(", ") { "equal" } else { "equals" };
+    let (relation, meaning) = (cause.relation(), cause.meaning());
+    let sentence = format!("{place} {equals} {relation}: {meaning}, at {count} of {count} {states}");
+    told(cause, sentence, &errors.cells)
+}
+
+/// Numbers of 24 bits: chance gives one in 2²⁹ so few.
+pub(super) fn single_precision(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let errors = errors(symptoms);
+    let is_single = |one: &&Symptoms<'_>, x: f64, place: Cell| {
+        #[expect(clippy::cast_possible_truncation, reason = "that is what is looked for")]
+        let single = f64::from(x as f32);
+        let tolerance = one.bound.tolerance(one.quantity, place.0, place.1);
+        x == single
+            || (x - one.want.entries(one.quantity).get(place.0, place.1).unwrap_or(x)).abs() <= tolerance
+    };
+    let are_single = |one: &&Symptoms<'_>| one.got.iter().all(|(k, i, x)| is_single(one, x, (k, i)));
+    let is_little = errors.largest.iter().all(|largest| *largest < LOST);
+    (errors.count > 2 && is_little && symptoms.iter().all(are_single))
+        .then(|| everywhere(Cause::SinglePrecision, &errors, words))
+}
+
+/// Derivatives that are right to fewer digits at every state: differences.
+pub(super) fn differences(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    /// What differences are wrong by at least, and how many states tell.
+    const LEAST: (f64, usize) = (1e-13, 4);
+    let errors = errors(symptoms);
+    let components = errors.cells.iter().map(|(k, _)| *k).collect();
+    let is_regular =
+        |one: &&&Symptoms<'_>| specials(one, &components).iter().all(|special| special.distance > NEAR);
+    let is_little = errors.largest.iter().all(|largest| *largest > LEAST.0 && *largest < LOST);
+    let is_derivative = symptoms.iter().all(|one| one.quantity != Quantity::Value);
+    (is_derivative && is_little && symptoms.iter().filter(is_regular).count() >= LEAST.1)
+        .then(|| everywhere(Cause::Differences, &errors, words))
+}

@@ -1,0 +1,341 @@
+//! What mistakes make of values: initial values, axes, turns, other functions of the same rotation.
+
+use crate::case::quantity::{Entries, Quantity};
+use crate::case::{Case, Step};
+use crate::mutants::cause::Cause;
+use crate::mutants::diagnosis::columns::along;
+use crate::mutants::diagnosis::matching::Hypothesis;
+use crate::oracles::force::product_with_forces;
+use pintle_kinematics::connector::{Components, Output, Request};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::{DOFS, Pair, XB};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Matrix, apply, column, dot, product, scale, sub, transpose, transposed_product,
+};
+use std::f64::consts::{PI, TAU};
+
+/// Positions of the components at the end of a case.
+fn positions(case: &Case) -> Components<f64> {
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    case.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
+}
+
+/// The angles of every sequence of three axes, in the order of the rotations and in that of the axes.
+fn sequences(r: &Matrix<f64>) -> Vec<[f64; 3]> {
+    let mut found = Vec::new();
+    for i in 0..3 {
+        for (j, sign) in [((i + 1) % 3, 1.0), ((i + 2) % 3, -1.0)] {
+            let k = 3 - i - j;
+            let three = [
+                (-sign * r[j][k]).atan2(r[k][k]),
+                (sign * r[i][k]).clamp(-1.0, 1.0).asin(),
+                (-sign * r[i][j]).atan2(r[i][i]),
+            ];
+            let mut by_axis = [0.0; 3];
+            [i, j, k].into_iter().zip(three).for_each(|(axis, angle)| by_axis[axis] = angle);
+            let two = [
+                r[j][i].atan2(-sign * r[k][i]),
+                r[i][i].clamp(-1.0, 1.0).acos(),
+                r[i][j].atan2(sign * r[i][k]),
+            ];
+            found.extend([three, by_axis, two]);
+        }
+    }
+    found
+}
+
+/// What mistakes make of values, where `want` are right and `got` were given.
+pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) -> Vec<Hypothesis> {
+    let Some(Step { state, .. }) = case.last() else { return Vec::new() };
+    let (pair, initial) = (&state.pair, &case.definition.initial);
+    let connector = case.connector();
+    let mut still = case.clone();
+    still.path = vec![Step::between(initial, *initial)];
+    still.start = None;
+    let (now, first) = (positions(case), positions(&still));
+    let mut earlier = case.clone();
+    earlier.path.pop();
+    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+    let before = earlier
+        .evaluation(&asked)
+        .map_or([None; 6], |(found, _)| std::array::from_fn(|k| found.residual[k].or(found.displacement[k])));
+    let mut found = of_rows(case, &before);
+    for (k, _, f) in want.iter() {
+        let Some(measure) = connector.differentiated(k) else { continue };
+        let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
+        let is_angle = measure.unit() == Unit::Angle;
+        add(Cause::ComponentZero, 0.0);
+        add(Cause::SignLost, f.abs());
+        if let (Some(now), Some(first)) = (now[k], first[k]) {
+            // Where the value is a position less its initial one.
+            if (now - first - f).abs() <= 1e-9 * (1.0 + now.abs()) {
+                add(Cause::InitialKept, now);
+                add(Cause::InitialKept, now + first);
+                add(Cause::InitialTwice, f - first);
+                add(Cause::OtherOrder, -now - first);
+                add(Cause::SignLost, now.abs() - first);
+                add(Cause::SignLost, now.abs() - first.abs());
+                if let Some(reference) = case.definition.references[k] {
+                    let reference = if is_angle { reference.to_radians() } else { reference };
+                    add(Cause::ReferenceSubtracted, now - reference);
+                    add(Cause::ReferenceSubtracted, f - reference);
+                }
+                if is_angle {
+                    of_function(now, first, &mut add);
+                } else {
+                    let mut of = |f: &dyn Fn(f64) -> f64| add(Cause::OtherLength, f(now) - f(first));
+                    of(&|x| x * x);
+                    of(&|x| x * x / 2.0);
+                    of(&f64::ln);
+                    of(&f64::ln_1p);
+                    of(&|x| x / (1.0 + x));
+                    of(&|x| -first * first / x);
+                    of(&|x| x + x * x / 2.0);
+                    of(&|x| x / first);
+                    of(&|x| x * x / (2.0 * first));
+                    of(&|x| x * x / (2.0 * first * first));
+                }
+            }
+        }
+        if let Some(before) = before[k] {
+            add(Cause::Increment, f - before);
+        }
+        if is_angle {
+            of_function(f, 0.0, &mut add);
+            add(Cause::DegreesForRadians, f.to_radians());
+            if let Some(got) = got.get(k, 0) {
+                let turns = ((got - f) / TAU).round();
+                if turns != 0.0 && turns.abs() < 1e3 {
+                    let cause = if got.abs() < f.abs() { Cause::TurnForgotten } else { Cause::TurnAdded };
+                    add(cause, f + TAU * turns);
+                }
+                let halves = ((got - f) / PI).round();
+                if halves % 2.0 != 0.0 && halves.abs() < 1e3 {
+                    add(Cause::WrongParity, f + PI * halves);
+                }
+                let mirrored = ((got + f) / PI).round();
+                if mirrored % 2.0 != 0.0 && mirrored.abs() < 1e3 {
+                    add(Cause::Folded, PI * mirrored - f);
+                }
+            }
+        } else {
+            for factor in [1e3, 1e-3] {
+                found.push(
+                    Hypothesis::one(Cause::LengthUnit, (k, 0), factor * f)
+                        .related(format!("{factor} × expected")),
+                );
+            }
+        }
+        if matches!(measure, Measure::Distance | Measure::RadialDistance) {
+            let (d, d0) = (pair.separation(), initial.separation());
+            let [u, v, w] = [0, 1, 2].map(|i| dot(column(&pair.a.triad, i), d));
+            let [u0, v0, w0] = [0, 1, 2].map(|i| dot(column(&initial.a.triad, i), d0));
+            for x in [
+                norm(d) - norm(d0),
+                norm(sub(d, d0)),
+                u - u0,
+                v - v0,
+                w - w0,
+                u.hypot(v) - u0.hypot(v0),
+                u.hypot(w) - u0.hypot(w0),
+                v.hypot(w) - v0.hypot(w0),
+                (d[0].abs() + d[1].abs() + d[2].abs()) - (d0[0].abs() + d0[1].abs() + d0[2].abs()),
+            ] {
+                found.push(Hypothesis::one(Cause::OtherLength, (k, 0), x));
+            }
+        }
+        if let Some(i) = axis_of(measure) {
+            of_axes(pair, initial, i, first[k], &mut |cause, x| {
+                found.push(Hypothesis::one(cause, (k, 0), x))
+            });
+        }
+    }
+    found.extend(of_rotation(case, want, (&now, &first)));
+    found
+}
+
+/// The rows of a state.
+fn rows(case: &Case) -> Entries<f64> {
+    product_with_forces(case)
+        .map(|numbers| numbers.entries(Quantity::FirstDerivatives).clone())
+        .unwrap_or_default()
+}
+
+/// Values from rows: those of small motions about the initial state, and those of an increment.
+fn of_rows(case: &Case, before: &Components<f64>) -> Vec<Hypothesis> {
+    let Some((last, path)) = case.path.split_last() else { return Vec::new() };
+    let initial = case.definition.initial;
+    let motion = |from: &Pair<f64>| {
+        let since = Step::between(from, last.state.pair).increment;
+        let mut all = [0.0; DOFS];
+        for (end, (now, then)) in
+            [(&last.state.pair.a, &from.a), (&last.state.pair.b, &from.b)].into_iter().enumerate()
+        {
+            let moved = sub(now.displacement, then.displacement);
+            all[XB * end..XB * end + 3].copy_from_slice(&moved);
+            all[XB * end + 3..XB * end + 6].copy_from_slice(&since.rotation[end]);
+            all[XB * end + 6] = now.flow - then.flow;
+        }
+        all
+    };
+    let at_rest = Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() };
+    let earlier =
+        if path.is_empty() { at_rest.clone() } else { Case { path: path.to_vec(), ..case.clone() } };
+    let from = path.last().map_or(initial, |step| step.state.pair);
+    let mut found = Vec::new();
+    let mut add = |cause: Cause, rows: &Entries<f64>, motion: &[f64; DOFS], before: &dyn Fn(usize) -> f64| {
+        for (k, row) in rows.0.iter().enumerate() {
+            let Some(row) = row else { continue };
+            found.push(Hypothesis::one(cause, (k, 0), before(k) + along(row, motion)));
+        }
+    };
+    let (total, increment) = (motion(&initial), motion(&from));
+    add(Cause::Linearised, &rows(&at_rest), &total, &|_| 0.0);
+    add(Cause::Linearised, &rows(case), &total, &|_| 0.0);
+    let old = |k: usize| before[k].unwrap_or(0.0);
+    add(Cause::Incremental, &rows(case), &increment, &old);
+    add(Cause::Incremental, &rows(&earlier), &increment, &old);
+    found
+}
+
+/// Which coordinate of b a measure is, if it is one.
+pub(super) const fn axis_of(measure: Measure) -> Option<usize> {
+    match measure {
+        Measure::Position(i) | Measure::PositionAtB(i) | Measure::ProjectedPosition(i) => Some(i - 1),
+        _ => None,
+    }
+}
+
+/// Other functions of an angle, less the same of its initial value.
+fn of_function(now: f64, first: f64, add: &mut impl FnMut(Cause, f64)) {
+    let mut of = |cause: Cause, f: &dyn Fn(f64) -> f64| add(cause, f(now) - f(first));
+    of(Cause::OtherParameters, &f64::sin);
+    of(Cause::OtherParameters, &f64::tan);
+    of(Cause::OtherParameters, &|x| 1.0 - x.cos());
+    of(Cause::OtherParameters, &|x| 2.0 * (x / 2.0).sin());
+    of(Cause::OtherParameters, &|x| (x / 2.0).sin());
+    of(Cause::OtherParameters, &|x| 2.0 * (x / 2.0).tan());
+    of(Cause::OtherParameters, &|x| (x / 2.0).tan());
+    of(Cause::Folded, &|x| x.sin().asin());
+    of(Cause::Folded, &|x| x.tan().atan());
+    of(Cause::SignLost, &|x| x.cos().acos());
+}
+
+/// A coordinate along other axes.
+fn of_axes(
+    pair: &Pair<f64>,
+    initial: &Pair<f64>,
+    i: usize,
+    first: Option<f64>,
+    add: &mut impl FnMut(Cause, f64),
+) {
+    let (d, d0) = (pair.separation(), initial.separation());
+    let [a, b, a0, b0] = [&pair.a, &pair.b, &initial.a, &initial.b].map(|node| column(&node.triad, i));
+    let midway = |a, b| {
+        let sum: [f64; 3] = pintle_kinematics::vector::add(a, b);
+        scale(sum, 1.0 / norm(sum))
+    };
+    let along = [
+        (Cause::AxesOfA, dot(a, d), dot(a0, d0)),
+        (Cause::AxesOfB, dot(b, d), dot(b0, d0)),
+        (Cause::AxesMidway, dot(midway(a, b), d), dot(midway(a0, b0), d0)),
+        (Cause::GlobalAxes, d[i], d0[i]),
+        (Cause::InitialAxes, dot(a0, d), dot(a0, d0)),
+    ];
+    for (cause, now, then) in along {
+        add(cause, now - then);
+        add(cause, now);
+        if let Some(first) = first {
+            add(cause, now - first);
+        }
+    }
+    for axis in [a, b] {
+        add(Cause::InitialTurned, dot(axis, sub(d, d0)));
+    }
+}
+
+/// Angles, or a rotation vector, by other parameters of the same relative rotation.
+fn of_rotation(
+    case: &Case,
+    want: &Entries<f64>,
+    (now, first): (&Components<f64>, &Components<f64>),
+) -> Vec<Hypothesis> {
+    let Some(step) = case.last() else { return Vec::new() };
+    let (pair, initial) = (&step.state.pair, &case.definition.initial);
+    let connector = case.connector();
+    let rotational = [3, 4, 5].map(|k| want.get(k, 0).and(connector.differentiated(k)));
+    let mut found = Vec::new();
+    let mut add = |cause: Cause, now: [f64; 3], first: [f64; 3]| {
+        for i in (0..3).filter(|i| rotational[*i].is_some()) {
+            found.push(Hypothesis::one(cause, (3 + i, 0), now[i] - first[i]));
+            found.push(Hypothesis::one(cause, (3 + i, 0), now[i]));
+        }
+    };
+    let q = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
+    let (q, q0) = (q(pair), q(initial));
+    // Printed constraints: cosines for angles.
+    for i in 0..3 {
+        for j in 0..3 {
+            for sign in [1.0, -1.0] {
+                add(Cause::OtherParameters, [sign * q[i][j]; 3], [sign * q0[i][j]; 3]);
+            }
+        }
+    }
+    let is_vector = rotational.iter().flatten().all(|measure| {
+        matches!(
+            measure,
+            Measure::RotationVector(_) | Measure::RotationVectorAtB(_) | Measure::Misalignment(_)
+        )
+    });
+    for (of, of_first) in [(q, q0), (transpose(&q), transpose(&q0))] {
+        for (angles, initial) in sequences(&of).into_iter().zip(sequences(&of_first)) {
+            add(Cause::OtherOrder, angles, initial);
+            for n in 0..3 {
+                add(Cause::OtherOrder, [angles[n]; 3], [initial[n]; 3]);
+            }
+        }
+    }
+    // The rotation vector of another rotation, and the difference of those of the nodes.
+    let [of_a, of_b] = [(&pair.a, &initial.a), (&pair.b, &initial.b)]
+        .map(|(now, then)| so3::log(&product(&now.triad, &transpose(&then.triad))));
+    let apart = sub(of_b, of_a);
+    for vector in [so3::log(&product(&q, &transpose(&q0))), so3::log(&product(&transpose(&q0), &q))] {
+        add(Cause::OtherParameters, vector, [0.0; 3]);
+    }
+    for vector in [apart, apply(&transpose(&pair.a.triad), apart), apply(&transpose(&initial.a.triad), apart)]
+    {
+        add(Cause::OtherParameters, vector, [0.0; 3]);
+    }
+    add(Cause::OtherParameters, so3::log(&q), so3::log(&q0));
+    if rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_))) {
+        add(Cause::InitialKept, so3::log(&q), [0.0; 3]);
+    }
+    let vector = |all: &Components<f64>| Some([all[3]?, all[4]?, all[5]?]);
+    let held = || Some([0, 1, 2].map(|i| want.get(3 + i, 0)).map(|x| x.unwrap_or(0.0)));
+    let is_misalignment =
+        rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_)));
+    let (now, first) = if is_misalignment { (held(), Some([0.0; 3])) } else { (vector(now), vector(first)) };
+    if let (Some(now), Some(first), true) = (now, first, is_vector) {
+        type Length = fn(f64) -> f64;
+        let functions: [Length; 6] = [
+            f64::sin,
+            |x| 2.0 * (x / 2.0).sin(),
+            |x| (x / 2.0).sin(),
+            |x| 2.0 * (x / 2.0).tan(),
+            |x| (x / 2.0).tan(),
+            |x| 4.0 * (x / 4.0).tan(),
+        ];
+        let to = |length: Length, v: [f64; 3]| {
+            let angle = norm(v);
+            if angle > 0.0 { scale(v, length(angle) / angle) } else { v }
+        };
+        for length in functions {
+            add(Cause::OtherParameters, to(length, now), to(length, first));
+        }
+        add(Cause::GlobalAxes, apply(&pair.a.triad, now), apply(&initial.a.triad, first));
+        add(Cause::AxesOfB, apply(&transpose(&q), now), apply(&transpose(&q0), first));
+    }
+    found
+}
