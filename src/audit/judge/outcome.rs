@@ -310,8 +310,8 @@ impl Check {
         if severer || (other.verdict == self.verdict && units(&other.worst) > units(&self.worst)) {
             self.worst = other.worst;
             self.worst_state = other.worst_state;
-            self.failing = other.failing.or(self.failing.take());
-            self.comparison = other.comparison.or(self.comparison.take());
+            self.failing = other.failing;
+            self.comparison = other.comparison;
         }
         self.verdict = self.verdict.max(other.verdict);
         let Components { given, decided } = &mut self.components;
@@ -763,5 +763,25 @@ mod tests {
         let dual = judged(rows, Oracle::WideDual, Verdict::Pass);
         assert_eq!(claims(vec![dual.clone(), wrong()]), (Verdict::Wrong, Verdict::Wrong, vec![]));
         assert_eq!(claims(vec![dual]), (Verdict::Undecided, Verdict::Undecided, vec![rows]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The matrix shown is that of the worst state, or none.
+    #[test]
+    fn a_matrix_is_of_the_worst_state() {
+        let mut wrong = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
+        wrong.verdict = Verdict::Wrong;
+        wrong.comparison = Some(Box::new(Comparison { columns: Vec::new(), rows: Vec::new() }));
+        let mut invalid = Check::new(Some(Quantity::FirstDerivatives), Against::Own);
+        invalid.verdict = Verdict::Invalid;
+        let mut both = wrong.clone();
+        both.merge(invalid.clone());
+        assert!(both.verdict == Verdict::Invalid && both.comparison.is_none());
+        invalid.merge(wrong);
+        assert!(invalid.comparison.is_none());
     }
 }

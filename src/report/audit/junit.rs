@@ -75,6 +75,13 @@ pub fn junit(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         }
         document.add_test_suite(suite);
     }
+    for law in report.blind_laws() {
+        let mut suite = TestSuite::new("self-test");
+        let mut failure = TestCaseStatus::non_success(NonSuccessKind::Error);
+        failure.set_message("no mutant of what it speaks of was noticed");
+        suite.add_test_case(classified("self-test", law.name().to_string(), failure));
+        document.add_test_suite(suite);
+    }
     for model in &report.models {
         document.add_test_suite(findings(model, strict));
     }
@@ -193,9 +200,14 @@ fn status(check: &Check, strict: bool) -> TestCaseStatus {
 
 fn plain(verdict: Verdict, strict: bool) -> TestCaseStatus {
     match verdict {
-        Verdict::Pass | Verdict::IllConditioned | Verdict::Kink | Verdict::Singular => {
-            TestCaseStatus::success()
+        Verdict::Pass | Verdict::IllConditioned | Verdict::Kink => TestCaseStatus::success(),
+        // Nobody judged it: what fails where the audit is strict.
+        Verdict::Singular if strict => {
+            let mut failure = open(strict);
+            failure.set_message(verdict.name()).set_type(verdict.name());
+            failure
         }
+        Verdict::Singular => TestCaseStatus::success(),
         Verdict::Undecided => open(strict),
         Verdict::UnstableFormula | Verdict::Wrong | Verdict::Invalid => {
             let mut failure = TestCaseStatus::non_success(NonSuccessKind::Failure);
