@@ -764,11 +764,6 @@ mod tests {
         assert_eq!(claims(vec![dual.clone(), wrong()]), (Verdict::Wrong, Verdict::Wrong, vec![]));
         assert_eq!(claims(vec![dual]), (Verdict::Undecided, Verdict::Undecided, vec![rows]));
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
 
     /// The matrix shown is that of the worst state, or none.
     #[test]
