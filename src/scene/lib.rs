@@ -87,9 +87,10 @@ pub use forces::{ElementForces, ForceFile, ForceSign, ForceStream, StateForces, 
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
+pub use label::MAX_LABEL;
 pub use label::labelled::{ByLabel, LabelMap, LabelSet, LabelState};
 pub use label::{Instance, Label, LabelError};
-pub use lexer::{MAX_LABEL, MAX_LINE};
+pub use lexer::MAX_LINE;
 pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
     ConditionKind, ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude,

@@ -243,3 +243,12 @@ fn columns_are_in_any_case_and_forces_in_any_order_with_gaps() {
     assert_eq!(by_state, by_element);
     assert_eq!(by_state.iter().map(BTreeMap::len).collect::<Vec<_>>(), [2, 0, 2]);
 }
+
+/// Copies of a set without nodes are none, however many are asked for.
+#[test]
+fn copies_of_nothing_are_nothing() {
+    let deck = "*NODE\n1, 0., 0., 0.\n*NSET, NSET=E\n5\n\
+                *NCOPY, CHANGE NUMBER=1, OLD SET=E, MULTIPLE=9000000000000000000, SHIFT\n0., 0., 0.\n\n";
+    let scene = Scene::parse("copies.inp", deck);
+    assert!(scene.is_ok_and(|scene| scene.nodes.len() == 1));
+}

@@ -177,7 +177,7 @@ impl Display for Demanded {
 
 impl What {
     /// A claim on an entry of a component (0-based).
-    pub(super) const fn of(claim: Claim, quantity: Quantity, component: usize, entry: usize) -> Self {
+    pub(crate) const fn of(claim: Claim, quantity: Quantity, component: usize, entry: usize) -> Self {
         Self::Of(Demanded { claim, quantity, component, entry })
     }
 

@@ -12,7 +12,8 @@ use crate::deck::table;
 use crate::deck::table::{no_rows, raw, records, rows};
 use crate::deck::{Deck, Host, misplaced};
 use crate::diagnostic::{Code, Diagnostic, Result};
-use crate::lexer::{Data, Item, Keyword, normal};
+use crate::label::normal;
+use crate::lexer::{Data, Item, Keyword};
 use crate::span::{Span, Spanned};
 
 pub(super) fn behavior(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {

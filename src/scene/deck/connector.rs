@@ -3,7 +3,8 @@
 use crate::deck::Deck;
 use crate::deck::lookup::target;
 use crate::diagnostic::{Code, Diagnostic, Result, nearest};
-use crate::lexer::{Data, Item, Keyword, normal};
+use crate::label::normal;
+use crate::lexer::{Data, Item, Keyword};
 use crate::model::{ConnectorSection, MpcKind, Target};
 use crate::span::{Span, Spanned};
 use pintle_kinematics::mpc;

@@ -194,7 +194,7 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn surface(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("NAME")?;
-    let is_of_nodes = keyword.get("TYPE").is_some_and(|value| crate::lexer::normal(value.text()) == "NODE");
+    let is_of_nodes = keyword.get("TYPE").is_some_and(|value| crate::label::normal(value.text()) == "NODE");
     let is_read = is_of_nodes && !keyword.has("COMBINE") && !keyword.has("CROP");
     let mut members = Vec::new();
     if is_read {
@@ -325,7 +325,7 @@ pub(super) fn distributing(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()>
 pub(super) fn tie(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let is_other = ["CYCLIC SYMMETRY", "MULTIPHYSICS", "FLUID PERIODIC", "CONSTRAINT RATIO"];
     let is_nodal =
-        keyword.get("TYPE").is_some_and(|value| crate::lexer::normal(value.text()) == "NODE TO SURFACE");
+        keyword.get("TYPE").is_some_and(|value| crate::label::normal(value.text()) == "NODE TO SURFACE");
     if is_other.iter().any(|parameter| keyword.has(parameter)) || (keyword.has("TYPE") && !is_nodal) {
         return deck.pass_constraint(keyword, "TIE");
     }

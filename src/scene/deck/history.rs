@@ -5,7 +5,8 @@ use crate::deck::lookup::target;
 use crate::deck::mesh::{any_degree_of_freedom, is_mechanical};
 use crate::deck::{Deck, misplaced, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
-use crate::lexer::{Item, Keyword, normal};
+use crate::label::normal;
+use crate::lexer::{Item, Keyword};
 use crate::model::{
     Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
     ConnectorMotion, DistributedLoad, MotionType, Operation, OutputRequest, Procedure, Solver, Step, Times,

@@ -260,7 +260,7 @@ enum ElementType {
 
 fn element_type(keyword: &Keyword) -> Result<ElementType> {
     let Some(value) = keyword.get("TYPE") else { return Err(keyword.missing("TYPE")) };
-    let name = crate::lexer::normal(value.text());
+    let name = crate::label::normal(value.text());
     let points = PointKind::ALL;
     let connectors = ["CONN3D2", "CONN2D2"];
     Ok(match name.as_str() {

@@ -2,7 +2,6 @@
 
 pub(crate) mod labelled;
 
-use crate::lexer::{MAX_LABEL, normal};
 use serde::de::{self, Deserialize, Deserializer, Visitor};
 use serde::{Serialize, Serializer};
 use std::cmp::Ordering;
@@ -11,6 +10,21 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::str::FromStr;
 use std::sync::{LazyLock, PoisonError, RwLock};
+
+/// The largest node or element number: up to it, a double holds every whole number.
+pub const MAX_LABEL: u64 = 1 << 53;
+
+/// Blanks collapsed, upper case.
+pub(crate) fn normal(text: &str) -> String {
+    let mut name = String::with_capacity(text.len());
+    for word in text.split_ascii_whitespace() {
+        if !name.is_empty() {
+            name.push(' ');
+        }
+        name.push_str(&word.to_ascii_uppercase());
+    }
+    name
+}
 
 /// The name of an instance of a part. Equal names are one name: it is copied and compared as a pointer.
 ///

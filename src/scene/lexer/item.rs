@@ -2,9 +2,11 @@
 
 use crate::choice::Choice;
 use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::label::MAX_LABEL;
+use crate::label::normal;
 use crate::label::{Label, LabelError};
-use crate::lexer::value::{Value, component, integer, name, normal, number, word};
-use crate::lexer::{Keyword, KeywordParameter, MAX_LABEL};
+use crate::lexer::value::{Value, component, integer, name, number, word};
+use crate::lexer::{Keyword, KeywordParameter};
 use crate::span::{Span, Spanned};
 
 /// Where the lines and items of a deck come from that was not written as a deck.

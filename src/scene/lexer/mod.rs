@@ -16,13 +16,10 @@ use std::io::{BufRead, Read};
 
 pub(crate) use item::{Data, Item, Items, Places};
 pub(crate) use parameter::Parameters;
-pub(crate) use value::{NotANumber, Value, normal, parse_number};
+pub(crate) use value::{NotANumber, Value, parse_number};
 
 /// The longest line that is read, in bytes.
 pub const MAX_LINE: usize = 65_535;
-
-/// The largest node or element number: up to it, a double holds every whole number.
-pub const MAX_LABEL: u64 = 1 << 53;
 
 /// Reads a deck line by line, and the files that it includes as if their lines stood in their place.
 pub(crate) struct Lexer<'a> {

@@ -1,6 +1,7 @@
 //! What an item says: a number, a name, a component, a word.
 
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
+use crate::label::normal;
 use crate::span::{Span, Spanned};
 
 /// The value of a parameter or an item of a data line, detached from the buffer.
@@ -9,18 +10,6 @@ pub(crate) struct Value {
     pub(super) text: String,
     pub(super) quoted: bool,
     pub(crate) span: Span,
-}
-
-/// Blanks collapsed, upper case.
-pub(crate) fn normal(text: &str) -> String {
-    let mut name = String::with_capacity(text.len());
-    for word in text.split_ascii_whitespace() {
-        if !name.is_empty() {
-            name.push(' ');
-        }
-        name.push_str(&word.to_ascii_uppercase());
-    }
-    name
 }
 
 impl Value {

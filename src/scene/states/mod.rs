@@ -18,6 +18,7 @@
 
 mod document;
 mod source;
+mod stream;
 mod table;
 mod vanish;
 
@@ -36,8 +37,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 pub(super) use document::{Context, once, read_json};
-pub use source::StateStream;
 pub(super) use source::{Source, is_json, located, located_in, text_of, unreadable, without_mark};
+pub use stream::StateStream;
 pub(super) use table::{CsvRow, csv_rows, empty};
 pub use vanish::Vanishing;
 

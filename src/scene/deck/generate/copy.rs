@@ -5,7 +5,8 @@ use crate::deck::sets::SetBuilder;
 use crate::deck::{Deck, generate};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
-use crate::lexer::{Item, Items, Keyword, MAX_LABEL};
+use crate::label::MAX_LABEL;
+use crate::lexer::{Item, Items, Keyword};
 use crate::orientation::{cross, minus};
 use crate::span::Span;
 use crate::written::Placement;
@@ -203,6 +204,10 @@ pub(in crate::deck) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<(
         from.extend(deck.place_of(label).map(|place| (label, place)));
     }
     deck.count_generated(times.saturating_mul(from.len() as u64), span)?;
+    // Copies of nothing are nothing, however many.
+    if from.is_empty() {
+        return Ok(());
+    }
     let step = i64::try_from(step).unwrap_or(i64::MAX);
     for round in 1..=times {
         for (label, place) in &mut from {

@@ -8,7 +8,7 @@ use crate::deck::write::{Deck, Name, has_control, plain, quoted, refuse, yes_no}
 use crate::diagnostic::{Code, Result, suggest};
 use crate::document::form;
 use crate::document::form::{Boundary, Step};
-use crate::lexer::normal;
+use crate::label::normal;
 use crate::model::{MotionType, Operation};
 use crate::span::{Span, Spanned};
 

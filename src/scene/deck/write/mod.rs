@@ -12,8 +12,9 @@ mod property;
 
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::document::form::{Document, Row};
+use crate::label::normal;
 use crate::label::{Label, LabelError};
-use crate::lexer::{Places, normal};
+use crate::lexer::Places;
 use crate::span::{Span, Spanned};
 use mesh::instances;
 
