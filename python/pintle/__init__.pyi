@@ -1,52 +1,86 @@
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import Any, NoReturn
+from typing import Any, Literal, TypedDict
 
-import numpy
+from numpy import float64
 from numpy.typing import NDArray
 
 __version__: str
 
+_Array = NDArray[float64]
+_Offer = Literal["values", "rows", "second_derivatives", "rates", "accelerations", "nodal_forces", "geometric_stiffness"]
+_Component = Literal["u1", "u2", "u3", "ur1", "ur2", "ur3"]
+
+class Entry:
+    entry: str
+    got: float
+    want: float
+    tolerance: float
+    units: float
+    state: str | None
+
+class RoutineError(Exception): ...
+
 class Report:
     ok: bool
     verdict: str
-    worst: dict[str, Any] | None
+    worst: Entry | None
     cause: list[str]
-    codes: list[str]
+    codes: set[str]
+    notes: list[str]
+    compared: int
     text: str
+    repeat: str
+    @property
+    def short(self) -> str: ...
+    def __bool__(self) -> bool: ...
     def to_json(self) -> str: ...
     def to_html(self) -> str: ...
+    def _repr_html_(self) -> str: ...
     def assert_ok(self) -> None: ...
-    def __bool__(self) -> bool: ...
 
+class Connector(TypedDict):
+    element: str
+    type: str
+    nodes: list[str | None]
+
+class Scene:
+    def __init__(self, path_or_text: str | PathLike[str]) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def connectors(self) -> list[Connector]: ...
+    def evaluate(
+        self,
+        states: str | PathLike[str] | Sequence[Mapping[str, Any]] | None = None,
+        outputs: Iterable[str] = ("CP", "CU", "RES"),
+        order: Literal[0, 1, 2] = 1,
+    ) -> dict[str, _Array]: ...
+
+def audit(
+    scene: Scene | str | PathLike[str],
+    states: str | PathLike[str] | Sequence[Mapping[str, Any]] | None = None,
+    *,
+    model_only: bool = False,
+    seed: str = "pintle",
+) -> Report: ...
+def catalog() -> dict[str, dict[str, Any]]: ...
 def check(
     routine: Callable[..., Any],
     of: str,
     *,
-    offers: Iterable[str] = ...,
-    components: Sequence[str] | None = ...,
-    convention: dict[str, Any] | None = ...,
-    memory: bool = ...,
-    springs: Sequence[float | None] | None = ...,
-    states: int = ...,
-    near_singular_states: int = ...,
-    wide_states: int = ...,
-    histories: int = ...,
-    seed: str = ...,
+    states: int = 200,
+    near_singular_states: int = 50,
+    wide_states: int = 30,
+    histories: int = 40,
+    convention: Mapping[str, Any] | None = None,
+    offers: Iterable[_Offer] = ("values", "rows"),
+    components: Sequence[_Component] | None = None,
+    memory: bool = False,
+    springs: Sequence[float | None] | None = None,
+    seed: str = "pintle",
+    batch: bool = False,
 ) -> Report: ...
-
-class Scene:
-    path: str
-    connectors: list[tuple[str, str, list[bool]]]
-    def __init__(self, path: str | PathLike[str]) -> None: ...
-    def evaluate(
-        self,
-        states: str | PathLike[str] | None = ...,
-        outputs: str | Iterable[str] = ...,
-        order: int = ...,
-        independent: bool = ...,
-    ) -> dict[str, NDArray[numpy.float64]]: ...
-
-def audit(scene: Scene | str | PathLike[str], seed: str = ...) -> Report: ...
-def catalog() -> dict[str, list[str | None]]: ...
-def main() -> NoReturn: ...
+def rows(
+    of: str, x_a: _Array, triad_a: _Array, x_b: _Array, triad_b: _Array, *, out: tuple[_Array, _Array] | None = None
+) -> tuple[_Array, _Array]: ...

@@ -1,14 +1,11 @@
 """Asks a Python function by the protocol pintle-candidate/1."""
-import importlib, inspect, json, math, os, sys, traceback
+import inspect, math
 try:
     import numpy
 except ImportError:
     numpy = None
 AS_IT_IS = "memory", "out_of_domain", "error"
-
-
 def plain(x):
-    """Numbers and lists of them, as JSON has them."""
     if x is None or isinstance(x, str):
         return x
     if hasattr(x, "tolist"):
@@ -17,62 +14,51 @@ def plain(x):
         return [plain(entry) for entry in x]
     x = float(x)
     return x if math.isfinite(x) else "NaN" if x != x else "Infinity" if x > 0 else "-Infinity"
-
-
 def arrays(x):
-    """Lists of numbers as arrays, where NumPy is installed."""
     if isinstance(x, dict):
-        return {key: value if key == "memory" else arrays(value) for key, value in x.items()}
-    if numpy is not None and isinstance(x, list) and x and not isinstance(x[0], (dict, type(None), str)):
-        return numpy.array([math.nan if entry is None else entry for entry in x])
+        return {key: arrays(value) for key, value in x.items()}
+    if numpy is not None and isinstance(x, list) and x and not isinstance(x[0], (dict, type(None))):
+        return numpy.array(x)
     return x
-
-
-class Driver:
-    """A function, and what it is besides: offers, components, convention, memory."""
-
-    def __init__(self, routine, name, offers=("values", "rows"), components=None, convention=None, memory=False):
-        self.routine, self.error, self.connector = routine, None, None
-        self.hello = {"protocol": "pintle-candidate/1", "name": name, "offers": list(offers), "components": components}
-        self.hello |= {"convention": convention or {}, "memory": memory}
+def named(given):
+    if not isinstance(given, dict):
+        values, rows = given
+        given = {"values": values, "rows": rows}
+    return {key: value if key in AS_IT_IS else plain(value) for key, value in given.items()}
+class Routine:
+    """A function on one state, and what its hello says besides its name."""
+    def __init__(self, function, name, own):
+        self.function, self.hello, self.connector = function, {"name": name, **own}, None
         try:
-            self.takes_want = len(inspect.signature(routine).parameters) > 2
+            places = [one for one in inspect.signature(function).parameters.values() if one.kind != one.KEYWORD_ONLY]
+            self.takes_want = len(places) > 2
         except (TypeError, ValueError):
             self.takes_want = False
-
-    def at(self, state, want):
-        """The answer at one state; an exception is kept, and told as what it is."""
+    def failed(self, error):
+        return {"error": f"{type(error).__name__}: {error}"}
+    def answer(self, state, want):
         try:
+            memory = state.get("previous", {}).pop("memory", None)
             state = arrays(state)
-            given = self.routine(state, self.connector, want) if self.takes_want else self.routine(state, self.connector)
-            if not isinstance(given, dict):
-                values, rows = given
-                given = {"values": values, "rows": rows}
-            return {key: value if key in AS_IT_IS else plain(value) for key, value in given.items()}
+            if memory is not None:
+                state["previous"]["memory"] = memory
+            return named(self.function(state, self.connector, *([want] if self.takes_want else [])))
         except Exception as error:
-            self.error = error
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            return {"error": f"{type(error).__name__}: {error} ({os.path.basename(place.filename)}:{place.lineno})"}
-
-    def answer(self, message):
-        """The answer to a message; None where it ends."""
+            return self.failed(error)
+    def answers(self, states, want):
+        return [self.answer(state, want) for state in states]
+    def reply(self, message):
+        """The answer to a message, or None to close."""
         if "hello" in message:
-            return {"hello": self.hello}
+            return {"hello": {"protocol": "pintle-candidate/1", **self.hello}}
         if "open" in message:
             self.connector = arrays(message["open"])
             return {"opened": True}
         if "evaluate" in message:
             asked = message["evaluate"]
-            return {"id": asked["id"], "answers": [self.at(state, asked["want"]) for state in asked["states"]]}
-        return None
-
-    def line(self, line):
-        """The same as text."""
-        answer = self.answer(json.loads(line))
-        return None if answer is None else json.dumps(answer, allow_nan=False)
-
-
+            return {"id": asked["id"], "answers": self.answers(asked["states"], asked["want"])}
 def main():
+    import importlib, json, os, sys
     sys.path.insert(0, os.getcwd())
     # What the routine prints belongs on stderr: stdout carries messages.
     messages, sys.stdout = os.fdopen(os.dup(1), "w"), sys.stderr
@@ -81,16 +67,14 @@ def main():
     routine = module
     for part in function.split("."):
         routine = getattr(routine, part)
-    named = {"offers": "OFFERS", "components": "COMPONENTS", "convention": "CONVENTION", "memory": "MEMORY"}
-    given = {key: getattr(module, of) for key, of in named.items() if hasattr(module, of)}
-    driver = Driver(routine, f"{name}:{function}", **given)
+    own = {"offers": getattr(module, "OFFERS", ["values", "rows"]), "components": getattr(module, "COMPONENTS", None)}
+    own |= {"convention": getattr(module, "CONVENTION", {}), "memory": getattr(module, "MEMORY", False)}
+    asked = Routine(routine, f"{name}:{function}", own)
     for line in sys.stdin:
-        answer = driver.line(line)
+        answer = asked.reply(json.loads(line))
         if answer is None:
             break
-        messages.write(answer + "\n")
+        messages.write(json.dumps(answer, allow_nan=False) + "\n")
         messages.flush()
-
-
 if __name__ == "__main__":
     main()

@@ -1,6 +1,6 @@
 //! A Python function behind the protocol: a driver that Python runs from its command line.
 
-/// The driver, which imports nothing but the standard library, and NumPy where it is there.
+/// The driver, which imports nothing but the standard library, and NumPy where it is there. As a module it has the class `Routine`.
 pub const DRIVER: &str = include_str!("driver.py");
 
 /// The command that asks a function `module:function` of the Python on the path, in the current folder.

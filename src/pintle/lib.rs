@@ -54,15 +54,14 @@
 //! | `report` | text, JSON, JUnit, Markdown, HTML |
 //! | `pintle` | this facade, and the command line |
 
+#[cfg(feature = "cli")]
+mod cli;
+
+#[cfg(feature = "cli")]
+pub use cli::{STACK, command_line};
 pub use num_dual;
 pub use pintle_kinematics::VERSION;
 pub use pintle_kinematics::{so3, vector};
-
-#[cfg(feature = "cli")]
-mod cli;
-#[cfg(feature = "cli")]
-#[doc(hidden)]
-pub mod command;
 
 /// Numbers that carry derivatives.
 pub mod scalar {
@@ -112,6 +111,8 @@ pub mod batch {
 /// Decks, documents, states, forces.
 #[cfg(feature = "cli")]
 pub mod scene {
+    pub use crate::cli::eval::scene as open;
+    pub use crate::cli::history::moves as has_rates;
     pub use pintle_scene::{
         Code, Diagnostic, ForceFile, Label, Scene, Severity, State, StateFile, StateStream,
     };
@@ -138,6 +139,13 @@ pub mod audit {
         Candidate, CounterExample, Given, Oracle, Report, Settings, Verdict, audit_catalogue, audit_scenes,
     };
     pub use pintle_report::audit::AssertOk;
+}
+
+/// Is somebody's routine right?
+#[cfg(feature = "cli")]
+pub mod check {
+    pub use crate::cli::check::subject;
+    pub use pintle_check::{Asked, Checked, Convention, DRIVER, Door, Misbehaviour, check};
 }
 
 #[cfg(doctest)]

@@ -1,7 +1,7 @@
-//! The `pintle` program.
+//! The `pintle` command.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    pintle::command::main(std::env::args_os())
+    ExitCode::from(pintle::command_line(std::env::args_os()))
 }

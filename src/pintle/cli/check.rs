@@ -157,7 +157,7 @@ fn type_of(name: &str) -> Result<ConnectionType, Failure> {
 }
 
 /// The connector of a TYPE, or of SCENE:ELEMENT.
-pub(crate) fn subject(name: &str) -> Result<Subject, Failure> {
+pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
     // The last colon: a gallery scene has one of its own.
     if let Some((scene, element)) = name.rsplit_once(':').filter(|(scene, _)| *scene != "gallery") {
         let source = source(scene)?;
@@ -181,6 +181,15 @@ pub(crate) fn subject(name: &str) -> Result<Subject, Failure> {
     let relative = aligned(&connection, draw);
     let definition = definition(&connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2);
     Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
+}
+
+/// The connector that a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, or a connector of a scene,
+/// `SCENE:ELEMENT`.
+///
+/// # Errors
+/// In words, where there is none of that name.
+pub fn subject(name: &str) -> Result<Definition, String> {
+    named(name).map(|subject| subject.definition).map_err(|failure| failure.to_string())
 }
 
 /// The conventions that a file declares.
@@ -218,7 +227,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     if arguments.header {
         return Ok(io::stdout().lock().write_all(pintle_element::HEADER.as_bytes())?);
     }
-    let Subject { definition, .. } = subject(arguments.of.as_deref().unwrap_or_default())?;
+    let Subject { definition, .. } = named(arguments.of.as_deref().unwrap_or_default())?;
     let convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
@@ -238,12 +247,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     let asked = Asked { settings, histories: arguments.histories, convention, springs };
     let checked = Process::start(&command, patience)
         .and_then(|process| pintle_check::check(process, &definition, asked));
-    let mut checked =
-        checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
-    // A counter-example would ask pintle again, not the routine.
-    for check in checked.report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
-        check.failing = None;
-    }
+    let checked = checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
     let notes = checked.notes();
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());

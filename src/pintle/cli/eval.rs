@@ -175,6 +175,14 @@ pub(crate) fn read(source: Source<'_>, states: Option<&Path>) -> Result<(Scene, 
     Ok((scene, states))
 }
 
+/// The scene of a file, or `gallery:NAME`, with its own states.
+///
+/// # Errors
+/// In words: the file, the line, what is wrong there.
+pub fn scene(name: &str) -> Result<(Scene, Vec<State>), String> {
+    source(name).and_then(|source| read(source, None)).map_err(|failure| failure.to_string())
+}
+
 impl Source<'_> {
     /// A diagnostic with the lines of this scene that it is about.
     pub(crate) fn quoted(self, diagnostic: Diagnostic) -> Diagnostic {

@@ -2,7 +2,6 @@
 
 use pintle_scene::Diagnostic;
 use std::io;
-use std::process::ExitCode;
 
 /// What ends a command early.
 #[derive(Debug, thiserror::Error)]
@@ -54,15 +53,15 @@ impl Failure {
     }
 
     /// Says on stderr what is wrong, and gives the exit code.
-    pub(crate) fn report(&self) -> ExitCode {
+    pub(crate) fn report(&self) -> u8 {
         if self.is_closed_pipe() {
-            return ExitCode::SUCCESS;
+            return 0;
         }
         match self {
             Self::Scene(diagnostic) => crate::cli::tell::show_diagnostic(diagnostic),
             other => crate::cli::tell::complain("error", &other.to_string()),
         }
-        ExitCode::from(match self {
+        match self {
             Self::Lost(_) => 1,
             Self::Mismatch | Self::Findings => 1,
             Self::Usage(_) => 2,
@@ -71,6 +70,6 @@ impl Failure {
             Self::Nothing(_) => 4,
             Self::Scene(_) | Self::Input(_) => 6,
             Self::Unwritten(_) | Self::Output(_) => 7,
-        })
+        }
     }
 }

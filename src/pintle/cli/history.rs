@@ -202,8 +202,8 @@ impl Assigned {
     }
 }
 
-/// Whether a state has rates.
-fn moves(state: &State) -> bool {
+/// Whether a state has rates of a node: velocities or accelerations.
+pub fn moves(state: &State) -> bool {
     let still = [0.0; 3];
     state.nodes.values().any(|node| {
         [node.velocity, node.angular_velocity, node.acceleration, node.angular_acceleration]

@@ -7,16 +7,18 @@ pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
 mod failure;
-mod history;
+pub(crate) mod history;
 pub(crate) mod manual;
 pub(crate) mod replay;
 mod save;
 mod show;
+mod start;
 pub(crate) mod states;
 pub(crate) mod tell;
 
 pub(crate) use failure::Failure;
 pub(crate) use save::Files;
+pub use start::command_line;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pintle_bench::Environment;
@@ -472,7 +474,7 @@ fn long_version() -> String {
 }
 
 /// The stack of every thread, in bytes: derivatives of derivatives lie on it, whole, in a build without optimisation.
-pub(crate) const STACK: usize = 64 << 20;
+pub const STACK: usize = 64 << 20;
 
 /// Gives the pool of rayon its stacks, and its number of threads if there is one to give.
 pub(crate) fn use_threads(count: Option<u16>) -> Result<(), Failure> {

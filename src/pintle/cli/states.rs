@@ -1,6 +1,6 @@
 //! `pintle states`.
 
-use super::check::{Subject, subject};
+use super::check::{Subject, named};
 use super::{Failure, Files};
 use clap::{Args, ValueEnum};
 use pintle_audit::{Candidate, Case, Settings};
@@ -72,7 +72,7 @@ enum Format {
 /// Draws states and writes them.
 pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
     files.check(arguments.output.iter().chain(&arguments.deck))?;
-    let Subject { definition, nodes, is_of_scene } = subject(&arguments.of)?;
+    let Subject { definition, nodes, is_of_scene } = named(&arguments.of)?;
     let settings = Settings {
         states: arguments.count as usize,
         near_singular_states: arguments.near as usize,

@@ -1,20 +1,20 @@
-//! The `pintle` command, for the program and for what carries it along.
+//! The command line from its words to its exit code.
 
-use crate::cli::{self, Cli, Command, Failure, Files};
+use super::{Cli, Command, Failure, Files};
+use crate::cli;
 use clap::Parser;
-use pintle_kinematics::connector::Definition;
-use pintle_scene::Scene;
 use std::ffi::OsString;
 use std::panic;
-use std::process::ExitCode;
 use std::thread::{self, ScopedJoinHandle};
 
 /// The exit code of an internal error.
 const INTERNAL_ERROR: u8 = 70;
 
-/// Runs the command of these arguments, the first of which is the name of the program.
-pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let cli = Cli::parse_from(arguments);
+/// Runs the command `pintle` with these words, the first of which is its name, and gives its exit code.
+///
+/// Results go to standard output, everything else to standard error. Wrong words, `--help` and an internal error end the process.
+pub fn command_line(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = Cli::parse_from(words);
     panic::set_hook(Box::new(|defect| {
         cli::tell::complain("internal error", &format!("{defect}"));
         cli::tell::complain(
@@ -28,12 +28,12 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         thread.spawn_scoped(scope, || run(&cli)).map(ScopedJoinHandle::join)
     });
     match outcome {
-        Ok(Ok(Ok(()))) => ExitCode::SUCCESS,
+        Ok(Ok(Ok(()))) => 0,
         Ok(Ok(Err(failure))) => failure.report(),
-        Ok(Err(_)) => ExitCode::from(INTERNAL_ERROR),
+        Ok(Err(_)) => INTERNAL_ERROR,
         Err(error) => {
             cli::tell::complain("error", &format!("no thread could be started: {error}"));
-            ExitCode::from(INTERNAL_ERROR)
+            INTERNAL_ERROR
         }
     }
 }
@@ -60,23 +60,4 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         #[expect(clippy::panic, reason = "its purpose")]
         Command::Panic => panic!("as asked"),
     }
-}
-
-/// The connector of a TYPE, or of SCENE:ELEMENT.
-///
-/// # Errors
-/// In words, why there is none.
-pub fn connector(name: &str) -> Result<Definition, String> {
-    cli::check::subject(name).map(|subject| subject.definition).map_err(|failure| failure.to_string())
-}
-
-/// A scene of a file, or `gallery:NAME`, with its states.
-///
-/// # Errors
-/// All that is wrong with it, in words.
-pub fn scene(name: &str) -> Result<Scene, String> {
-    let read = cli::eval::source(name).and_then(|source| cli::eval::read(source, None));
-    let (mut scene, states) = read.map_err(|failure| failure.to_string())?;
-    scene.states = states;
-    Ok(scene)
 }

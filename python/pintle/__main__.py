@@ -1,5 +1,0 @@
-"""python -m pintle: the command."""
-
-from . import main
-
-main()

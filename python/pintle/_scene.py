@@ -1,0 +1,91 @@
+"""Scenes: their numbers as arrays, their audit, and the catalogue."""
+
+import json
+import os
+
+from . import _pintle
+from ._check import Report
+
+
+def _plain(value):
+    """What JSON can write: arrays and their numbers as lists and numbers, keys as text."""
+    if isinstance(value, dict):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _states(states):
+    """A path, or a document of states."""
+    if states is None or isinstance(states, (str, os.PathLike)):
+        return (None if states is None else os.fspath(states)), None
+    return None, json.dumps({"schema": "pintle-states/1", "states": _plain(states)})
+
+
+class Scene:
+    """A scene of connectors and constraints: a deck (.inp), TOML or JSON, `gallery:NAME`, or such a text.
+
+    Lengths in the unit of the deck, angles in rad, global axes. A text is what has a line break. Scenes
+    pickle, with their states, to the last bit. Raises ValueError with file, line and remedy.
+    """
+
+    def __init__(self, path_or_text):
+        text = os.fspath(path_or_text)
+        if "\n" in text:
+            form = {"{": "json", "*": "inp"}.get(text.lstrip()[:1], "toml")
+            self._scene = _pintle.Scene.parse("the text", text, form)
+        else:
+            self._scene = _pintle.Scene.open(text)
+
+    @classmethod
+    def _parse(cls, name, text):
+        self = cls.__new__(cls)
+        self._scene = _pintle.Scene.parse(name, text, "json")
+        return self
+
+    def __reduce__(self):
+        return Scene._parse, self._scene.written()
+
+    @property
+    def name(self):
+        """The file it was read from."""
+        return self._scene.written()[0]
+
+    @property
+    def connectors(self):
+        """Of each connector, in the order of the arrays: `element`, `type` and `nodes` (a, b; None is the ground)."""
+        keys = "element", "type", "nodes"
+        return [dict(zip(keys, one)) for one in self._scene.connectors()]
+
+    def __repr__(self):
+        return f"<pintle.Scene {self.name}: {len(self.connectors)} connectors>"
+
+    def evaluate(self, states=None, outputs=("CP", "CU", "RES"), order=1):
+        """The numbers of every connector at every state, evaluated in order, as a dictionary of float64 arrays.
+
+        `states`: a path (.csv, .json); a list of states as in the JSON form, `{"time": 0.5, "nodes": {2:
+        {"rotation": [0, 0, 0.3]}}}`; None for those of the scene, or its initial state. `outputs`: names as
+        of `pintle eval`. Each is (states, connectors, 6), components u1 … ur3, NaN where a connector has
+        none. `time` is (states,).
+
+        `order` 1 adds `jacobian` (states, connectors, 6, 14): derivatives of the residual of a constrained
+        component, of the position of any other, by x_a, θ_a, Ψ_a, x_b, θ_b, Ψ_b; rotations spatial. `order`
+        2 adds `hessian` (states, connectors, 6, 14, 14).
+        """
+        return self._scene.evaluate(*_states(states), list(outputs), order)
+
+
+def audit(scene, states=None, *, model_only=False, seed="pintle"):
+    """Is a scene right: its model, and every number at its states? Returns a report, as `check` does.
+
+    `scene` is a Scene, or what makes one. `states` as in `Scene.evaluate`; without any, states are drawn.
+    """
+    one = scene if isinstance(scene, Scene) else Scene(scene)
+    found = one._scene.audit(*_states(states), model_only, seed)
+    return Report(found, f"pintle.audit({one.name if scene is one else scene!r})")
+
+
+def catalog():
+    """The connection types by name, each with `constrained`, `available` and `output_only` components."""
+    return {one["name"]: one for one in json.loads(_pintle.catalog())["types"]}

@@ -1,0 +1,200 @@
+"""Scenes and rows: against closed form, against the check, in every kind of array."""
+
+import pickle
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy
+import pytest
+from hypothesis import given, settings
+
+import pintle
+import pintle.jax
+from pintle import strategies
+
+jax.config.update("jax_enable_x64", True)
+QUICK = {"states": 30, "near_singular_states": 0, "wide_states": 5, "histories": 0}
+
+
+def test_the_slider_of_the_crank_at_ninety_degrees():
+    scene = pintle.Scene("gallery:slider_crank")
+    slide = [one["element"] for one in scene.connectors].index("106")
+    assert scene.connectors[slide] == {"element": "106", "type": "TRANSLATOR", "nodes": ["7", "6"]}
+    numbers = scene.evaluate(outputs=("CU", "RES", "CV"))
+    assert numbers["CU"].shape == (25, 6, 6) and numbers["jacobian"].shape == (25, 6, 6, 14)
+    # A crank of 1 and a rod of 3 whose offset is nothing: the README shows the same number.
+    assert abs(numbers["CU"][6, slide, 0] + 0.2343145751) < 1e-10
+    assert numbers["time"][6] == 0.25
+    assert list(numbers["jacobian"][6, slide, 0]) == [-1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0]
+    assert numpy.isnan(numbers["RES"][6, slide, 0]) and numbers["RES"][6, slide, 1] == 0
+    assert scene.evaluate(order=2)["hessian"].shape == (25, 6, 6, 14, 14)
+    assert "jacobian" not in scene.evaluate(order=0)
+
+
+def test_a_pickled_scene_is_the_same_to_the_last_bit():
+    scene = pintle.Scene("gallery:seat_belt")
+    ours, theirs = (one.evaluate(order=2) for one in (scene, pickle.loads(pickle.dumps(scene))))
+    assert ours.keys() == theirs.keys() and len(ours) == 6
+    for name in ours:
+        assert ours[name].tobytes() == theirs[name].tobytes(), name
+
+
+def test_states_of_ones_own_and_what_is_wrong_with_them(tmp_path):
+    scene = pintle.Scene("gallery:slider_crank")
+    moved = [{"time": 0.5, "nodes": {6: {"displacement": numpy.array([0.1, 0, 0])}}}]
+    assert scene.evaluate(moved)["CU"][0, 5, 0] == 0.1
+    file = tmp_path / "run.csv"
+    file.write_text("state,time,node,u1\n0,0.5,6,0.1\n")
+    assert scene.evaluate(file)["CU"][0, 5, 0] == 0.1
+    for states, says in (([{"nodes": {99: {}}}], "99"), (tmp_path / "none.csv", "none.csv: cannot be read")):
+        with pytest.raises(ValueError, match=says):
+            scene.evaluate(states)
+    for options, says in (({"outputs": ["CUX"]}, "CUX"), ({"outputs": ["NF"]}, "eval --format json"), ({"order": 3}, "order is 3")):
+        with pytest.raises(ValueError, match=says):
+            scene.evaluate(**options)
+    with pytest.raises(ValueError, match="gallery has no scene"):
+        pintle.Scene("gallery:slider")
+
+
+def test_an_audit_and_the_catalogue():
+    report = pintle.audit("gallery:slider_crank", model_only=True)
+    assert report.ok, report
+    revolute = pintle.catalog()["REVOLUTE"]
+    assert (revolute["available"], revolute["constrained"]) == (["ur1"], ["ur2", "ur3"])
+    assert len(pintle.catalog()) > 25
+
+
+@pytest.mark.parametrize("name", ["REVOLUTE", "TRANSLATOR", "CARTESIAN CARDAN", "HINGE", "AXIAL", "UJOINT"])
+def test_rows_pass_the_check(name):
+    def routine(state, connector):
+        a, b, initial = state["a"], state["b"], connector["initial"]
+        values, rows = pintle.rows(name, a["x"], a["triad"], b["x"], b["triad"])
+        first = (initial[end][key][None] for end, key in (("a", "x"), ("a", "triad"), ("b", "x"), ("b", "triad")))
+        free = [one is not None and one["kind"] == "free" for one in connector["components"]]
+        values[:, free] -= pintle.rows(name, *first)[0][:, free]
+        return values, rows
+
+    report = pintle.check(routine, name, batch=True, convention={"turns": "principal"}, offers=["rows"], **QUICK)
+    assert report.verdict == "pass" and report.compared > 300, report
+
+
+def some(count):
+    random = numpy.random.default_rng(7)
+    triad = numpy.linalg.qr(random.normal(size=(2, count, 3, 3)))[0]
+    triad *= numpy.linalg.det(triad)[..., None, None]
+    return random.normal(size=(count, 3)), triad[0], random.normal(size=(count, 3)), triad[1]
+
+
+def test_every_kind_of_array_gives_the_same():
+    x_a, triad_a, x_b, triad_b = some(131)
+    values, rows = pintle.rows("CARTESIAN CARDAN", x_a, triad_a, x_b, triad_b)
+    assert numpy.isfinite(values).all() and rows.shape == (131, 6, 14)
+    strided = [numpy.repeat(x, 2, axis=0)[::2] for x in (x_a, triad_a, x_b, triad_b)]
+    fortran = [numpy.asfortranarray(x) for x in strided]
+    for one in strided:
+        one.flags.writeable = False
+    for given in (strided, fortran):
+        for ours, theirs in zip(pintle.rows("CARTESIAN CARDAN", *given), (values, rows)):
+            assert ours.tobytes() == theirs.tobytes()
+    out = numpy.zeros((131, 6)), numpy.zeros((131, 6, 14))
+    assert pintle.rows("CARTESIAN CARDAN", x_a, triad_a, x_b, triad_b, out=out)[0] is out[0]
+    assert out[1].tobytes() == rows.tobytes()
+    assert pintle.rows("CARTESIAN CARDAN", *(x[:0] for x in strided))[1].shape == (0, 6, 14)
+    for s in (0, 3, 130):
+        alone = pintle.rows("CARTESIAN CARDAN", *(x[s : s + 1] for x in strided))
+        assert alone[0].tobytes() == values[s].tobytes()
+
+
+def test_what_is_no_such_array():
+    x_a, triad_a, x_b, triad_b = some(4)
+    cases = [
+        ((x_a.astype(numpy.float32), triad_a, x_b, triad_b), TypeError, r"x_a has dtype float32.*astype\(numpy.float64\)"),
+        ((x_a, triad_a[:, 0], x_b, triad_b), ValueError, r"triad_a has shape \[4, 3\], not \(n, 3, 3\)"),
+        ((x_a, triad_a, x_b[:3], triad_b), ValueError, "x_a has 4 states"),
+        (([[0, 0, 0]], triad_a, x_b, triad_b), TypeError, "x_a is no NumPy array"),
+    ]
+    for given, error, says in cases:
+        with pytest.raises(error, match=says):
+            pintle.rows("CARTESIAN", *given)
+    with pytest.raises(ValueError, match="out has shapes"):
+        pintle.rows("CARTESIAN", x_a, triad_a, x_b, triad_b, out=(numpy.zeros((3, 6)), numpy.zeros((4, 6, 14))))
+    still = numpy.zeros((4, 6))
+    still.flags.writeable = False
+    with pytest.raises(ValueError, match="out cannot be written"):
+        pintle.rows("CARTESIAN", x_a, triad_a, x_b, triad_b, out=(still, numpy.zeros((4, 6, 14))))
+    both = numpy.zeros((4, 6, 14))
+    with pytest.raises(ValueError, match="cannot be written"):
+        pintle.rows("CARTESIAN", both[:, 0, :3], triad_a, x_b, triad_b, out=(numpy.zeros((4, 6)), both))
+    with pytest.raises(ValueError, match="evaluate it by itself"):
+        pintle.rows("SLIPRING", x_a, triad_a, x_b, triad_b)
+
+
+def test_jax_differentiates_by_the_rows():
+    x_a, triad_a, x_b, triad_b = some(5)
+    values = pintle.jax.rows("CARTESIAN")
+    assert values.components == ("u1", "u2", "u3")
+
+    def traced(x_a, triad_a, x_b, triad_b):
+        return triad_a @ (x_b - x_a)
+
+    def turned(of, theta, s):
+        skew = jnp.array([[0, -theta[2], theta[1]], [theta[2], 0, -theta[0]], [-theta[1], theta[0], 0]])
+        return of(x_a[s], triad_a[s] @ jax.scipy.linalg.expm(skew).T, x_b[s], triad_b[s])
+
+    compared = 0
+    for s in range(5):
+        for of in (jax.jacfwd, jax.jacrev):
+            ours, theirs = (of(lambda theta, f=f: turned(f, theta, s))(jnp.zeros(3)) for f in (values, traced))
+            assert jnp.abs(ours - theirs).max() < 1e-14
+            compared += ours.size
+    assert compared == 90
+    together = jax.jit(jax.vmap(values))(x_a, triad_a, x_b, triad_b)
+    assert jnp.abs(together - jax.vmap(traced)(x_a, triad_a, x_b, triad_b)).max() < 1e-14
+    slope = jax.grad(lambda x: values(x_a[0], triad_a[0], x, triad_b[0])[0])(x_b[0])
+    assert jnp.abs(slope - triad_a[0, 0]).max() < 1e-15
+    with pytest.raises(TypeError, match="jax_enable_x64"):
+        values(*(jnp.asarray(x[0], dtype=jnp.float32) for x in (x_a, triad_a, x_b, triad_b)))
+
+
+@settings(max_examples=20, deadline=None)
+@given(strategies.states("REVOLUTE", history=True))
+def test_drawn_states_are_states(drawn):
+    state, connector = drawn
+    assert connector["type"] == "REVOLUTE"
+    for end in "ab":
+        triad = state[end]["triad"]
+        assert numpy.abs(triad @ triad.T - numpy.eye(3)).max() < 1e-14
+    assert "values" in state["previous"]
+
+
+def test_other_threads_run_while_rust_computes():
+    program = """
+import threading, time, pintle
+scene, turns, done = pintle.Scene("gallery:slider_crank"), [], threading.Event()
+def turn():
+    while not done.is_set():
+        turns.append(1); time.sleep(0.005)
+thread = threading.Thread(target=turn); thread.start()
+pintle.audit(scene); before = len(turns); done.set(); thread.join()
+print(before)
+"""
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert int(ran.stdout) > 10, ran
+
+
+def test_stubs_name_what_there_is():
+    import ast
+    import inspect
+
+    compared = 0
+    folder = pintle.__file__.rpartition("/")[0]
+    for module, stub in ((pintle, "__init__"), (pintle.jax, "jax"), (strategies, "strategies")):
+        for item in ast.parse(open(f"{folder}/{stub}.pyi").read()).body:
+            if not isinstance(item, ast.FunctionDef):
+                continue
+            names = [one.arg for one in (*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs)]
+            assert names == list(inspect.signature(getattr(module, item.name)).parameters), item.name
+            compared += 1
+    assert compared == 6 and all(hasattr(pintle, name) for name in pintle.__all__)
