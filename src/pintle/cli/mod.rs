@@ -6,18 +6,15 @@ pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
-mod failure;
 pub(crate) mod history;
 pub(crate) mod manual;
+mod output;
 pub(crate) mod replay;
-mod save;
-mod show;
 mod start;
 pub(crate) mod states;
-pub(crate) mod tell;
 
-pub(crate) use failure::Failure;
-pub(crate) use save::Files;
+use output::Show;
+pub(crate) use output::{Failure, Files, tell};
 pub use start::command_line;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -28,7 +25,6 @@ use pintle_model::behavior::Conditions;
 use pintle_report as report;
 use pintle_report::{explain, glossary, list};
 use pintle_scene::Code;
-use show::Show;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! What is said on stderr.
 
-use super::page_width;
+use crate::cli::page_width;
 use pintle_scene::Diagnostic;
 use std::io::{self, Write};
 

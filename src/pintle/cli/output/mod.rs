@@ -1,0 +1,10 @@
+//! What the commands write: to the terminal, to files, and when they fail.
+
+mod failure;
+mod save;
+mod show;
+pub(crate) mod tell;
+
+pub(crate) use failure::Failure;
+pub(crate) use save::Files;
+pub(crate) use show::Show;
