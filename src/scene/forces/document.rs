@@ -4,7 +4,7 @@ use crate::diagnostic::{Code, Result};
 use crate::forces::{ElementForces, ForceSign, Group, Owner, StateForces, Take};
 use crate::model::Scene;
 use crate::states;
-use crate::states::{Context, Fault, Source};
+use crate::states::{Context, Documents, Fault, Source};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -28,26 +28,17 @@ pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &
     );
     let take = RefCell::new(take);
     let (count, stopped) = (Cell::new(0_u64), Cell::new(false));
+    let documents = Documents::new(scene);
     let each = |group: Group| {
+        if !documents.is_clean() {
+            return Ok(());
+        }
         count.set(count.get() + 1);
         stopped.set(take.borrow_mut()(group).is_break());
         if stopped.get() { Err(None) } else { Ok(()) }
     };
-    let read = match source {
-        Source::Text(text) => {
-            let mut reader = serde_json::Deserializer::from_str(text);
-            states::read_json(&mut reader, source, scene, &form, None, |context, reader| {
-                JsonFile { context, sign, each: &each }.deserialize(reader)
-            })
-        }
-        Source::File(_) => {
-            let file = source.reader(0).map_err(|error| states::unreadable(&error))?;
-            let mut reader = serde_json::Deserializer::from_reader(file);
-            states::read_json(&mut reader, source, scene, &form, None, |context, reader| {
-                JsonFile { context, sign, each: &each }.deserialize(reader)
-            })
-        }
-    };
+    let file = JsonFile { context: documents.context(None), sign, each: &each };
+    let read = documents.read(source, &form, file);
     if stopped.get() {
         return Ok(());
     }
@@ -177,8 +168,11 @@ impl<'de> Visitor<'de> for JsonForces<'_> {
         while let Some(key) = map.next_key::<String>()? {
             let owner = Owner::named(&key, context.scene);
             let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
-            let owner = owner.map_err(|fault| context.stop(fault))?;
-            found.insert(owner, map.next_value_seed(JsonElement { context, sign })?);
+            let owner = context.value(owner)?;
+            let forces = map.next_value_seed(JsonElement { context, sign })?;
+            if let Some(owner) = owner {
+                found.insert(owner, forces);
+            }
         }
         Ok(found)
     }
@@ -193,7 +187,7 @@ impl<'de> Visitor<'de> for JsonElement<'_> {
         let mut forces = ElementForces { sign: self.sign, ..ElementForces::default() };
         while let Some(key) = map.next_key::<String>()? {
             let value = map.next_value::<f64>()?;
-            forces.set(&key, value).map_err(|fault| self.context.stop(fault))?;
+            self.context.value(forces.set(&key, value))?;
         }
         Ok(forces)
     }

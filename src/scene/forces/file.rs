@@ -23,7 +23,7 @@ impl ForceFile {
     /// Reads component forces of `scene` from a `.csv` or `.json` file.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn read(path: impl AsRef<Path>, scene: &Scene, sign: ForceSign) -> Result<Self> {
         let (name, text, is_json) = states::text_of(path.as_ref(), "forces")?;
         if is_json {
@@ -36,7 +36,7 @@ impl ForceFile {
     /// Reads forces from CSV. `name` stands for the file in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn parse_csv(name: &str, text: &str, scene: &Scene, sign: ForceSign) -> Result<Self> {
         let text = states::without_mark(text);
         Self::collect(name, |take| table::groups(Source::Text(text), scene, sign, take))
@@ -46,7 +46,7 @@ impl ForceFile {
     /// Reads forces from JSON. `name` stands for the file in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn parse_json(name: &str, text: &str, scene: &Scene, sign: ForceSign) -> Result<Self> {
         let text = states::without_mark(text);
         Self::collect(name, |take| document::groups(Source::Text(text), scene, sign, take))
@@ -127,7 +127,7 @@ impl ForceStream {
     /// for each state: whether that has got forces.
     ///
     /// # Errors
-    /// The first thing that is wrong with the file, with its place and a remedy; those of [`ForceFile::attach`]; the first error of `take`,
+    /// All that is wrong with the file, each with its place and a remedy; those of [`ForceFile::attach`]; the first error of `take`,
     /// after which nothing more is read.
     pub fn for_each<E: From<Diagnostic>>(
         &self,

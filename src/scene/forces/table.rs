@@ -3,11 +3,11 @@
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::forces::{ElementForces, ForceSign, Group, KEYS, NAMES, Owner, StateForces, Take};
 use crate::model::Scene;
-use crate::span::Span;
 use crate::states;
 use crate::states::{CsvRow, Source};
 use indexmap::IndexMap;
 use std::collections::HashSet;
+use std::ops::ControlFlow;
 
 /// What tells the rows of one state: its number, or else its time.
 type Key = (Option<u64>, Option<u64>);
@@ -24,29 +24,32 @@ pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &
     let columns = known().collect::<Vec<_>>();
     let holds_all = !source.is_repeatable() || {
         let (mut seen, mut last, mut is_apart) = (HashSet::new(), None, false);
-        states::csv_rows(source, &columns, find, "element", |row: &CsvRow<'_>| {
-            let (key, ..) = key(row)?;
+        // What is wrong is told by the second reading.
+        let read = states::csv_rows(source, &columns, find, "element", |row, _| {
+            let Ok((key, ..)) = key(row) else { return Ok(ControlFlow::Continue(())) };
             is_apart |= last != Some(key) && !seen.insert(key);
             last = Some(key);
-            Ok(())
-        })?;
-        is_apart
+            Ok(ControlFlow::Continue(()))
+        });
+        is_apart && read.is_ok()
     };
     let mut held: IndexMap<Key, Group> = IndexMap::new();
     let mut stopped = false;
-    let read = states::csv_rows(source, &columns, find, "element", |row: &CsvRow<'_>| {
+    states::csv_rows(source, &columns, find, "element", |row, is_clean| {
         let (key, state, time) = key(row)?;
         if !holds_all
             && !held.contains_key(&key)
             && let Some((_, whole)) = held.pop()
+            && is_clean
             && take(whole).is_break()
         {
             stopped = true;
-            return Err(Diagnostic::error(Code::StatesMalformed, Span::default(), "stopped", ""));
+            return Ok(ControlFlow::Break(()));
         }
         let new = || Group { state, time, forces: StateForces::default(), span: row.span() };
         let group = held.entry(key).or_insert_with(new);
         if group.time != time {
+            group.time = time;
             let message = "rows of one state have different times";
             return Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row")
                 .help("give all rows of a state the same time, or another state number"));
@@ -75,12 +78,11 @@ pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &
         if is_given {
             group.forces.insert(owner, forces);
         }
-        Ok(())
-    });
+        Ok(ControlFlow::Continue(()))
+    })?;
     if stopped {
         return Ok(());
     }
-    read?;
     for whole in held.into_values() {
         if take(whole).is_break() {
             break;

@@ -1,34 +1,14 @@
 //! States from JSON, as they are read.
 
-use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::diagnostic::{Code, Result};
 use crate::forces::{ForceSign, JsonForces, StateForces};
-use crate::freedom::NodeFreedom;
 use crate::model::Scene;
-use crate::span::Span;
-use crate::states::source::{Source, unreadable};
+use crate::states::faults::{Context, Documents};
+use crate::states::source::Source;
 use crate::states::table::empty;
-use crate::states::{Fault, Motion, SCHEMA, State, Take, check_motion, check_node, check_number, label};
+use crate::states::{Fault, Motion, SCHEMA, State, Take, check_motion, check_node, label};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use std::cell::{Cell, RefCell};
-use std::io;
-
-/// Carries the scene, and the fault of our own that stopped the reading, through serde.
-#[derive(Clone, Copy)]
-pub(crate) struct Context<'a> {
-    pub(crate) scene: &'a Scene,
-    freedom: &'a NodeFreedom,
-    fault: &'a Cell<Option<Fault>>,
-    /// What becomes of a state: a fault stops the reading, and none does so too.
-    states: Option<&'a dyn Fn(State) -> Result<(), Option<Fault>>>,
-}
-
-impl Context<'_> {
-    pub(crate) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
-        let error = E::custom(&fault.message);
-        self.fault.set(Some(fault));
-        error
-    }
-}
 
 /// Hands on the states of a document, one after another.
 pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> Result<()> {
@@ -36,31 +16,17 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
         "{{\"schema\": \"{SCHEMA}\", \"states\": [{{\"time\": 0, \"nodes\": {{\"1\": {{\"displacement\": [0, 0, 0]}}}}}}]}}"
     );
     let take = RefCell::new(take);
-    let (count, last) = (Cell::new(0_u64), Cell::new(None));
-    let stopped = Cell::new(false);
+    let (count, stopped) = (Cell::new(0_u64), Cell::new(false));
+    let documents = Documents::new(scene);
     let each = |state: State| {
-        check_number(last.get(), state.number).map_err(Some)?;
-        last.set(Some(state.number));
+        if !documents.is_clean() {
+            return Ok(());
+        }
         count.set(count.get() + 1);
-        let flow = take.borrow_mut()(state);
-        stopped.set(flow.is_break());
-        if flow.is_break() { Err(None) } else { Ok(()) }
+        stopped.set(take.borrow_mut()(state).is_break());
+        if stopped.get() { Err(None) } else { Ok(()) }
     };
-    let read = match source {
-        Source::Text(text) => {
-            let mut reader = serde_json::Deserializer::from_str(text);
-            read_json(&mut reader, source, scene, &form, Some(&each), |context, reader| {
-                JsonFile(context).deserialize(reader)
-            })
-        }
-        Source::File(_) => {
-            let file = source.reader(0).map_err(|error| unreadable(&error))?;
-            let mut reader = serde_json::Deserializer::from_reader(file);
-            read_json(&mut reader, source, scene, &form, Some(&each), |context, reader| {
-                JsonFile(context).deserialize(reader)
-            })
-        }
-    };
+    let read = documents.read(source, &form, JsonFile(documents.context(Some(&each))));
     if stopped.get() {
         return Ok(());
     }
@@ -68,44 +34,10 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
     if count.get() == 0 { Err(empty("states")) } else { Ok(()) }
 }
 
-/// Reads a document with `take`; `form` shows an example in the remedy.
-pub(crate) fn read_json<'de, R: serde_json::de::Read<'de>, T>(
-    reader: &mut serde_json::Deserializer<R>,
-    source: Source<'_>,
-    scene: &Scene,
-    form: &str,
-    states: Option<&dyn Fn(State) -> Result<(), Option<Fault>>>,
-    take: impl FnOnce(Context<'_>, &mut serde_json::Deserializer<R>) -> Result<T, serde_json::Error>,
-) -> Result<T> {
-    let fault = Cell::new(None);
-    let freedom = NodeFreedom::of(scene);
-    let context = Context { scene, freedom: &freedom, fault: &fault, states };
-    let result = take(context, reader).and_then(|read| reader.end().map(|()| read));
-    result.map_err(|error| {
-        let span = json_place(source, error.line(), error.column());
-        match fault.take() {
-            Some(fault) => fault.at(span, "ends here"),
-            None if error.is_io() => unreadable(&io::Error::from(error)),
-            None => {
-                let message = error.to_string();
-                let message = message.split(" at line ").next().unwrap_or_default().to_owned();
-                let remedy = format!("the form is {form}");
-                Diagnostic::error(Code::StatesMalformed, span, message, "here").help(remedy)
-            }
-        }
-    })
-}
-
-/// The byte at 1-based `line` and `column` (in bytes).
-fn json_place(source: Source<'_>, line: usize, column: usize) -> Span {
-    let before = source.length_of_lines(line.saturating_sub(1));
-    let start = (before + column.saturating_sub(1) as u64).min(source.length());
-    Span::new(0, u32::try_from(line.max(1)).unwrap_or(u32::MAX), start, 1)
-}
-
 /// One JSON object or array, read with the scene at hand.
 macro_rules! seed {
     ($name:ident, $output:ty, $method:ident, $expecting:literal) => {
+        #[derive(Clone, Copy)]
         struct $name<'a>(Context<'a>);
 
         impl<'de> DeserializeSeed<'de> for $name<'_> {
@@ -172,6 +104,7 @@ impl<'de> Visitor<'de> for JsonStates<'_> {
     }
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<(), A::Error> {
         while let Some(state) = sequence.next_element_seed(JsonState(self.0))? {
+            self.0.count(state.number)?;
             let Some(take) = self.0.states else { continue };
             take(state).map_err(|fault| match fault {
                 Some(fault) => self.0.stop(fault),
@@ -225,11 +158,12 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
         let mut state = State::default();
         while let Some(key) = map.next_key::<String>()? {
-            let node = label(&key, "node").map_err(|fault| self.0.stop(fault))?;
-            check_node(node, self.0.scene, &state).map_err(|fault| self.0.stop(fault))?;
+            let named = label(&key, "node");
+            let named = named.and_then(|node| check_node(node, self.0.scene, &state).map(|()| node));
+            let node = self.0.value(named)?;
             let motion: Motion = map.next_value()?;
-            let motion = motion.checked().map_err(|fault| self.0.stop(fault))?;
-            check_motion(node, &motion, self.0.freedom).map_err(|fault| self.0.stop(fault))?;
+            let (Some(node), Some(motion)) = (node, self.0.value(motion.checked())?) else { continue };
+            self.0.value(check_motion(node, &motion, self.0.freedom()))?;
             state.nodes.insert(node, motion);
         }
         Ok(state)

@@ -17,6 +17,7 @@
 //! by element number: `"forces": {"101": {"f1": 2.5}}` ([`crate::ElementForces`]).
 
 mod document;
+mod faults;
 mod source;
 mod stream;
 mod table;
@@ -36,8 +37,9 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-pub(super) use document::{Context, once, read_json};
-pub(super) use source::{Source, is_json, located, located_in, text_of, unreadable, without_mark};
+pub(super) use document::once;
+pub(super) use faults::{Context, Documents, Faults};
+pub(super) use source::{Source, is_json, located, located_in, text_of, without_mark};
 pub use stream::StateStream;
 pub(super) use table::{CsvRow, csv_rows, empty};
 pub use vanish::Vanishing;
@@ -156,7 +158,7 @@ impl StateFile {
     /// Reads states of `scene` from a `.csv` or `.json` file.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn read(path: impl AsRef<Path>, scene: &Scene) -> Result<Self> {
         let (name, text, is_json) = text_of(path.as_ref(), "states")?;
         if is_json { Self::parse_json(&name, &text, scene) } else { Self::parse_csv(&name, &text, scene) }
@@ -165,7 +167,7 @@ impl StateFile {
     /// Reads states from CSV. `name` stands for the file in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn parse_csv(name: &str, text: &str, scene: &Scene) -> Result<Self> {
         let text = without_mark(text);
         Self::collect(|take| table::states(Source::Text(text), scene, take))
@@ -175,7 +177,7 @@ impl StateFile {
     /// Reads states from JSON. `name` stands for the file in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn parse_json(name: &str, text: &str, scene: &Scene) -> Result<Self> {
         let text = without_mark(text);
         Self::collect(|take| document::states(Source::Text(text), scene, take))

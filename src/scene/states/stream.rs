@@ -45,11 +45,10 @@ impl StateStream {
         self.path.metadata().is_ok_and(|metadata| metadata.is_file())
     }
 
-    /// Reads the file from its beginning and hands on its states, one after another. States before a place where something is wrong have
-    /// been handed on.
+    /// Reads the file from its beginning and hands on its states, one after another, up to the first place where something is wrong.
     ///
     /// # Errors
-    /// The first thing that is wrong with the file, with its place and a remedy; the first error of `take`, after which nothing more is
+    /// All that is wrong with the file, each with its place and a remedy; the first error of `take`, after which nothing more is
     /// read.
     pub fn for_each<E: From<Diagnostic>>(
         &self,

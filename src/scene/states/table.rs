@@ -7,22 +7,25 @@ use crate::lexer::{NotANumber, parse_number};
 use crate::model::Scene;
 use crate::span::Span;
 use crate::states::source::{Source, unreadable};
-use crate::states::{NodeMotion, State, Take, check_motion, check_node, label, rotation};
+use crate::states::{Faults, NodeMotion, State, Take, check_motion, check_node, label, rotation};
 use std::io::{self, BufRead};
+use std::ops::ControlFlow;
 
 const COLUMNS: [&str; 28] = [
     "state", "time", "node", "u1", "u2", "u3", "ur1", "ur2", "ur3", "q0", "q1", "q2", "q3", "v1", "v2", "v3",
     "vr1", "vr2", "vr3", "a1", "a2", "a3", "ar1", "ar2", "ar3", "flow", "flow_v", "flow_a",
 ];
 
-/// Hands on the rows of a table, whose columns `find` knows by the fields of its first line; `known` lists them.
+/// Hands on the rows of a table, each with whether nothing was wrong before it, until `take` breaks off. `find` knows its columns by the
+/// fields of its first line; `known` lists them.
 pub(crate) fn csv_rows(
     source: Source<'_>,
     known: &[&'static str],
     find: impl Fn(&str) -> Option<&'static str>,
     needed: &'static str,
-    mut take: impl FnMut(&CsvRow<'_>) -> Result<()>,
+    mut take: impl FnMut(&CsvRow<'_>, bool) -> Result<ControlFlow<()>>,
 ) -> Result<()> {
+    let mut faults = Faults::default();
     // A comment that ends the file without a line break would be read as an empty row.
     let lines = io::Read::chain(source.reader(0).map_err(|error| unreadable(&error))?, b"\n".as_slice());
     let mut reader = csv::ReaderBuilder::new()
@@ -52,16 +55,33 @@ pub(crate) fn csv_rows(
     }
     let columns = header_columns(&record, row_span(&record, source), known, find, needed)?;
     let mut is_empty = true;
-    while next(&mut record)? {
+    loop {
+        match next(&mut record) {
+            Ok(true) => {}
+            Ok(false) => break,
+            // Where the next row begins is not known.
+            Err(error) => {
+                faults.add(error);
+                break;
+            }
+        }
+        is_empty = false;
         if record.len() != columns.len() {
             let span = row_span(&record, source);
             let message = format!("a row of {} fields under a header of {}", record.len(), columns.len());
-            return Err(Diagnostic::error(Code::StatesMalformed, span, message, "this row")
-                .help("give every row as many fields as the header; an empty field is 0"));
+            faults.add(
+                Diagnostic::error(Code::StatesMalformed, span, message, "this row")
+                    .help("give every row as many fields as the header; an empty field is 0"),
+            );
+            continue;
         }
-        take(&CsvRow { record: &record, columns: &columns, source })?;
-        is_empty = false;
+        match take(&CsvRow { record: &record, columns: &columns, source }, faults.is_empty()) {
+            Ok(ControlFlow::Continue(())) => {}
+            Ok(ControlFlow::Break(())) => return Ok(()),
+            Err(error) => faults.add(error),
+        }
     }
+    faults.end()?;
     if is_empty { Err(empty("rows")) } else { Ok(()) }
 }
 
@@ -69,16 +89,19 @@ pub(crate) fn csv_rows(
 pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> Result<()> {
     let freedom = NodeFreedom::of(scene);
     let mut current: Option<(u64, State)> = None;
-    let mut stopped = false;
     let find = |field: &str| COLUMNS.into_iter().find(|column| column.eq_ignore_ascii_case(field));
-    let read = csv_rows(source, &COLUMNS, find, "node", |row| {
+    let mut stopped = false;
+    csv_rows(source, &COLUMNS, find, "node", |row, is_clean| {
         let (number, time) = (row.integer("state")?.unwrap_or(0), row.number("time")?);
+        let own = row.has("state").then_some(number);
+        let next = (number, State { number: own, time, ..State::default() });
         let disorder = |message: String, remedy: &str| {
             Err(Diagnostic::error(Code::StatesOrder, row.span(), message, "this row").help(remedy))
         };
-        match &current {
+        match &mut current {
             Some((last, state)) if *last == number => {
                 if state.time != time {
+                    state.time = time;
                     let message = format!("state {number} has rows of different time");
                     return disorder(
                         message,
@@ -88,20 +111,20 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
             }
             Some((last, _)) if *last > number => {
                 let message = format!("state {number} comes after state {last}");
+                current = Some(next);
                 return disorder(message, "put the rows of a state together, and number the states upwards");
             }
             _ => {
-                let own = row.has("state").then_some(number);
-                let next = (number, State { number: own, time, ..State::default() });
                 if let Some((_, whole)) = current.replace(next)
+                    && is_clean
                     && take(whole).is_break()
                 {
                     stopped = true;
-                    return Err(Diagnostic::error(Code::StatesMalformed, Span::default(), "stopped", ""));
+                    return Ok(ControlFlow::Break(()));
                 }
             }
         }
-        let Some((_, state)) = &mut current else { return Ok(()) };
+        let Some((_, state)) = &mut current else { return Ok(ControlFlow::Continue(())) };
         let Some(node) = row.label("node")? else {
             return Err(Diagnostic::error(
                 Code::StatesMalformedNumber,
@@ -111,17 +134,22 @@ pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> 
             )
             .help("give the node number in the column `node`"));
         };
-        check_node(node, scene, state).map_err(|fault| fault.at(row.place("node"), "this node"))?;
-        let motion = row.motion()?;
+        let checked =
+            check_node(node, scene, state).map_err(|fault| fault.at(row.place("node"), "this node"));
+        let motion = row.motion();
+        if let Some(error) =
+            Diagnostic::joined(checked.err().into_iter().chain(motion.as_ref().err().cloned()))
+        {
+            return Err(error);
+        }
+        let motion = motion?;
         check_motion(node, &motion, &freedom).map_err(|fault| fault.at(row.span(), "this row"))?;
         state.nodes.insert(node, motion);
-        Ok(())
-    });
-    if stopped {
-        return Ok(());
-    }
-    read?;
-    if let Some((_, last)) = current {
+        Ok(ControlFlow::Continue(()))
+    })?;
+    if let Some((_, last)) = current
+        && !stopped
+    {
         _ = take(last);
     }
     Ok(())
@@ -171,22 +199,26 @@ fn header_columns(
     needed: &'static str,
 ) -> Result<Vec<&'static str>> {
     let mut columns: Vec<&'static str> = Vec::with_capacity(record.len());
+    let mut faults = Faults::default();
     for field in record {
         let Some(column) = find(field) else {
             let remedy =
                 suggest(field, known.iter().copied(), || format!("columns are {}", known.join(", ")));
             let message = format!("there is no column `{field}`");
-            return Err(
-                Diagnostic::error(Code::StatesUnknownColumn, span, message, "the header").help(remedy)
-            );
+            faults
+                .add(Diagnostic::error(Code::StatesUnknownColumn, span, message, "the header").help(remedy));
+            continue;
         };
         if columns.contains(&column) {
             let message = format!("the column `{column}` occurs twice");
-            return Err(Diagnostic::error(Code::StatesRepeatedColumn, span, message, "the header")
-                .help("remove one of the two"));
+            faults.add(
+                Diagnostic::error(Code::StatesRepeatedColumn, span, message, "the header")
+                    .help("remove one of the two"),
+            );
         }
         columns.push(column);
     }
+    faults.end()?;
     if !columns.contains(&needed) {
         let message = format!("no column `{needed}`");
         return Err(Diagnostic::error(Code::StatesMissingColumn, span, message, "the header")
@@ -274,12 +306,15 @@ impl CsvRow<'_> {
     /// The numbers of several columns; none when all of them are empty or absent.
     fn numbers<const N: usize>(&self, columns: [&str; N]) -> Result<Option<[f64; N]>> {
         let mut values = [0.0; N];
-        let mut given = false;
+        let (mut given, mut faults) = (false, Faults::default());
         for (value, column) in values.iter_mut().zip(columns) {
-            if let Some(number) = self.number(column)? {
-                (*value, given) = (number, true);
+            match self.number(column) {
+                Ok(Some(number)) => (*value, given) = (number, true),
+                Ok(None) => {}
+                Err(error) => faults.add(error),
             }
         }
+        faults.end()?;
         Ok(given.then_some(values))
     }
 

@@ -1,0 +1,197 @@
+//! All that is wrong with a file of states or forces, in one run.
+
+use crate::diagnostic::{Code, Diagnostic, MAX_ERRORS, Result};
+use crate::freedom::NodeFreedom;
+use crate::model::Scene;
+use crate::span::Span;
+use crate::states::source::{Source, unreadable};
+use crate::states::{Fault, State, check_number};
+use serde::de::DeserializeSeed;
+use std::cell::{Cell, RefCell};
+use std::collections::HashSet;
+use std::io;
+
+/// Whether an error is about the scene, and so the same in every state: it is told once.
+const fn is_of_scene(code: Code) -> bool {
+    matches!(code, Code::StatesUnknownNode | Code::StatesNoRotation | Code::StatesOutOfPlane)
+}
+
+/// The errors of a file so far.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    found: Option<Diagnostic>,
+    told: HashSet<String>,
+}
+
+impl Faults {
+    /// Adds an error, and those that it carries.
+    pub(crate) fn add(&mut self, error: Diagnostic) {
+        let (errors, unsaid) = error.apart();
+        for error in errors {
+            if is_of_scene(error.code()) && !self.told.insert(error.message().to_owned()) {
+                continue;
+            }
+            self.found = Diagnostic::joined(self.found.take().into_iter().chain([error]));
+        }
+        self.found = self.found.take().map(|first| first.with_unsaid(unsaid));
+    }
+
+    /// Whether nothing is wrong so far.
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.found.is_none()
+    }
+
+    /// Nothing, or the first error with the others.
+    pub(crate) fn end(self) -> Result<()> {
+        self.found.map_or(Ok(()), Err)
+    }
+}
+
+/// The reading of a JSON file, which is read again after each fault of our own, to find the next: its place is known only where the
+/// reading stops.
+pub(crate) struct Documents<'a> {
+    scene: &'a Scene,
+    freedom: NodeFreedom,
+    fault: Cell<Option<Fault>>,
+    /// What was told of the scene, and how many other faults were.
+    told: RefCell<HashSet<String>>,
+    passed: Cell<usize>,
+    /// How many of the latter were met in this reading.
+    met: Cell<usize>,
+    /// The number of the last state, if there was one.
+    last: Cell<Option<Option<u64>>>,
+}
+
+impl<'a> Documents<'a> {
+    pub(crate) fn new(scene: &'a Scene) -> Self {
+        Self {
+            scene,
+            freedom: NodeFreedom::of(scene),
+            fault: Cell::default(),
+            told: RefCell::default(),
+            passed: Cell::default(),
+            met: Cell::default(),
+            last: Cell::default(),
+        }
+    }
+
+    /// Whether this is the first reading, whose states are taken.
+    pub(crate) fn is_clean(&self) -> bool {
+        self.passed.get() == 0 && self.told.borrow().is_empty()
+    }
+
+    pub(crate) fn context<'b>(&'b self, states: Option<&'b TakeState<'b>>) -> Context<'b> {
+        Context { scene: self.scene, reading: self, states }
+    }
+
+    /// Reads a document; `form` shows an example in the remedy.
+    pub(crate) fn read<S>(&self, source: Source<'_>, form: &str, seed: S) -> Result<()>
+    where
+        S: Copy + for<'de> DeserializeSeed<'de, Value = ()>,
+    {
+        let mut faults = Faults::default();
+        for _ in 0..=MAX_ERRORS {
+            self.met.set(0);
+            self.last.set(None);
+            let read = match source {
+                Source::Text(text) => through(seed, &mut serde_json::Deserializer::from_str(text)),
+                Source::File(_) => {
+                    let file = source.reader(0).map_err(|error| unreadable(&error))?;
+                    through(seed, &mut serde_json::Deserializer::from_reader(file))
+                }
+            };
+            let Err(error) = read else { break };
+            let span = json_place(source, error.line(), error.column());
+            let Some(fault) = self.fault.take() else {
+                faults.add(broken(error, span, form));
+                break;
+            };
+            if is_of_scene(fault.code) {
+                self.told.borrow_mut().insert(fault.message.clone());
+            } else {
+                self.passed.set(self.passed.get() + 1);
+            }
+            faults.add(fault.at(span, "ends here"));
+            if !source.is_repeatable() {
+                break;
+            }
+        }
+        faults.end()
+    }
+}
+
+fn through<'de, R, S>(seed: S, reader: &mut serde_json::Deserializer<R>) -> Result<(), serde_json::Error>
+where
+    R: serde_json::de::Read<'de>,
+    S: DeserializeSeed<'de, Value = ()>,
+{
+    seed.deserialize(&mut *reader)?;
+    reader.end()
+}
+
+/// What is no JSON, or of another form.
+fn broken(error: serde_json::Error, span: Span, form: &str) -> Diagnostic {
+    if error.is_io() {
+        return unreadable(&io::Error::from(error));
+    }
+    let message = error.to_string();
+    let message = message.split(" at line ").next().unwrap_or_default().to_owned();
+    Diagnostic::error(Code::StatesMalformed, span, message, "here").help(format!("the form is {form}"))
+}
+
+/// The byte at 1-based `line` and `column` (in bytes).
+fn json_place(source: Source<'_>, line: usize, column: usize) -> Span {
+    let before = source.length_of_lines(line.saturating_sub(1));
+    let start = (before + column.saturating_sub(1) as u64).min(source.length());
+    Span::new(0, u32::try_from(line.max(1)).unwrap_or(u32::MAX), start, 1)
+}
+
+/// What becomes of a state: a fault stops the reading, and none does so too.
+pub(crate) type TakeState<'a> = dyn Fn(State) -> Result<(), Option<Fault>> + 'a;
+
+/// Carries the scene, and the fault of our own that stopped the reading, through serde.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub(crate) scene: &'a Scene,
+    reading: &'a Documents<'a>,
+    pub(super) states: Option<&'a TakeState<'a>>,
+}
+
+impl<'a> Context<'a> {
+    pub(super) const fn freedom(self) -> &'a NodeFreedom {
+        &self.reading.freedom
+    }
+
+    /// Ends the reading.
+    pub(crate) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
+        let error = E::custom(&fault.message);
+        self.reading.fault.set(Some(fault));
+        error
+    }
+
+    /// Ends the reading at a fault that was not told before; else there is no value.
+    pub(crate) fn value<T, E: serde::de::Error>(self, value: Result<T, Fault>) -> Result<Option<T>, E> {
+        let fault = match value {
+            Ok(value) => return Ok(Some(value)),
+            Err(fault) => fault,
+        };
+        let Documents { told, passed, met, .. } = self.reading;
+        if is_of_scene(fault.code) {
+            if told.borrow().contains(&fault.message) {
+                return Ok(None);
+            }
+        } else {
+            met.set(met.get() + 1);
+            if met.get() <= passed.get() {
+                return Ok(None);
+            }
+        }
+        Err(self.stop(fault))
+    }
+
+    /// States are numbered upwards, or not at all.
+    pub(super) fn count<E: serde::de::Error>(self, number: Option<u64>) -> Result<(), E> {
+        let last = self.reading.last.replace(Some(number));
+        self.value(check_number(last, number)).map(drop)
+    }
+}
