@@ -19,10 +19,11 @@ use crate::behavior::amplitude::Amplitude;
 use pintle_kinematics::catalog::component_index;
 use pintle_kinematics::scalar::{Real, Scalar};
 use pintle_scene::{
-    Application, Code, ConditionKind, DefaultAmplitude, Diagnostic, MotionType, Procedure, Scene, Span, Step,
+    Application, Boundary, Code, ConditionKind, DefaultAmplitude, Diagnostic, MotionType, Procedure, Scene, Span, Step,
     Target,
 };
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// When a step begins and ends, and what it is.
@@ -139,6 +140,11 @@ impl Schedule {
         self.steps.iter().position(|step| is_within(step.end))
     }
 
+    /// When a step begins and ends, by its number from 0, and whether it is dynamic.
+    pub fn span(&self, step: usize) -> Option<([f64; 2], bool)> {
+        self.steps.get(step).map(|step| ([step.begin, step.end], step.is_dynamic))
+    }
+
     /// The steps that begin at this time, by number.
     pub fn beginning_at(&self, time: f64) -> impl Iterator<Item = usize> + '_ {
         self.steps.iter().enumerate().filter(move |(_, step)| step.begin == time).map(|(i, _)| i)
@@ -245,33 +251,64 @@ pub fn on_angles<L: Ord + Copy>(
     schedule: &Schedule,
     labels: impl Fn(&Target) -> Vec<L>,
 ) -> Result<BTreeMap<L, Drives>, Diagnostic> {
-    let dof = ANGLE as u8 + 1;
+    on_numbers(scene, schedule, ANGLE..=ANGLE, labels)
+}
+
+/// What is prescribed for degrees of freedom 1 to 6 of the nodes that `labels` gives: boundary conditions in [`Drives::motions`] and
+/// concentrated loads in [`Drives::loads`], along the axes of the node. A later boundary condition of a step replaces an earlier one.
+///
+/// # Errors
+/// An amplitude that cannot be read.
+pub fn on_nodes<L: Ord + Copy>(
+    scene: &Scene,
+    schedule: &Schedule,
+    labels: impl Fn(&Target) -> Vec<L>,
+) -> Result<BTreeMap<L, Drives>, Diagnostic> {
+    on_numbers(scene, schedule, 0..=5, labels)
+}
+
+/// The same for some degrees of freedom, counted from 0.
+fn on_numbers<L: Ord + Copy>(
+    scene: &Scene,
+    schedule: &Schedule,
+    wanted: RangeInclusive<usize>,
+    labels: impl Fn(&Target) -> Vec<L>,
+) -> Result<BTreeMap<L, Drives>, Diagnostic> {
     let amplitudes = amplitudes(scene)?;
+    let places = |boundary: &Boundary| -> Vec<usize> {
+        let numbers = boundary.degrees_of_freedom.iter();
+        numbers.filter_map(|number| component_index(*number)).filter(|k| wanted.contains(k)).collect()
+    };
     let mut all: BTreeMap<L, Drives> = BTreeMap::new();
-    for boundary in scene.boundaries.iter().filter(|boundary| boundary.degrees_of_freedom.contains(&dof)) {
-        for label in labels(&boundary.target.value) {
-            all.entry(label).or_default().motions[ANGLE] = Some(Drive::held());
+    for boundary in &scene.boundaries {
+        for k in places(boundary) {
+            for label in labels(&boundary.target.value) {
+                all.entry(label).or_default().motions[k] = Some(Drive::held());
+            }
         }
     }
     let steps = scene.steps.iter().filter(|step| takes_time(step)).take(schedule.steps.len());
     for (number, step) in steps.enumerate() {
         let mut given = InStep::default();
-        let of_angle = step.boundaries.iter().filter(|boundary| boundary.degrees_of_freedom.contains(&dof));
-        for boundary in of_angle.filter(|boundary| !boundary.applied.imaginary) {
-            for label in labels(&boundary.target.value) {
-                let one = Given {
-                    kind: boundary.kind,
-                    magnitude: Some(boundary.magnitude),
-                    applied: &boundary.applied,
-                    span: boundary.target.span,
-                };
-                given.motions.insert((label, ANGLE), one);
+        for boundary in step.boundaries.iter().filter(|boundary| !boundary.applied.imaginary) {
+            for k in places(boundary) {
+                for label in labels(&boundary.target.value) {
+                    let one = Given {
+                        kind: boundary.kind,
+                        magnitude: Some(boundary.magnitude),
+                        applied: &boundary.applied,
+                        span: boundary.target.span,
+                    };
+                    given.motions.insert((label, k), one);
+                }
             }
         }
-        let of_angle = step.concentrated_loads.iter().filter(|load| load.degree_of_freedom == dof);
-        for load in of_angle.filter(|load| !load.applied.imaginary) {
+        for load in step.concentrated_loads.iter().filter(|load| !load.applied.imaginary) {
+            let Some(k) = component_index(load.degree_of_freedom).filter(|k| wanted.contains(k)) else {
+                continue;
+            };
             for label in labels(&load.target.value) {
-                given.load((label, ANGLE), load.magnitude, &load.applied, load.target.span);
+                given.load((label, k), load.magnitude, &load.applied, load.target.span);
             }
         }
         given.renews_motions = step.removes(ConditionKind::Boundary);
@@ -280,6 +317,42 @@ pub fn on_angles<L: Ord + Copy>(
     }
     all.retain(|_, drives| !drives.is_empty());
     Ok(all)
+}
+
+/// The accelerations of gravity (`*DLOAD`, GRAV) by what they act on, none being the whole model: its three components in
+/// [`Drives::loads`] at 0, 1, 2 (length/time²).
+///
+/// # Errors
+/// An amplitude that cannot be read.
+pub fn gravity(
+    scene: &Scene,
+    schedule: &Schedule,
+) -> Result<Vec<(Option<Target>, Drives)>, Diagnostic> {
+    let amplitudes = amplitudes(scene)?;
+    let mut targets: Vec<Option<Target>> = Vec::new();
+    let mut all: BTreeMap<usize, Drives> = BTreeMap::new();
+    let steps = scene.steps.iter().filter(|step| takes_time(step)).take(schedule.steps.len());
+    for (number, step) in steps.enumerate() {
+        let mut given = InStep::default();
+        let loads = step.distributed_loads.iter().filter(|load| load.label == "GRAV");
+        for load in loads.filter(|load| !load.applied.imaginary) {
+            let target = load.target.as_ref().map(|target| target.value.clone());
+            let span = load.target.as_ref().map_or(step.span, |target| target.span);
+            let index = targets.iter().position(|known| *known == target).unwrap_or_else(|| {
+                targets.push(target);
+                targets.len() - 1
+            });
+            let value = |i: usize| load.values.get(i).copied().flatten().unwrap_or(0.0);
+            let direction = [value(1), value(2), value(3)];
+            let length = pintle_kinematics::scalar::elementary::norm(direction);
+            for (k, along) in direction.into_iter().enumerate().filter(|_| length > 0.0) {
+                given.load((index, k), value(0) * (along / length), &load.applied, span);
+            }
+        }
+        given.renews_loads = step.removes(ConditionKind::DistributedLoad);
+        given.add_to(&mut all, &Context { schedule, number, amplitudes: &amplitudes });
+    }
+    Ok(all.into_iter().filter_map(|(index, drives)| Some((targets.get(index)?.clone(), drives))).collect())
 }
 
 /// The amplitudes of a scene by name.
@@ -543,6 +616,49 @@ impl Drive {
             }
         };
         Some(phase.prescribed(time.unwrap_or(S::zero()), step, &beginning))
+    }
+
+    /// Whether something is prescribed in a step, by its number from 0.
+    pub fn acts_in(&self, schedule: &Schedule, step: usize) -> bool {
+        match schedule.steps.is_empty() {
+            true => self.initially.is_some(),
+            false => self.phases.get(step).is_some_and(Option::is_some),
+        }
+    }
+
+    /// Whether it is a displacement that is known to stay zero throughout a step.
+    pub fn rests(&self, schedule: &Schedule, step: usize) -> bool {
+        let phase = match schedule.steps.is_empty() {
+            true => self.initially.as_ref(),
+            false => self.phases.get(step).and_then(Option::as_ref),
+        };
+        phase.is_some_and(|phase| {
+            phase.kind == MotionType::Displacement
+                && phase.courses.iter().all(|course| match course {
+                    Course::Held(Level::Known(at)) => *at == 0.0,
+                    Course::Ramp(Level::Known(from), to) => *from == 0.0 && *to == 0.0,
+                    Course::Follows { magnitude, amplitude, .. } => {
+                        *magnitude == 0.0 && !amplitude.is_absolute
+                    }
+                    Course::Held(Level::AtBeginning(_))
+                    | Course::Ramp(Level::AtBeginning(_), _)
+                    | Course::External => false,
+                })
+        })
+    }
+
+    /// What is prescribed at a time of a step, by its number from 0, that of its beginning included; as [`Drive::at`].
+    pub fn within<S: Scalar>(
+        &self,
+        schedule: &Schedule,
+        step: usize,
+        time: S,
+        beginning: impl Fn(usize) -> Option<f64>,
+    ) -> Option<Prescribed<S>> {
+        match schedule.steps.get(step) {
+            None => self.at(schedule, Some(time), beginning),
+            some => Some(self.phases.get(step)?.as_ref()?.prescribed(time, some, &beginning)),
+        }
     }
 
     /// The load at a time: 0 where there is none.

@@ -86,7 +86,11 @@ impl Coefficient {
     }
 
     /// μ at a slip rate and a contact force.
-    pub fn at<R: Ordered>(&self, rate: R, normal: R, conditions: &Conditions) -> R {
+    pub fn at<S>(&self, rate: S, normal: S, conditions: &Conditions) -> S
+    where
+        S: Scalar,
+        S::Real: Ordered,
+    {
         let context = Context { conditions, ..Context::default() };
         self.evaluate(rate, normal, &context, &mut Flags::default())
     }

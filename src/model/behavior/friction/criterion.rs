@@ -130,6 +130,17 @@ pub struct Point<S> {
     pub criterion: S,
 }
 
+/// F_C + F_C^int = `linear`·f + Σ factor |A f| + `internal`, the magnitudes by themselves: each has a kink of its own where A f = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactParts<R> {
+    /// What of F_C is linear in f1 … m3.
+    pub linear: [R; 6],
+    /// The factor and the rows A of each magnitude.
+    pub magnitudes: Vec<(R, Vec<[R; 6]>)>,
+    /// F_C^int.
+    pub internal: R,
+}
+
 /// Values and exact derivatives with respect to f1, f2, f3, m1, m2, m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derivatives<R> {
@@ -175,15 +186,40 @@ impl Term {
         if is_zero(magnitude.real()) {
             flags.add(Flag::LoadAtZero { load: self.load.formula(self.present).unwrap_or_default() });
         }
-        let mut factor = S::Real::integer(self.number);
+        magnitude.scale(self.factor())
+    }
+
+    fn factor<R: Real>(&self) -> R {
+        let mut factor = R::integer(self.number);
         for number in &self.times {
-            factor = factor * S::Real::from_f64(*number);
+            factor = factor * R::from_f64(*number);
         }
         if let Some(over) = self.over {
             // A length of zero drops the term, in traced formulas too.
-            factor = factor * S::Real::from_f64(over).reciprocal_or_zero();
+            factor = factor * R::from_f64(over).reciprocal_or_zero();
         }
-        magnitude.scale(factor)
+        factor
+    }
+
+    /// The rows A of the magnitude |A f|.
+    fn rows<R: Ordered>(&self, context: &Context<'_, R>, unit: impl Fn(usize) -> [R; 6]) -> Vec<[R; 6]> {
+        let spread = |v: [R; 3]| [v[0], v[1], v[2], R::integer(0), R::integer(0), R::integer(0)];
+        match self.load {
+            Load::Norm(components) => {
+                components.iter().filter(|k| self.present[**k]).map(|k| unit(*k)).collect()
+            }
+            Load::Along(axis) => vec![spread(direction(axis, context))],
+            Load::Across(axis) => {
+                let axis = direction(axis, context);
+                let along = |i: usize| {
+                    let mut e = [R::integer(0); 3];
+                    e[i] = R::integer(1);
+                    // (f × axis)_i = f · (axis × e_i)
+                    spread(cross(axis, e))
+                };
+                (0..3).map(along).collect()
+            }
+        }
     }
 }
 
@@ -469,6 +505,30 @@ impl Criterion {
             }
         }
         mask
+    }
+
+    /// F_C and F_C^int in parts, with the context's positions; `None` where F_C is a derived component.
+    pub fn contact_parts<R: Ordered>(&self, context: &Context<'_, R>) -> Option<ContactParts<R>> {
+        let (zero, one) = (R::integer(0), R::integer(1));
+        let unit = |k: usize| {
+            let mut row = [zero; 6];
+            row[k] = one;
+            row
+        };
+        let mut parts = ContactParts {
+            linear: [zero; 6],
+            magnitudes: Vec::new(),
+            internal: self.internal.evaluate(context, &mut Flags::default()),
+        };
+        match &self.pressing {
+            Pressing::Nothing => {}
+            Pressing::Component(k) => parts.linear[*k] = one,
+            Pressing::Derived(_) => return None,
+            Pressing::Terms(terms) => {
+                parts.magnitudes = terms.iter().map(|term| (term.factor(), term.rows(context, unit))).collect();
+            }
+        }
+        Some(parts)
     }
 
     /// F_N = |F_C + F_C^int|.

@@ -1,0 +1,298 @@
+//! One-step methods of high order: extrapolation of the midpoint rule (Gragg, Bulirsch, Stoer) and Gauss collocation, which witness each
+//! other.
+
+use crate::dense::Dense;
+use crate::equations::Trouble;
+use crate::mode::Switch;
+use crate::number::Number;
+
+/// How a solution goes on in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Extrapolation of the midpoint rule.
+    #[default]
+    Extrapolation,
+    /// Gauss collocation.
+    Collocation,
+}
+
+/// ẏ, and what may end the mode.
+#[derive(Clone, Debug)]
+pub(crate) struct Slope<R> {
+    pub(crate) rates: Vec<R>,
+    pub(crate) switches: Vec<Switch<R>>,
+}
+
+/// A step that was tried.
+#[derive(Clone, Debug)]
+pub(crate) struct Tried<R> {
+    pub(crate) end: Vec<R>,
+    /// In units of what is allowed; above 1 the step is too long.
+    pub(crate) error: f64,
+    /// By what the length of the next step may be multiplied.
+    pub(crate) growth: f64,
+    /// Switches within the step, by the part of it that has passed.
+    pub(crate) inner: Vec<(f64, Vec<Switch<R>>)>,
+}
+
+/// ẏ = f(t, y).
+pub(crate) type Flow<'a, R> = dyn FnMut(R, &[R]) -> Result<Slope<R>, Trouble> + 'a;
+
+/// A method with its numbers.
+#[derive(Clone, Debug)]
+pub(crate) enum Rule<R> {
+    /// At most so many columns.
+    Extrapolation(usize),
+    /// The points c and the matrix a of stages, the weights, and the weights without the last stage.
+    Collocation { points: Vec<R>, matrix: Vec<Vec<R>>, weights: Vec<R>, fewer: Vec<R> },
+}
+
+/// What grows where a step is much better than it has to be.
+const GROWTH: f64 = 2.0;
+
+impl<R: Number> Rule<R> {
+    /// The rule for a method and a number of digits.
+    pub(crate) fn new(method: Method, digits: usize) -> Self {
+        match method {
+            Method::Extrapolation => Self::Extrapolation(7 + digits / 4),
+            Method::Collocation => gauss(6 + digits / 4),
+        }
+    }
+
+    /// A step of length h from y at t, where the slope is known. `allowed` is the largest error of each number; the last of them is the
+    /// relative error itself.
+    pub(crate) fn step(
+        &self,
+        flow: &mut Flow<'_, R>,
+        (t, y, slope): (R, &[R], &Slope<R>),
+        h: R,
+        allowed: &[R],
+    ) -> Result<Tried<R>, Trouble> {
+        match self {
+            Self::Extrapolation(columns) => extrapolate(flow, (t, y, slope), h, allowed, *columns),
+            Self::Collocation { points, matrix, weights, fewer } => {
+                collocate(flow, (t, y, slope), h, allowed, (points, matrix, weights, fewer))
+            }
+        }
+    }
+}
+
+fn excess<R: Number>(of: impl Iterator<Item = R>, allowed: &[R]) -> f64 {
+    let parts = of.zip(allowed).map(|(x, most)| (x.magnitude() / *most).to_f64());
+    parts.fold(0.0, |most, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
+}
+
+fn extrapolate<R: Number>(
+    flow: &mut Flow<'_, R>,
+    (t, y, slope): (R, &[R], &Slope<R>),
+    h: R,
+    allowed: &[R],
+    columns: usize,
+) -> Result<Tried<R>, Trouble> {
+    let mut table: Vec<Vec<R>> = Vec::with_capacity(columns);
+    let mut inner = Vec::new();
+    let mut error = f64::INFINITY;
+    for column in 0..columns {
+        let parts = 2 * (column + 1);
+        let part = h / R::integer(parts as i32);
+        // Increments from y, so that they keep their digits.
+        let mut before = vec![R::integer(0); y.len()];
+        let mut now: Vec<R> = slope.rates.iter().map(|rate| part * *rate).collect();
+        inner.clear();
+        for i in 1..parts {
+            let at: Vec<R> = y.iter().zip(&now).map(|(y, moved)| *y + *moved).collect();
+            let found = flow(t + part * R::integer(i as i32), &at)?;
+            let twice = part + part;
+            for ((before, now), rate) in before.iter_mut().zip(&mut now).zip(&found.rates) {
+                let next = *before + twice * *rate;
+                *before = std::mem::replace(now, next);
+            }
+            inner.push((i as f64 / parts as f64, found.switches));
+        }
+        // Neville's scheme in h²: T_k from the last row of the table.
+        let mut row = now;
+        let mut last = Vec::new();
+        for (k, known) in table.iter_mut().enumerate() {
+            // row is T_(column, k), known T_(column − 1, k).
+            let ratio = R::ratio(parts as i32, 2 * (column - k) as i32);
+            let divisor = ratio * ratio - R::integer(1);
+            let next: Vec<R> = row.iter().zip(known.iter()).map(|(new, old)| *new + (*new - *old) / divisor).collect();
+            last = std::mem::replace(known, std::mem::replace(&mut row, next));
+            last.clone_from(known);
+        }
+        if column > 0 {
+            error = excess(row.iter().zip(&last).map(|(x, y)| *x - *y), allowed);
+        }
+        table.push(row);
+        if error <= 1.0 && column >= 2 {
+            let used = column + 1;
+            let growth = match error <= 1e-30 {
+                true => GROWTH,
+                false => 0.9 * error.powf(-1.0 / (2.0 * used as f64 - 1.0)),
+            };
+            let spare = columns.saturating_sub(used + 1) as f64 / columns as f64;
+            let growth = (growth * (1.0 + spare)).clamp(0.5, GROWTH);
+            let end = sum(y, table.pop());
+            return Ok(Tried { end, error, growth, inner });
+        }
+    }
+    let growth = (0.9 * error.powf(-1.0 / (2.0 * columns as f64 - 1.0))).clamp(0.1, 0.8);
+    let end = sum(y, table.pop());
+    Ok(Tried { end, error, growth, inner })
+}
+
+fn sum<R: Number>(y: &[R], moved: Option<Vec<R>>) -> Vec<R> {
+    y.iter().zip(moved.unwrap_or_default()).map(|(y, moved)| *y + moved).collect()
+}
+
+/// The most iterations of the stages.
+const ITERATIONS: usize = 150;
+
+/// Points, matrix, weights, and the weights without the last stage.
+type Tableau<'a, R> = (&'a [R], &'a [Vec<R>], &'a [R], &'a [R]);
+
+fn collocate<R: Number>(
+    flow: &mut Flow<'_, R>,
+    (t, y, slope): (R, &[R], &Slope<R>),
+    h: R,
+    allowed: &[R],
+    (points, matrix, weights, fewer): Tableau<'_, R>,
+) -> Result<Tried<R>, Trouble> {
+    let stages = points.len();
+    let mut rates = vec![slope.rates.clone(); stages];
+    let mut switches = vec![Vec::new(); stages];
+    let combine = |weights: &[R], rates: &[Vec<R>]| -> Vec<R> {
+        let mut sum = vec![R::integer(0); y.len()];
+        for (weight, rates) in weights.iter().zip(rates) {
+            let factor = h * *weight;
+            for (sum, rate) in sum.iter_mut().zip(rates) {
+                *sum = *sum + factor * *rate;
+            }
+        }
+        y.iter().zip(sum).map(|(y, moved)| *y + moved).collect()
+    };
+    let mut before = f64::INFINITY;
+    for iteration in 0.. {
+        let mut change: f64 = 0.0;
+        for i in 0..stages {
+            let stage = combine(&matrix[i], &rates);
+            let found = flow(t + h * points[i], &stage)?;
+            let moved = found.rates.iter().zip(&rates[i]).map(|(new, old)| h * (*new - *old));
+            change = change.max(excess(moved, allowed));
+            rates[i] = found.rates;
+            switches[i] = found.switches;
+        }
+        // Contracted to what rounding leaves, well below what is allowed.
+        if change < 1e-4 && change >= before * 0.5 || change < 1e-12 {
+            break;
+        }
+        if iteration > 3 && change > before * 0.7 && change > 1e-4 || iteration > ITERATIONS || !change.is_finite() {
+            return Ok(Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new() });
+        }
+        before = change;
+    }
+    let end = combine(weights, &rates);
+    let other = combine(fewer, &rates);
+    // The order with all stages is twice that without the last one.
+    let tolerance = allowed.last().map_or(1.0, |last| last.to_f64());
+    let differences = end.iter().zip(&other).map(|(x, y)| *x - *y);
+    let part = excess(differences, allowed) * tolerance;
+    let error = part * part / tolerance;
+    let growth = match error <= 1e-30 {
+        true => GROWTH,
+        false => (0.9 * error.powf(-1.0 / (2.0 * stages as f64))).clamp(0.1, GROWTH),
+    };
+    let inner = points.iter().zip(switches).map(|(c, switches)| (c.to_f64(), switches)).collect();
+    Ok(Tried { end, error, growth, inner })
+}
+
+/// Gauss collocation with s stages, of order 2 s.
+fn gauss<R: Number>(stages: usize) -> Rule<R> {
+    let (one, half) = (R::integer(1), R::ratio(1, 2));
+    let points: Vec<R> = (0..stages)
+        .map(|i| {
+            let guess = (std::f64::consts::PI * (i as f64 + 0.75) / (stages as f64 + 0.5)).cos();
+            let mut x = R::from_f64(guess);
+            for _ in 0..8 {
+                let (value, slope) = legendre(stages, x);
+                x = x - value / slope;
+            }
+            (one - x) * half
+        })
+        .collect();
+    let integrals = |points: &[R], to: R| -> Vec<R> {
+        // Σ w_j c_jᵏ = toᵏ⁺¹/(k + 1)
+        let mut system = Dense::new(points.len(), 1);
+        let mut power = vec![one; points.len()];
+        let mut right = to;
+        for k in 0..points.len() {
+            for (j, (power, c)) in power.iter_mut().zip(points).enumerate() {
+                system.add(k, j, *power);
+                *power = *power * *c;
+            }
+            system.add(k, points.len(), right / R::integer(k as i32 + 1));
+            right = right * to;
+        }
+        system.solve().ok().and_then(|found| found.into_iter().next()).unwrap_or_default()
+    };
+    let matrix = points.iter().map(|c| integrals(&points, *c)).collect();
+    let weights = integrals(&points, one);
+    let mut fewer = integrals(points.get(..stages - 1).unwrap_or_default(), one);
+    fewer.push(R::integer(0));
+    Rule::Collocation { points, matrix, weights, fewer }
+}
+
+/// P_n and its derivative.
+fn legendre<R: Number>(n: usize, x: R) -> (R, R) {
+    let one = R::integer(1);
+    let (mut before, mut now) = (one, x);
+    for k in 1..n {
+        let k = k as i32;
+        let next = (R::integer(2 * k + 1) * x * now - R::integer(k) * before) / R::integer(k + 1);
+        before = std::mem::replace(&mut now, next);
+    }
+    let slope = R::integer(n as i32) * (x * now - before) / (x * x - one);
+    (now, slope)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Method, Rule, Slope};
+    use crate::number::Number;
+    use pintle_kinematics::scalar::Wide;
+
+    /// A pendulum's ẏ = (y₂, −sin-free cubic): ÿ = −y − y³, whose energy is kept.
+    fn energy_after<R: Number>(method: Method, digits: usize, h: f64, steps: usize) -> f64 {
+        let rule: Rule<R> = Rule::new(method, digits);
+        let mut flow = |_: R, y: &[R]| {
+            let force = R::integer(0) - y[0] - y[0] * y[0] * y[0];
+            Ok(Slope { rates: vec![y[1], force], switches: Vec::new() })
+        };
+        let energy = |y: &[R]| {
+            let square = y[0] * y[0];
+            y[1] * y[1] + square + square * square * R::ratio(1, 2)
+        };
+        let mut y = vec![R::integer(1), R::integer(0)];
+        let start = energy(&y);
+        let allowed = vec![R::from_f64(10.0_f64.powi(-(digits as i32))); 2];
+        for i in 0..steps {
+            let t = R::from_f64(h * i as f64);
+            let slope = flow(t, &y).unwrap();
+            let tried = rule.step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed).unwrap();
+            assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
+            y = tried.end;
+        }
+        (energy(&y) - start).magnitude().to_f64()
+    }
+
+    #[test]
+    fn both_methods_keep_the_energy() {
+        for method in [Method::Extrapolation, Method::Collocation] {
+            let lost = energy_after::<f64>(method, 14, 0.1, 50);
+            assert!(lost < 1e-13, "{method:?} on doubles: {lost:e}");
+            let lost = energy_after::<Wide>(method, 36, 0.1, 10);
+            assert!(lost < 1e-35, "{method:?} on 237 bits: {lost:e}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Which degrees of freedom are unknown, and which equations count.
+
+use crate::Refusal;
+use crate::equations::{Assembled, Layout, Owner};
+use crate::mechanism::Mechanism;
+use crate::mode::Mode;
+use crate::number::Number;
+use crate::state::DOFS;
+
+/// Entries of rows below this count as zero, and rows that are nearer to a combination of others as one.
+const ZERO: f64 = 1e-9;
+
+impl Layout {
+    /// That of a mode. An equation that follows from those before it does not count; where friction needs its force, that is refused.
+    pub(crate) fn new<R: Number>(
+        mechanism: &Mechanism<R>,
+        assembled: &Assembled<R>,
+        modes: &[Mode<R>],
+    ) -> Result<Self, Refusal> {
+        let count = DOFS * mechanism.bodies.len();
+        let mut is_touched = vec![false; count];
+        for row in &assembled.rows {
+            for (dof, entry) in row.coefficients.iter().chain(&row.force) {
+                is_touched[*dof] |= entry.to_f64().abs() > ZERO;
+            }
+        }
+        let is_unknown = |dof: &usize| {
+            let acts = assembled.has_inertia(*dof) || is_touched[*dof] || assembled.is_loaded(*dof);
+            acts && !mechanism.held[*dof]
+        };
+        let columns: Vec<usize> = (0..count).filter(is_unknown).collect();
+        let mut place = vec![None; count];
+        for (i, dof) in columns.iter().enumerate() {
+            place[*dof] = Some(i);
+        }
+        let mut layout = Self { columns, place, ..Self::default() };
+        layout.keep(mechanism, assembled, modes)?;
+        layout.determine(assembled);
+        Ok(layout)
+    }
+
+    /// Finds the equations that count, one after the other.
+    fn keep<R: Number>(
+        &mut self,
+        mechanism: &Mechanism<R>,
+        assembled: &Assembled<R>,
+        modes: &[Mode<R>],
+    ) -> Result<(), Refusal> {
+        let n = self.columns.len();
+        // Orthonormal directions, with the equations that each is made of.
+        let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+        for (index, row) in assembled.rows.iter().enumerate() {
+            let mut vector = vec![0.0; n];
+            for (dof, entry) in &row.coefficients {
+                let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
+                if let Some(place) = self.place[*dof] {
+                    vector[place] += entry.to_f64() / scale;
+                }
+            }
+            let size = norm(&vector);
+            if size <= ZERO * ZERO {
+                // All of it is held.
+                continue;
+            }
+            vector.iter_mut().for_each(|x| *x /= size);
+            let mut made = vec![0.0; self.kept.len() + 1];
+            made[self.kept.len()] = 1.0;
+            for _ in 0..2 {
+                for (direction, of) in &basis {
+                    let part: f64 = vector.iter().zip(direction).map(|(x, y)| x * y).sum();
+                    vector.iter_mut().zip(direction).for_each(|(x, y)| *x -= part * y);
+                    made.iter_mut().zip(of).for_each(|(x, y)| *x -= part * y);
+                }
+            }
+            let left = norm(&vector);
+            if left > ZERO {
+                vector.iter_mut().for_each(|x| *x /= left);
+                made.iter_mut().for_each(|x| *x /= left);
+                basis.push((vector, made));
+                self.kept.push(index);
+                continue;
+            }
+            let involved = made.iter().zip(self.kept.iter().chain([&index]));
+            let involved: Vec<usize> =
+                involved.filter(|(part, _)| part.abs() > ZERO).map(|(_, index)| *index).collect();
+            needed(mechanism, assembled, modes, &involved)?;
+        }
+        Ok(())
+    }
+
+    /// Finds what equations alone determine: sets of unknowns that share equations, and have as many.
+    fn determine<R: Number>(&mut self, assembled: &Assembled<R>) {
+        let n = self.columns.len();
+        let mut root: Vec<usize> = (0..n).collect();
+        fn find(root: &[usize], mut i: usize) -> usize {
+            while root[i] != i {
+                i = root[i];
+            }
+            i
+        }
+        let places = |row: usize| -> Vec<usize> {
+            let coefficients = assembled.rows[row].coefficients.iter();
+            let all = coefficients.filter(|(_, entry)| entry.to_f64().abs() > ZERO * ZERO);
+            all.filter_map(|(dof, _)| self.place[*dof]).collect()
+        };
+        for row in &self.kept {
+            let places = places(*row);
+            for pair in places.windows(2) {
+                let (i, j) = (find(&root, pair[0]), find(&root, pair[1]));
+                root[i] = j;
+            }
+        }
+        let mut sets: Vec<(Vec<usize>, Vec<usize>)> = vec![(Vec::new(), Vec::new()); n];
+        for i in 0..n {
+            sets[find(&root, i)].0.push(i);
+        }
+        for row in &self.kept {
+            if let Some(first) = places(*row).first() {
+                sets[find(&root, *first)].1.push(*row);
+            }
+        }
+        sets.retain(|(unknowns, rows)| !rows.is_empty() && unknowns.len() == rows.len());
+        self.determined = sets;
+    }
+}
+
+/// Whether friction needs a force that these equations leave undetermined.
+fn needed<R: Number>(
+    mechanism: &Mechanism<R>,
+    assembled: &Assembled<R>,
+    modes: &[Mode<R>],
+    involved: &[usize],
+) -> Result<(), Refusal> {
+    let owners: Vec<Owner> = involved.iter().map(|index| assembled.rows[*index].owner).collect();
+    for (slider, mode) in mechanism.sliders.iter().zip(modes) {
+        let Some(friction) = mechanism.friction(slider) else { continue };
+        let presses = friction.criterion.pressing_components();
+        let needs = |k: usize| {
+            presses[k] || mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k)
+        };
+        let found =
+            owners.iter().any(|owner| matches!(owner, Owner::Joint(joint, k) if *joint == slider.joint && needs(*k)));
+        if found {
+            let title = &mechanism.joints[slider.joint].title;
+            let names: Vec<String> = owners.iter().take(6).map(|owner| mechanism.named(*owner)).collect();
+            let more = if owners.len() > names.len() { ", …" } else { "" };
+            return Err(Refusal::of(
+                title,
+                &format!(
+                    "the forces that press are not determined, for constraints repeat each other: {}{more}",
+                    names.join(", ")
+                ),
+                "release one of these; pintle audit names all that are redundant",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn norm(of: &[f64]) -> f64 {
+    of.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

@@ -1,0 +1,436 @@
+//! A scene as the bodies, joints, constraints and loads of a mechanism, on any number.
+
+use crate::Refusal;
+use crate::equations::Owner;
+use crate::number::Number;
+use crate::state::DOFS;
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{Connector, Mask};
+use pintle_kinematics::mpc::{Constraint, Kind};
+use pintle_kinematics::node::Pair;
+use pintle_kinematics::relation::Relation;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector};
+use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
+use pintle_model::behavior::friction::{Criterion, Friction, Tangential};
+use pintle_model::behavior::ground::Ground;
+use pintle_model::evaluate::{ElementBehavior, Model};
+use pintle_scene::{Label, PointKind, Scene, Target};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A node.
+#[derive(Clone, Debug)]
+pub(crate) struct Body<R> {
+    pub(crate) label: Label,
+    /// X.
+    pub(crate) position: Vector<R>,
+    pub(crate) mass: R,
+    /// About the node, in its initial orientation, along the global axes.
+    pub(crate) inertia: Matrix<R>,
+    /// The part of gravity that acts on it: the index of each gravity, with the mass.
+    pub(crate) weights: Vec<(usize, R)>,
+    /// Loads on its degrees of freedom 1 to 6, along its axes.
+    pub(crate) loads: Vec<(usize, Drive)>,
+    /// Its axes, as rows.
+    pub(crate) axes: [Vector<R>; 3],
+}
+
+/// A connector.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint<R: Number> {
+    pub(crate) label: Label,
+    pub(crate) title: String,
+    pub(crate) connector: Connector<R>,
+    /// The places of its nodes; none is the ground.
+    pub(crate) ends: [Option<usize>; 2],
+    pub(crate) initial: Pair<R>,
+    pub(crate) behavior: Arc<ElementBehavior>,
+    /// The components that the connection type constrains.
+    pub(crate) constrained: Mask,
+    /// The components whose motion or force matters.
+    pub(crate) wanted: Mask,
+    /// The components that elasticity keeps at their reference.
+    pub(crate) rigid: Mask,
+}
+
+/// A friction of a connector: |f_k / R_k| ≤ μ F_N.
+#[derive(Clone, Debug)]
+pub(crate) struct Slider {
+    /// The connector.
+    pub(crate) joint: usize,
+    /// The friction among those of its behaviour.
+    pub(crate) index: usize,
+    /// Its components (from 0), with R_k.
+    pub(crate) components: Vec<(usize, f64)>,
+}
+
+/// A degree of freedom that a boundary condition prescribes along an axis of its node.
+#[derive(Clone, Debug)]
+pub(crate) struct Bound<R> {
+    pub(crate) node: usize,
+    /// 0 to 5.
+    pub(crate) number: usize,
+    /// One equation of one term.
+    pub(crate) relation: Relation<R>,
+    pub(crate) drive: Drive,
+}
+
+/// SPRING or DASHPOT elements between degrees of freedom, or along the line of two nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Spring<R> {
+    pub(crate) law: Ground,
+    /// Terms (node, axis, whether of rotation, factor) whose sum is the elongation; empty along a line.
+    pub(crate) terms: Vec<(usize, Vector<R>, bool, R)>,
+    /// The nodes of a line.
+    pub(crate) line: Option<[usize; 2]>,
+}
+
+/// A scene, ready to be solved.
+#[derive(Clone, Debug)]
+pub(crate) struct Mechanism<R: Number> {
+    pub(crate) bodies: Vec<Body<R>>,
+    pub(crate) joints: Vec<Joint<R>>,
+    pub(crate) sliders: Vec<Slider>,
+    pub(crate) mpcs: Vec<(String, Constraint<R>, Vec<usize>)>,
+    pub(crate) relations: Vec<(String, Relation<R>, Vec<usize>)>,
+    pub(crate) bounds: Vec<Bound<R>>,
+    pub(crate) springs: Vec<Spring<R>>,
+    pub(crate) gravities: Vec<Vec<(usize, Drive)>>,
+    pub(crate) schedule: Schedule,
+    /// Degrees of freedom, 7 for each node, that boundary conditions keep at zero.
+    pub(crate) held: Vec<bool>,
+    /// The size of lengths.
+    pub(crate) length: f64,
+}
+
+impl<R: Number> Mechanism<R> {
+    /// The mechanism of a scene in a step, counted from 0.
+    pub(crate) fn new(scene: &Scene, model: &Model, step: usize) -> Result<Self, Refusal> {
+        let mut places = Places::default();
+        for element in &model.connectors {
+            element.nodes.iter().flatten().for_each(|node| places.add(*node));
+        }
+        model.mpcs.iter().for_each(|mpc| mpc.nodes.iter().for_each(|node| places.add(*node)));
+        model.relations.iter().for_each(|one| one.nodes.iter().for_each(|node| places.add(*node)));
+        for element in scene.point_elements.values() {
+            [Some(element.node), element.second].into_iter().flatten().for_each(|node| places.add(node));
+        }
+        let schedule = model.schedule.clone();
+        let labels = |target: &Target| -> Vec<Label> {
+            match target {
+                Target::Label(label) => vec![*label],
+                Target::Set(name) => scene.node_sets.get(name).map_or(Vec::new(), |set| set.labels.clone()),
+            }
+        };
+        let on_nodes = on_nodes(scene, &schedule, labels)?;
+        let zero = R::integer(0);
+        let bodies = places.labels.iter().map(|label| {
+            let axes = scene.nodal_axes(*label)?.map(vector::exact);
+            let loads = on_nodes.get(label).map_or(Vec::new(), |drives| {
+                let loads = drives.loads.iter().enumerate();
+                loads.filter_map(|(k, load)| Some((k, load.clone()?))).collect()
+            });
+            Ok(Body {
+                label: *label,
+                position: vector::exact(scene.nodes.get(label).map_or([0.0; 3], |node| node.coordinates)),
+                mass: zero,
+                inertia: [[zero; 3]; 3],
+                weights: Vec::new(),
+                loads,
+                axes,
+            })
+        });
+        let bodies = bodies.collect::<Result<Vec<_>, Refusal>>()?;
+        let mut mechanism = Self {
+            held: vec![false; DOFS * bodies.len()],
+            bodies,
+            joints: Vec::new(),
+            sliders: Vec::new(),
+            mpcs: Vec::new(),
+            relations: Vec::new(),
+            bounds: Vec::new(),
+            springs: Vec::new(),
+            gravities: Vec::new(),
+            schedule,
+            length: model.length,
+        };
+        mechanism.weigh(scene, &places)?;
+        mechanism.join(model, &places)?;
+        mechanism.bind(scene, &on_nodes, &places, step);
+        mechanism.spring(scene, &places)?;
+        Ok(mechanism)
+    }
+
+    /// Masses, inertias and gravity.
+    fn weigh(&mut self, scene: &Scene, places: &Places) -> Result<(), Refusal> {
+        let members = |set: &str| {
+            let labels = scene.element_sets.get(set).map_or(&[][..], |set| set.labels.as_slice());
+            labels.iter().filter_map(|label| Some((*label, scene.point_elements.get(label)?)))
+        };
+        let gravities = gravity(scene, &self.schedule)?;
+        for mass in &scene.masses {
+            for (label, element) in members(&mass.element_set.value) {
+                let Some(body) = places.of(element.node).and_then(|place| self.bodies.get_mut(place)) else {
+                    continue;
+                };
+                let amount = R::from_f64(mass.mass);
+                body.mass = body.mass + amount;
+                for (index, (target, _)) in gravities.iter().enumerate() {
+                    let acts = match target {
+                        None => true,
+                        Some(Target::Label(one)) => *one == label,
+                        Some(Target::Set(name)) => {
+                            scene.element_sets.get(name).is_some_and(|set| set.contains(label))
+                        }
+                    };
+                    if acts {
+                        body.weights.push((index, amount));
+                    }
+                }
+            }
+        }
+        for inertia in &scene.rotary_inertias {
+            for (_, element) in members(&inertia.element_set.value) {
+                let place = places.of(element.node);
+                let point = scene.nodes.get(&element.node).map_or([0.0; 3], |node| node.coordinates);
+                let named = inertia.orientation.as_ref();
+                let named = named.and_then(|name| Some((&name.value, scene.orientations.get(&name.value)?)));
+                let axes = match named {
+                    Some((name, orientation)) => orientation.triad(name, scene, point, &[point])?,
+                    None => pintle_scene::GLOBAL,
+                };
+                let Some(body) = place.and_then(|place| self.bodies.get_mut(place)) else { continue };
+                let [i11, i22, i33, i12, i13, i23] = inertia.inertia.map(R::from_f64);
+                let local = [[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]];
+                let axes: Matrix<R> = axes.map(vector::exact);
+                let global = vector::product(&vector::transpose(&axes), &vector::product(&local, &axes));
+                for (row, more) in body.inertia.iter_mut().zip(global) {
+                    *row = vector::add(*row, more);
+                }
+            }
+        }
+        self.gravities = gravities
+            .into_iter()
+            .map(|(_, drives)| {
+                let loads = drives.loads.into_iter().enumerate();
+                loads.filter_map(|(k, drive)| Some((k, drive?))).collect()
+            })
+            .collect();
+        Ok(())
+    }
+
+    /// Connectors and constraints.
+    fn join(&mut self, model: &Model, places: &Places) -> Result<(), Refusal> {
+        for element in &model.connectors {
+            let behavior = &element.behavior.behavior;
+            let title = element.title();
+            let refused = |what: &str, remedy: &str| Err(Refusal::of(&title, what, remedy));
+            if behavior.has_stops() {
+                return refused("stops are not solved yet", "take *CONNECTOR STOP out of its behaviour");
+            }
+            if !behavior.locks.is_empty() || !behavior.failures.is_empty() {
+                return refused("locks and failures are not solved yet", "take them out of its behaviour");
+            }
+            if behavior.friction.belt.is_some() {
+                return refused("friction of a belt is not solved yet", "take it out of its behaviour");
+            }
+            let joint = self.joints.len();
+            for (index, friction) in behavior.friction.frictions.iter().enumerate() {
+                let Tangential::Norm(components) = &friction.criterion.tangential else {
+                    return refused(
+                        "friction with a *CONNECTOR POTENTIAL is not solved yet",
+                        "give COMPONENT= or PREDEFINED",
+                    );
+                };
+                self.sliders.push(Slider { joint, index, components: components.clone() });
+            }
+            let definition = element.definition();
+            let constrained = behavior.constrained();
+            let drives = &element.behavior.drives;
+            let acting = [behavior.elasticity.components(), behavior.damping.components()];
+            let driven = |k: usize| drives.motions[k].is_some() || drives.loads[k].is_some();
+            let slides = |k: usize| {
+                let mut frictions = behavior.friction.frictions.iter();
+                frictions.any(|friction| depends_on(friction, k))
+            };
+            let wanted = [0, 1, 2, 3, 4, 5].map(|k| {
+                let is_there = element.connector.position_measure(k).is_some();
+                let acts = acting.iter().any(|mask| mask[k]) || driven(k) || slides(k);
+                is_there && (constrained[k] || acts)
+            });
+            let initial = &definition.initial;
+            let exact = |node: &pintle_kinematics::node::Node<f64>| pintle_kinematics::node::Node {
+                displacement: vector::exact(node.displacement),
+                triad: vector::exact_matrix(&node.triad),
+                flow: R::from_f64(node.flow),
+            };
+            self.joints.push(Joint {
+                label: element.label,
+                connector: Connector::new(&definition),
+                ends: element.nodes.map(|node| places.of(node?)),
+                initial: Pair {
+                    reference: vector::exact(initial.reference),
+                    a: exact(&initial.a),
+                    b: exact(&initial.b),
+                },
+                rigid: behavior.elasticity.rigid(),
+                behavior: Arc::clone(&element.behavior),
+                constrained,
+                wanted,
+                title,
+            });
+        }
+        for mpc in &model.mpcs {
+            let nodes = mpc.nodes.iter().filter_map(|node| places.of(*node)).collect();
+            self.mpcs.push((mpc.title(), mpc.constraint.exact(), nodes));
+        }
+        for one in &model.relations {
+            let nodes = one.nodes.iter().filter_map(|node| places.of(*node)).collect();
+            self.relations.push((one.title(), one.relation.exact(), nodes));
+        }
+        Ok(())
+    }
+
+    /// Boundary conditions in a step: what stays zero along global axes is no unknown, all else is an equation.
+    fn bind(
+        &mut self,
+        scene: &Scene,
+        on_nodes: &BTreeMap<Label, pintle_model::behavior::drive::Drives>,
+        places: &Places,
+        step: usize,
+    ) {
+        let global = pintle_scene::GLOBAL;
+        for (label, drives) in on_nodes {
+            let Some(node) = places.of(*label) else { continue };
+            let axes = scene.nodal_axes(*label).unwrap_or(global);
+            let rests = |k: usize| {
+                drives.motions[k].as_ref().is_some_and(|drive| drive.rests(&self.schedule, step))
+            };
+            // A node whose rotations about two axes stay zero turns about the third alone.
+            let turns_held = (3..6).filter(|k| rests(*k)).count();
+            let is_hinge = self.mpcs.iter().any(|(_, constraint, nodes)| {
+                constraint.kind() != Kind::Beam && nodes.iter().skip(2).any(|other| *other == node)
+            });
+            for k in 0..6 {
+                let Some(drive) = drives.motions[k].as_ref().filter(|drive| drive.acts_in(&self.schedule, step))
+                else {
+                    continue;
+                };
+                if rests(k) && axes == global && (k < 3 || turns_held >= 2 || is_hinge) {
+                    self.held[DOFS * node + k] = true;
+                    continue;
+                }
+                let relation = Relation::<f64>::linear(&[(0, axes[k % 3], k, 1.0)]);
+                let others_rest = k >= 3 && (3..6).all(|j| j == k || rests(j)) && axes == global;
+                let relation = relation.with_angles(|_| !(others_rest || is_hinge));
+                self.bounds.push(Bound { node, number: k, relation: relation.exact(), drive: drive.clone() });
+            }
+        }
+    }
+
+    /// Springs and dashpots.
+    fn spring(&mut self, scene: &Scene, places: &Places) -> Result<(), Refusal> {
+        for (discrete, is_spring) in
+            scene.springs.iter().map(|one| (one, true)).chain(scene.dashpots.iter().map(|one| (one, false)))
+        {
+            let Some(set) = scene.element_sets.get(&discrete.element_set.value) else { continue };
+            for label in &set.labels {
+                let Some(element) = scene.point_elements.get(label) else { continue };
+                let mut law = Ground::default();
+                if is_spring { law.add_spring(discrete)? } else { law.add_dashpot(discrete)? };
+                let Some(first) = places.of(element.node) else { continue };
+                let second = element.second.and_then(|node| places.of(node));
+                let is_line = matches!(element.kind, PointKind::Springa | PointKind::Dashpota);
+                let line = is_line.then_some(()).and_then(|()| Some([first, second?]));
+                let mut terms = Vec::new();
+                if line.is_none() {
+                    let axes = match &discrete.orientation {
+                        None => pintle_scene::GLOBAL,
+                        Some(name) => match scene.orientations.get(&name.value) {
+                            None => pintle_scene::GLOBAL,
+                            Some(orientation) => {
+                                let at = scene.nodes.get(&element.node);
+                                let at = at.map_or([0.0; 3], |node| node.coordinates);
+                                orientation.triad(&name.value, scene, at, &[at])?
+                            }
+                        },
+                    };
+                    let ends = [(Some(first), 1), (second, -1)];
+                    let numbers = &discrete.degrees_of_freedom;
+                    for (i, (node, factor)) in ends.into_iter().enumerate() {
+                        let number = numbers.get(i).or_else(|| numbers.first()).copied().unwrap_or(1);
+                        let Some(node) = node else { continue };
+                        if !(1..=6).contains(&number) {
+                            return Err(Refusal::of(
+                                &format!("element {label}"),
+                                "a spring in a degree of freedom beyond 6 is not solved",
+                                "take it out",
+                            ));
+                        }
+                        let k = usize::from(number) - 1;
+                        terms.push((node, vector::exact(axes[k % 3]), k >= 3, R::integer(factor)));
+                    }
+                }
+                self.springs.push(Spring { law, terms, line });
+            }
+        }
+        Ok(())
+    }
+
+    /// What an equation belongs to, in words: `HINGE 101 ur2`.
+    pub(crate) fn named(&self, owner: Owner) -> String {
+        match owner {
+            Owner::Joint(joint, k) => {
+                let title = self.joints.get(joint).map_or("", |joint| joint.title.as_str());
+                format!("{title} {}", COMPONENT[k])
+            }
+            Owner::Mpc(index, _) => self.mpcs.get(index).map_or_else(String::new, |(title, ..)| title.clone()),
+            Owner::Relation(index, _) => {
+                self.relations.get(index).map_or_else(String::new, |(title, ..)| title.clone())
+            }
+            Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
+                format!("boundary condition of node {} in {}", self.bodies[bound.node].label, bound.number + 1)
+            }),
+        }
+    }
+
+    /// A degree of freedom in words: `ur3 of node 5`.
+    pub(crate) fn freedom(&self, dof: usize) -> String {
+        const NAMES: [&str; DOFS] = ["u1", "u2", "u3", "ur1", "ur2", "ur3", "flow"];
+        let label = self.bodies.get(dof / DOFS).map(|body| body.label.to_string()).unwrap_or_default();
+        format!("{} of node {label}", NAMES[dof % DOFS])
+    }
+
+    /// The friction of a slider.
+    pub(crate) fn friction(&self, slider: &Slider) -> Option<&Friction> {
+        let behavior = &self.joints.get(slider.joint)?.behavior.behavior;
+        behavior.friction.frictions.get(slider.index)
+    }
+}
+
+/// Whether the force or motion of component k enters a friction.
+fn depends_on(friction: &Friction, k: usize) -> bool {
+    let Criterion { tangential, .. } = &friction.criterion;
+    tangential.components().contains(&k) || friction.criterion.pressing_components()[k]
+}
+
+/// The places of nodes.
+#[derive(Default)]
+struct Places {
+    labels: Vec<Label>,
+    of: BTreeMap<Label, usize>,
+}
+
+impl Places {
+    fn add(&mut self, label: Label) {
+        if !self.of.contains_key(&label) {
+            self.of.insert(label, self.labels.len());
+            self.labels.push(label);
+        }
+    }
+
+    fn of(&self, label: Label) -> Option<usize> {
+        self.of.get(&label).copied()
+    }
+}

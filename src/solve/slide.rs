@@ -1,0 +1,154 @@
+//! The limit of a friction on its own reaction, with the derivatives by which it is solved for.
+
+use crate::mode::Branches;
+use crate::number::{Number, larger, largest};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::scalar::{Scalar, Seeded};
+use pintle_model::behavior::Conditions;
+use pintle_model::behavior::friction::{ContactParts, Context, Friction};
+
+/// The limit min(μ F_N, τ_max) at some forces.
+#[derive(Clone, Debug)]
+pub(crate) struct Limit<R> {
+    pub(crate) value: R,
+    /// ∂limit/∂f_k.
+    pub(crate) gradient: [R; 6],
+    /// F_N.
+    pub(crate) normal: R,
+    /// Where a magnitude passes zero: its part along its branch, and the size of the forces.
+    pub(crate) turns: Vec<[R; 2]>,
+    /// τ_max − μ F_N, of the branch positive, where there is a τ_max.
+    pub(crate) caps: Option<[R; 2]>,
+    /// The branches at these forces.
+    pub(crate) branches: Branches<R>,
+    /// μ Σ factor |A| by component: how strongly the limit may depend on each force.
+    pub(crate) reach: Vec<(R, Vec<[R; 6]>)>,
+}
+
+/// Below this part of the forces a magnitude counts as zero, and one aside of its branch as none.
+const SMALL: f64 = 1e-11;
+
+/// The limit of a friction: the forces p that press, the slip rate, positions and slip; branches that are known stay.
+pub(crate) fn limit<R: Number>(
+    friction: &Friction,
+    pressing: &[R; 6],
+    rate: R,
+    (position, motion, slip): ([R; 6], [R; 6], R),
+    conditions: &Conditions,
+    known: Option<&Branches<R>>,
+) -> Limit<R> {
+    let zero = R::integer(0);
+    let context = Context { position, motion, accumulated_slip: slip, conditions };
+    let size = larger(largest(*pressing), R::from_f64(f64::MIN_POSITIVE));
+    let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).powf(0.5));
+    let mut branches = Branches::none();
+    let mut turns = Vec::new();
+    let (mut contact, mut gradient) = (zero, [zero; 6]);
+    let parts = friction.criterion.contact_parts(&context);
+    let internal;
+    match &parts {
+        Some(ContactParts { linear, magnitudes, internal: constant }) => {
+            internal = *constant;
+            gradient = *linear;
+            contact = dot(linear, pressing);
+            for (i, (factor, rows)) in magnitudes.iter().enumerate() {
+                let vector: Vec<R> = rows.iter().map(|row| dot(row, pressing)).collect();
+                let told = known.and_then(|known| known.magnitudes.get(i));
+                let length = length(&vector);
+                let along = |unit: &[R]| vector.iter().zip(unit).fold(zero, |sum, (x, e)| sum + *x * *e);
+                let aside = |unit: &[R]| {
+                    let part = along(unit);
+                    largest(vector.iter().zip(unit).map(|(x, e)| *x - part * *e))
+                };
+                // A vector that keeps to a line goes on through zero along it, to the end of the step.
+                let unit = match told {
+                    Some(Some(unit)) if aside(unit).less(small) => Some(unit.clone()),
+                    _ => None,
+                };
+                let is_nothing = !small.less(length);
+                let (value, direction) = match &unit {
+                    Some(unit) => (along(unit), unit.clone()),
+                    None if is_nothing => (length, vec![zero; vector.len()]),
+                    None => (length, vector.iter().map(|x| *x / length).collect()),
+                };
+                if let Some(Some(unit)) = told {
+                    turns.push([along(unit), size]);
+                }
+                contact = contact + *factor * value;
+                for (row, e) in rows.iter().zip(&direction) {
+                    for (entry, x) in gradient.iter_mut().zip(row) {
+                        *entry = *entry + *factor * *x * *e;
+                    }
+                }
+                branches.magnitudes.push(if is_nothing { None } else { Some(direction) });
+            }
+        }
+        None => {
+            // A derived component: its kinks are not events.
+            let seeded: [R::Gradient<6>; 6] = std::array::from_fn(|k| R::Gradient::<6>::seed(pressing[k], k));
+            let constant = R::Gradient::<6>::from_real;
+            let (point, _) =
+                friction.criterion.at(&seeded, constant(R::integer(1)), None, &context.map(constant));
+            contact = point.contact.real();
+            gradient = point.contact.gradient();
+            internal = zero;
+        }
+    }
+    let signed = contact + internal;
+    let told = known.and_then(|known| known.normal);
+    let now = if signed.less(zero) { R::integer(-1) } else { R::integer(1) };
+    branches.normal = small.less(signed.magnitude()).then_some(now);
+    let sign = told.unwrap_or(now);
+    if told.is_some() {
+        turns.push([sign * signed, larger(size, internal.magnitude())]);
+    }
+    let normal = sign * signed;
+    let seeded = R::Gradient::<1>::seed(normal, 0);
+    let mu = friction.coefficient.at(R::Gradient::<1>::from_real(rate), seeded, conditions);
+    let product = mu * seeded;
+    let (value, [slope]) = (product.real(), product.gradient());
+    let mut caps = None;
+    let mut is_capped = false;
+    if let Some(maximum) = friction.maximum.map(R::from_f64) {
+        let below = maximum - value;
+        is_capped = known.map_or(below.less(zero), |known| known.is_capped);
+        caps = Some([if is_capped { -below } else { below }, maximum]);
+        branches.is_capped = below.less(zero);
+        if is_capped {
+            let none = vec![];
+            return Limit {
+                value: maximum,
+                gradient: [zero; 6],
+                normal,
+                turns,
+                caps,
+                branches,
+                reach: none,
+            };
+        }
+    }
+    let _ = is_capped;
+    let reach = match &parts {
+        None => vec![(slope.magnitude(), vec![gradient])],
+        Some(parts) => {
+            let linear = (slope.magnitude(), vec![parts.linear]);
+            let others = parts.magnitudes.iter();
+            let others = others.map(|(factor, rows)| ((slope * *factor).magnitude(), rows.clone()));
+            std::iter::once(linear).chain(others).collect()
+        }
+    };
+    Limit { value, gradient: gradient.map(|entry| sign * slope * entry), normal, turns, caps, branches, reach }
+}
+
+fn dot<R: Number>(row: &[R; 6], f: &[R; 6]) -> R {
+    row.iter().zip(f).fold(R::integer(0), |sum, (x, y)| sum + *x * *y)
+}
+
+/// The length of at most six numbers.
+pub(crate) fn length<R: Number>(of: &[R]) -> R {
+    let mut all = [R::integer(0); 6];
+    for (place, x) in all.iter_mut().zip(of) {
+        *place = *x;
+    }
+    norm(all)
+}

@@ -1,0 +1,68 @@
+//! Where the nodes of a mechanism are, and how fast.
+
+use crate::number::Number;
+use pintle_kinematics::connector::Branch;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{Matrix, Vector, add};
+
+/// Degrees of freedom of a node: x, θ, Ψ.
+pub(crate) const DOFS: usize = 7;
+
+/// A node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose<R> {
+    /// u.
+    pub(crate) displacement: Vector<R>,
+    /// C.
+    pub(crate) rotation: Matrix<R>,
+    /// φ, with its turns.
+    pub(crate) vector: Vector<R>,
+    /// Ψ.
+    pub(crate) flow: R,
+}
+
+impl<R: Number> Pose<R> {
+    pub(crate) fn at_rest() -> Self {
+        let zero = R::integer(0);
+        Self { displacement: [zero; 3], rotation: vector::identity(), vector: [zero; 3], flow: zero }
+    }
+
+    /// Moved by δx, exp(δθ), δΨ. A node that turns about one axis alone counts its angle; the vector of any other is the one next to it
+    /// of its rotation, where that is asked for.
+    pub(crate) fn moved(&self, by: &[R; DOFS], turns: [bool; 3], with_vector: bool) -> Self {
+        let [x, y, z, p, q, r, flow] = *by;
+        let turn = [p, q, r];
+        let displacement = add(self.displacement, [x, y, z]);
+        if turns == [false; 3] {
+            return Self { displacement, flow: self.flow + flow, ..*self };
+        }
+        let rotation = vector::product(&so3::turn(turn), &self.rotation);
+        let told = add(self.vector, turn);
+        let vector = match turns.iter().filter(|turns| **turns).count() {
+            1 => told,
+            _ if !with_vector => told,
+            _ => {
+                let log = so3::continuous_log(&rotation, told);
+                if log.is_reference() { log.phi } else { told }
+            }
+        };
+        Self { displacement, rotation, vector, flow: self.flow + flow }
+    }
+}
+
+/// A mechanism at one time.
+#[derive(Clone, Debug)]
+pub(crate) struct State<R> {
+    pub(crate) time: R,
+    pub(crate) poses: Vec<Pose<R>>,
+    /// v, ω, Ψ̇ of each node.
+    pub(crate) rates: Vec<[R; DOFS]>,
+    /// What the histories of connectors have decided.
+    pub(crate) branches: Vec<Branch<R>>,
+    /// External work, dissipation, elastic energy since the beginning; then the slip of each friction.
+    pub(crate) sums: Vec<R>,
+}
+
+/// The sums of a state that are no slips.
+pub(crate) const WORKS: usize = 3;
