@@ -35,7 +35,7 @@ impl Layout {
         }
         let mut layout = Self { columns, place, ..Self::default() };
         layout.keep(mechanism, assembled, modes)?;
-        layout.determine(assembled);
+        layout.determine(mechanism, assembled);
         Ok(layout)
     }
 
@@ -89,7 +89,7 @@ impl Layout {
     }
 
     /// Finds what equations alone determine: sets of unknowns that share equations, and have as many.
-    fn determine<R: Number>(&mut self, assembled: &Assembled<R>) {
+    fn determine<R: Number>(&mut self, mechanism: &Mechanism<R>, assembled: &Assembled<R>) {
         let n = self.columns.len();
         let mut root: Vec<usize> = (0..n).collect();
         fn find(root: &[usize], mut i: usize) -> usize {
@@ -98,10 +98,11 @@ impl Layout {
             }
             i
         }
+        // An equation couples all degrees of freedom of its nodes: entries that are zero now need not stay so.
         let places = |row: usize| -> Vec<usize> {
-            let coefficients = assembled.rows[row].coefficients.iter();
-            let all = coefficients.filter(|(_, entry)| entry.to_f64().abs() > ZERO * ZERO);
-            all.filter_map(|(dof, _)| self.place[*dof]).collect()
+            let nodes = mechanism.nodes_of(assembled.rows[row].owner);
+            let dofs = nodes.into_iter().flat_map(|node| DOFS * node..DOFS * (node + 1));
+            dofs.filter_map(|dof| self.place[dof]).collect()
         };
         for row in &self.kept {
             let places = places(*row);

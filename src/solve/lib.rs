@@ -6,10 +6,15 @@ mod layout;
 mod mechanism;
 mod mode;
 mod number;
+mod run;
 mod slide;
+mod solution;
 mod state;
 
+pub use integrate::Method;
 pub use number::Number;
+pub use run::{Ended, Options, solve};
+pub use solution::{ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Solution, What};
 
 use pintle_scene::Diagnostic;
 
@@ -36,3 +41,6 @@ impl Refusal {
         Self::Of { what: what.to_string(), why: why.to_string(), remedy: remedy.to_string() }
     }
 }
+
+#[cfg(test)]
+mod tests;

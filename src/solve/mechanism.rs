@@ -8,7 +8,7 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Connector, Mask};
 use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::node::Pair;
-use pintle_kinematics::relation::Relation;
+use pintle_kinematics::relation::{Form, Quantity, Relation};
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector};
 use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
@@ -378,6 +378,17 @@ impl<R: Number> Mechanism<R> {
         Ok(())
     }
 
+    /// Whether rotation vectors matter, with their turns.
+    pub(crate) fn needs_vectors(&self) -> bool {
+        let turns = |relation: &Relation<R>| match relation.form() {
+            Form::Linear(terms) => terms.iter().any(|term| term.quantity == Quantity::Rotation),
+            Form::Carried { .. } | Form::Mean { .. } => false,
+        };
+        self.relations.iter().any(|(_, relation, _)| turns(relation))
+            || self.bounds.iter().any(|bound| turns(&bound.relation))
+            || self.springs.iter().any(|spring| spring.terms.iter().any(|(_, _, is_rotation, _)| *is_rotation))
+    }
+
     /// What an equation belongs to, in words: `HINGE 101 ur2`.
     pub(crate) fn named(&self, owner: Owner) -> String {
         match owner {
@@ -392,6 +403,20 @@ impl<R: Number> Mechanism<R> {
             Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
                 format!("boundary condition of node {} in {}", self.bodies[bound.node].label, bound.number + 1)
             }),
+        }
+    }
+
+    /// The nodes that an equation joins.
+    pub(crate) fn nodes_of(&self, owner: Owner) -> Vec<usize> {
+        match owner {
+            Owner::Joint(joint, _) => {
+                self.joints.get(joint).map_or(Vec::new(), |joint| joint.ends.into_iter().flatten().collect())
+            }
+            Owner::Mpc(index, _) => self.mpcs.get(index).map_or(Vec::new(), |(.., nodes)| nodes.clone()),
+            Owner::Relation(index, _) => {
+                self.relations.get(index).map_or(Vec::new(), |(.., nodes)| nodes.clone())
+            }
+            Owner::Bound(index) => self.bounds.get(index).map_or(Vec::new(), |bound| vec![bound.node]),
         }
     }
 

@@ -177,6 +177,28 @@ impl Amplitude {
         })
     }
 
+    /// The times at which it is not smooth: points of lines, and where their parabolas begin and end.
+    pub fn breaks(&self, smoothing: f64) -> Vec<f64> {
+        match &self.curve {
+            Curve::Lines(points) => {
+                let mut found: Vec<f64> = points.iter().map(|[time, _]| *time).collect();
+                for three in points.windows(3) {
+                    let [before, at, after] = [three[0][0], three[1][0], three[2][0]];
+                    let half = smoothing * (at - before).min(after - at);
+                    if half > 0.0 {
+                        found.extend([at - half, at + half]);
+                    }
+                }
+                found
+            }
+            Curve::SmoothStep(points) => points.iter().map(|[time, _]| *time).collect(),
+            Curve::Periodic { start, .. } | Curve::Modulated { start, .. } | Curve::Decay { start, .. } => {
+                vec![*start]
+            }
+            Curve::Undetermined => Vec::new(),
+        }
+    }
+
     /// The slopes before and after t, where they differ: at a corner that is not smoothed, and at t0.
     pub fn corner(&self, t: f64, smoothing: f64) -> Option<[f64; 2]> {
         let slopes = match &self.curve {

@@ -626,6 +626,19 @@ impl Drive {
         }
     }
 
+    /// The times of a step, by its number from 0, at which it is not smooth.
+    pub fn breaks(&self, step: usize) -> Vec<f64> {
+        let phase = self.phases.get(step).and_then(Option::as_ref);
+        let courses = phase.map_or(&[][..], |phase| phase.courses.as_slice());
+        let each = courses.iter().map(|course| match course {
+            Course::Follows { amplitude, origin, smoothing, .. } => {
+                amplitude.breaks(*smoothing).into_iter().map(|time| time + origin).collect()
+            }
+            Course::Held(_) | Course::Ramp(..) | Course::External => Vec::new(),
+        });
+        each.collect::<Vec<Vec<f64>>>().concat()
+    }
+
     /// Whether it is a displacement that is known to stay zero throughout a step.
     pub fn rests(&self, schedule: &Schedule, step: usize) -> bool {
         let phase = match schedule.steps.is_empty() {

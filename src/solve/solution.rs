@@ -1,0 +1,210 @@
+//! What a solution consists of.
+
+use crate::integrate::Method;
+use crate::number::Number;
+use pintle_scene::Label;
+use serde::Serialize;
+
+/// A node at one time.
+#[derive(Clone, Debug)]
+pub struct NodeFrame<R> {
+    /// u, global components (length).
+    pub displacement: [R; 3],
+    /// The rotation vector from the initial orientation, with its turns (rad).
+    pub rotation: [R; 3],
+    /// v and ω, global components.
+    pub velocity: [R; 6],
+    /// Their time derivatives.
+    pub acceleration: [R; 6],
+}
+
+/// A connector at one time, of components u1 … ur3; 0 where there is none.
+#[derive(Clone, Debug)]
+pub struct ConnectorFrame<R> {
+    /// CP of the components that are free or slide.
+    pub position: [R; 6],
+    /// CU, with turns.
+    pub displacement: [R; 6],
+    /// CV.
+    pub velocity: [R; 6],
+    /// CTF: internal forces and moments, positive resisting growth of their component.
+    pub total: [R; 6],
+    /// CSF.
+    pub friction: [R; 6],
+    /// Which components have a motion or force that matters to the solution.
+    pub wanted: [bool; 6],
+    /// Whether each of its frictions sticks.
+    pub sticks: Vec<bool>,
+}
+
+/// Energies since the beginning.
+#[derive(Clone, Copy, Debug)]
+pub struct Energies<R> {
+    /// ½ Σ v·M v.
+    pub kinetic: R,
+    /// Work of loads, gravity and what is prescribed.
+    pub external: R,
+    /// What friction and dampers took.
+    pub dissipated: R,
+    /// What springs hold.
+    pub stored: R,
+    /// kinetic + stored + dissipated − external − kinetic at the beginning: zero but for the error.
+    pub balance: R,
+}
+
+/// A mechanism at one time.
+#[derive(Clone, Debug)]
+pub struct Frame<R> {
+    /// The time.
+    pub time: R,
+    /// Nodes, in the order of [`Solution::nodes`].
+    pub nodes: Vec<NodeFrame<R>>,
+    /// Connectors, in the order of [`Solution::connectors`].
+    pub connectors: Vec<ConnectorFrame<R>>,
+    /// Energies.
+    pub energies: Energies<R>,
+    /// Whether an event is at this time.
+    pub is_event: bool,
+}
+
+/// What happened to a friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum What {
+    /// Stick ended: slip begins.
+    Slips,
+    /// Slip ended: stick begins.
+    Sticks,
+    /// Slip turned to the other direction at once.
+    Reverses,
+}
+
+impl What {
+    /// In words.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Slips => "slips",
+            Self::Sticks => "sticks",
+            Self::Reverses => "reverses",
+        }
+    }
+}
+
+/// An event.
+#[derive(Clone, Debug)]
+pub struct Event<R> {
+    /// When.
+    pub time: R,
+    /// The place of the connector in [`Solution::connectors`].
+    pub connector: usize,
+    /// Its components (from 0) that slide.
+    pub components: Vec<usize>,
+    /// What.
+    pub what: What,
+    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign. 0 is a tie. An onset of slip has none: it is where P reaches
+    /// μ F_N.
+    pub margin: Option<f64>,
+    /// κ after it: below 1 the friction forces are the only ones.
+    pub lipschitz: f64,
+}
+
+/// A solution on numbers of type R.
+#[derive(Clone, Debug)]
+pub struct Solution<R> {
+    /// Nodes.
+    pub nodes: Vec<Label>,
+    /// Connectors: label and title (`HINGE 101`).
+    pub connectors: Vec<(Label, String)>,
+    /// Times asked for, and events.
+    pub frames: Vec<Frame<R>>,
+    /// Events in order.
+    pub events: Vec<Event<R>>,
+    /// The largest κ: below 1 the solution is the only one.
+    pub lipschitz: f64,
+    /// The method.
+    pub method: Method,
+    /// Steps taken.
+    pub steps: usize,
+    /// How often the equations of motion were solved.
+    pub evaluations: usize,
+    /// The most that equations were violated by at any frame: lengths by the size of the model, angles (rad).
+    pub violation: f64,
+}
+
+/// How far two solutions of one mechanism are apart.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Difference {
+    /// Of displacements, relative to the size of the model.
+    pub displacement: f64,
+    /// Of rotations (rad).
+    pub rotation: f64,
+    /// Of velocities, relative to the largest.
+    pub velocity: f64,
+    /// Of component forces, relative to the largest of their kind.
+    pub force: f64,
+    /// Of event times, relative to the duration.
+    pub event: f64,
+    /// Whether both have the same events in the same order.
+    pub same_events: bool,
+    /// How many numbers were compared.
+    pub compared: usize,
+}
+
+impl Difference {
+    /// The largest of them.
+    pub fn largest(&self) -> f64 {
+        let all = [self.displacement, self.rotation, self.velocity, self.force, self.event];
+        if self.same_events { all.into_iter().fold(0.0, f64::max) } else { f64::INFINITY }
+    }
+}
+
+impl<R: Number> Solution<R> {
+    /// How far another solution with the same frames is from this one. `length` is the size of the model.
+    pub fn difference(&self, other: &Self, length: f64) -> Difference {
+        let mut found = Difference { same_events: true, ..Difference::default() };
+        let duration = self.frames.last().map_or(1.0, |frame| frame.time.to_f64()).max(f64::MIN_POSITIVE);
+        found.same_events = self.events.len() == other.events.len();
+        for (one, two) in self.events.iter().zip(&other.events) {
+            found.same_events &= one.connector == two.connector && one.what == two.what;
+            found.event = found.event.max((one.time - two.time).to_f64().abs() / duration);
+            found.compared += 1;
+        }
+        let largest = |of: &dyn Fn(&Frame<R>) -> Vec<R>| {
+            let all = self.frames.iter().flat_map(of).map(|x| x.to_f64().abs());
+            all.fold(f64::MIN_POSITIVE, f64::max)
+        };
+        let speed = |from: usize| {
+            largest(&|frame| frame.nodes.iter().flat_map(|node| node.velocity[from..from + 3].to_vec()).collect())
+        };
+        let force = |from: usize| {
+            largest(&|frame| frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec()).collect())
+        };
+        let (speeds, forces) = ([speed(0), speed(3)], [force(0), force(3)]);
+        let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {
+            for (x, y) in one.iter().zip(two) {
+                *into = into.max((*x - *y).to_f64().abs() / scale);
+                *count += 1;
+            }
+        };
+        let smooth = |frames: &[Frame<R>]| -> Vec<usize> {
+            (0..frames.len()).filter(|i| !frames[*i].is_event).collect()
+        };
+        // Frames at events differ in their times; those asked for do not.
+        for (i, j) in smooth(&self.frames).into_iter().zip(smooth(&other.frames)) {
+            let (one, two) = (&self.frames[i], &other.frames[j]);
+            for (one, two) in one.nodes.iter().zip(&two.nodes) {
+                let count = &mut found.compared;
+                compare(&mut found.displacement, count, &one.displacement, &two.displacement, length);
+                compare(&mut found.rotation, count, &one.rotation, &two.rotation, 1.0);
+                compare(&mut found.velocity, count, &one.velocity[..3], &two.velocity[..3], speeds[0]);
+                compare(&mut found.velocity, count, &one.velocity[3..], &two.velocity[3..], speeds[1]);
+            }
+            for (one, two) in one.connectors.iter().zip(&two.connectors) {
+                let count = &mut found.compared;
+                compare(&mut found.force, count, &one.total[..3], &two.total[..3], forces[0]);
+                compare(&mut found.force, count, &one.total[3..], &two.total[3..], forces[1]);
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,160 @@
+use crate::{Method, Number, Options, Solution, What, solve};
+use pintle_kinematics::scalar::Wide;
+use pintle_scene::Scene;
+
+fn solved<R: Number>(deck: &str, options: &Options) -> Solution<R> {
+    let scene = Scene::parse("deck.inp", deck).unwrap();
+    match solve(&scene, options) {
+        Ok(solution) => solution,
+        Err(ended) => panic!("at {}: {}", ended.time, ended.why),
+    }
+}
+
+const PENDULUM: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=JOINT
+101, , 1
+*ORIENTATION, NAME=AXIS
+0., 0., 1., 1., 0., 0.
+*CONNECTOR SECTION, ELSET=JOINT
+HINGE,
+AXIS,
+*ELEMENT, TYPE=MASS, ELSET=BOB
+201, 2
+*MASS, ELSET=BOB
+2.
+*MPC
+BEAM, 1, 2
+*STEP
+*DYNAMIC
+0.01, 4.
+*DLOAD
+BOB, GRAV, 10., 0., -1., 0.
+*END STEP
+";
+
+/// Released level, a pendulum is level again on the other side after K(sin 45°) 2 √(L/g): elliptic functions, typed from tables.
+#[test]
+fn a_pendulum_swings_as_elliptic_functions_say() {
+    let quarter = 1.854_074_677_301_371_918_43_f64 * (1.0_f64 / 10.0).sqrt();
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let options = Options { times: vec![quarter, 2.0 * quarter], method, until: Some(2.0 * quarter), ..Options::default() };
+        let solution: Solution<f64> = solved(PENDULUM, &options);
+        let at = |i: usize| &solution.frames[i];
+        println!("{method:?}: {} steps, {} evaluations, violation {:e}", solution.steps, solution.evaluations, solution.violation);
+        assert_eq!(solution.frames.len(), 3);
+        // At the bottom after a quarter, with ω² = 2 g/L.
+        let bottom = at(1).nodes.iter().find(|node| node.displacement[0].abs() > 0.5).unwrap();
+        assert!((bottom.displacement[0] + 1.0).abs() < 1e-13, "{:?}", bottom.displacement);
+        assert!((bottom.displacement[1] + 1.0).abs() < 1e-13, "{:?}", bottom.displacement);
+        assert!((bottom.velocity[5] + 20.0_f64.sqrt()).abs() < 1e-12, "{:?}", bottom.velocity);
+        let other = at(2).nodes.iter().find(|node| node.displacement[0].abs() > 0.5).unwrap();
+        assert!((other.displacement[0] + 2.0).abs() < 1e-12, "{:?}", other.displacement);
+        assert!(at(2).energies.balance.abs() < 1e-12, "{:?}", at(2).energies);
+        // CTF at the bottom: the pin pulls with 3 m g.
+        let pull = at(1).connectors[0].total;
+        let size = pull[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((size - 60.0).abs() < 1e-11, "{pull:?}");
+    }
+}
+
+#[test]
+fn a_pendulum_on_237_bits() {
+    let options = Options { digits: 36, until: Some(0.5), ..Options::default() };
+    let one: Solution<Wide> = solved(PENDULUM, &options);
+    let other: Solution<Wide> = solved(PENDULUM, &Options { method: Method::Collocation, ..options });
+    let apart = one.difference(&other, 1.0);
+    println!("{} and {} evaluations: {apart:?}", one.evaluations, other.evaluations);
+    assert!(apart.compared > 50 && apart.largest() < 1e-33, "{apart:?}");
+}
+
+/// A block on a TRANSLATOR that presses with its weight, pulled by a spring whose other end moves.
+const BLOCK: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 0., 0., 0.
+3, 1., 0., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=RAIL
+101, 1, 2
+*ORIENTATION, NAME=ALONG
+1., 0., 0., 0., 1., 0.
+*CONNECTOR SECTION, ELSET=RAIL, BEHAVIOR=DRY
+TRANSLATOR,
+ALONG,
+*CONNECTOR BEHAVIOR, NAME=DRY
+*CONNECTOR FRICTION, PREDEFINED
+0.5, 0.2
+*FRICTION
+0.25
+*ELEMENT, TYPE=MASS, ELSET=M
+201, 2
+*MASS, ELSET=M
+2.
+*ELEMENT, TYPE=ROTARYI, ELSET=I
+202, 2
+*ROTARY INERTIA, ELSET=I
+1., 1., 1.
+*ELEMENT, TYPE=SPRINGA, ELSET=S
+203, 2, 3
+*SPRING, ELSET=S
+
+100.
+*BOUNDARY
+1, 1, 6
+3, 2, 6
+*AMPLITUDE, NAME=PULL
+0., 0., 10., 1.
+*STEP
+*DYNAMIC
+0.01, 3.
+*BOUNDARY, AMPLITUDE=PULL
+3, 1, 1, 5.
+*DLOAD
+M, GRAV, 10., 0., -1., 0.
+*END STEP
+";
+
+/// Drives node 3 to 1 at 0.5 and leaves it there: stick, one slip whose end is in closed form, rest.
+#[test]
+fn a_block_sticks_and_slips() {
+    let deck = BLOCK
+        .replace("0., 0., 10., 1.", "0., 0., 0.2, 0.1, 5., 0.1")
+        .replace("*AMPLITUDE, NAME=PULL", "*AMPLITUDE, NAME=PULL, SMOOTH=0.")
+        .replace("3, 1, 1, 5.", "3, 1, 1, 2.");
+    let solution: Solution<f64> = solved(&deck, &Options { times: vec![0.02, 0.04, 0.15, 1.0, 2.0], ..Options::default() });
+    for event in &solution.events {
+        println!("{:.16} {:?} {:?} {:e}", event.time, event.what, event.margin, event.lipschitz);
+    }
+    println!("{} steps, {} evaluations, violation {:e}", solution.steps, solution.evaluations, solution.violation);
+    // The end moves with 1: the spring pulls with 5 = μ m g at 0.05; ω² = 50.
+    let w = 50.0_f64.sqrt();
+    assert!((solution.events[0].time - 0.05).abs() < 1e-15, "{}", solution.events[0].time);
+    // x = τ − sin(ωτ)/ω until 0.2, then free about 0.2 − 0.05 = 0.15 until it rests.
+    let tau: f64 = 0.15;
+    let (x, v) = (tau - (w * tau).sin() / w, 1.0 - (w * tau).cos());
+    let rest = 0.2 + (v * w).atan2(50.0 * (x - 0.15)).rem_euclid(std::f64::consts::PI) / w;
+    assert_eq!(solution.events[1].what, What::Reverses);
+    assert!((solution.events[1].time - rest).abs() < 1e-14, "{} {rest}", solution.events[1].time);
+    // Back about 0.2 + 0.05 for half a period, where the spring holds less than friction.
+    let turn = 0.15 + ((x - 0.15).powi(2) + v * v / 50.0).sqrt();
+    let (end, at_rest) = (rest + std::f64::consts::PI / w, 0.5 - turn);
+    assert_eq!(solution.events[2].what, What::Sticks);
+    assert!((solution.events[2].time - end).abs() < 1e-14, "{} {end}", solution.events[2].time);
+    assert_eq!(solution.events.len(), 3);
+    let last = solution.frames.last().unwrap();
+    assert!((last.connectors[0].displacement[0] - at_rest).abs() < 1e-14, "{:?} {at_rest}", last.connectors[0]);
+    let mut compared = 0;
+    for frame in &solution.frames {
+        assert!(frame.energies.balance.abs() < 1e-13, "{:?}", frame.energies);
+        if frame.connectors[0].sticks[0] {
+            assert_eq!(frame.connectors[0].velocity[0], 0.0, "at {}", frame.time);
+            compared += 1;
+        }
+        if frame.time > end {
+            assert_eq!(frame.connectors[0].displacement[0], last.connectors[0].displacement[0], "creep");
+        }
+    }
+    assert!(compared >= 5);
+}
