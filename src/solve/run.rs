@@ -264,13 +264,26 @@ impl<'a, R: Number> Run<'a, R> {
         if self.h <= 0.0 {
             self.h = (to - now) * 1e-3;
         }
+        let breaks = self.breaks();
         for (time, is_frame) in stops {
             self.reach(time)?;
             if is_frame {
                 self.record(false)?;
             }
+            if breaks.contains(&time) && time < to {
+                self.pass()?;
+            }
         }
         Ok(())
+    }
+
+    /// Goes past a time at which something that acts is not smooth: rates that are prescribed may jump there, and so may loads.
+    fn pass(&mut self) -> Result<(), Refusal> {
+        let time = self.state.time;
+        self.state.time = time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
+        self.project()?;
+        let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
+        self.choose(&open, None)
     }
 
     /// The times at which something that acts is not smooth.

@@ -128,6 +128,7 @@ fn a_block_sticks_and_slips() {
         println!("{:.16} {:?} {:?} {:e}", event.time, event.what, event.margin, event.lipschitz);
     }
     println!("{} steps, {} evaluations, violation {:e}", solution.steps, solution.evaluations, solution.violation);
+    for frame in &solution.frames { println!("{:.4} {:?} {:?} {:?}", frame.time, frame.nodes.iter().map(|n| n.displacement[0]).collect::<Vec<_>>(), frame.connectors[0].velocity[0], frame.connectors[0].total[0]); }
     // The end moves with 1: the spring pulls with 5 = μ m g at 0.05; ω² = 50.
     let w = 50.0_f64.sqrt();
     assert!((solution.events[0].time - 0.05).abs() < 1e-15, "{}", solution.events[0].time);
