@@ -13,6 +13,7 @@ pub mod glossary;
 mod layout;
 pub mod list;
 pub mod mpc;
+pub mod solve;
 mod words;
 
 pub use evaluation::{

@@ -329,7 +329,7 @@ impl<R: Number> Mechanism<R> {
         for output in [Output::CP, Output::CU, Output::CCU, Output::CV, Output::CA] {
             request.add(output, free);
         }
-        for output in [Output::RES, Output::RESV, Output::RESB] {
+        for output in [Output::RES, Output::RESV, Output::RESB, Output::CP] {
             request.add(output, held);
         }
         let evaluation = joint.connector.evaluate_on(&state, branch, &request, &mut tally);

@@ -13,8 +13,6 @@ pub(crate) struct Limit<R> {
     pub(crate) value: R,
     /// ∂limit/∂f_k.
     pub(crate) gradient: [R; 6],
-    /// F_N.
-    pub(crate) normal: R,
     /// Where a magnitude passes zero: its part along its branch, and the size of the forces.
     pub(crate) turns: Vec<[R; 2]>,
     /// τ_max − μ F_N, of the branch positive, where there is a τ_max.
@@ -43,7 +41,7 @@ pub(crate) fn limit<R: Number>(
     let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).powf(0.5));
     let mut branches = Branches::none();
     let mut turns = Vec::new();
-    let (mut contact, mut gradient) = (zero, [zero; 6]);
+    let (mut contact, mut gradient);
     let parts = friction.criterion.contact_parts(&context);
     let internal;
     match &parts {
@@ -108,10 +106,9 @@ pub(crate) fn limit<R: Number>(
     let product = mu * seeded;
     let (value, [slope]) = (product.real(), product.gradient());
     let mut caps = None;
-    let mut is_capped = false;
     if let Some(maximum) = friction.maximum.map(R::from_f64) {
         let below = maximum - value;
-        is_capped = known.map_or(below.less(zero), |known| known.is_capped);
+        let is_capped = known.map_or(below.less(zero), |known| known.is_capped);
         caps = Some([if is_capped { -below } else { below }, maximum]);
         branches.is_capped = below.less(zero);
         if is_capped {
@@ -119,7 +116,6 @@ pub(crate) fn limit<R: Number>(
             return Limit {
                 value: maximum,
                 gradient: [zero; 6],
-                normal,
                 turns,
                 caps,
                 branches,
@@ -127,7 +123,6 @@ pub(crate) fn limit<R: Number>(
             };
         }
     }
-    let _ = is_capped;
     let reach = match &parts {
         None => vec![(slope.magnitude(), vec![gradient])],
         Some(parts) => {
@@ -137,7 +132,7 @@ pub(crate) fn limit<R: Number>(
             std::iter::once(linear).chain(others).collect()
         }
     };
-    Limit { value, gradient: gradient.map(|entry| sign * slope * entry), normal, turns, caps, branches, reach }
+    Limit { value, gradient: gradient.map(|entry| sign * slope * entry), turns, caps, branches, reach }
 }
 
 fn dot<R: Number>(row: &[R; 6], f: &[R; 6]) -> R {

@@ -10,6 +10,7 @@ pub(crate) mod history;
 pub(crate) mod manual;
 mod output;
 pub(crate) mod replay;
+pub(crate) mod solve;
 mod start;
 pub(crate) mod states;
 
@@ -71,6 +72,8 @@ pub(crate) enum Command {
     Check(Box<check::Check>),
     /// Write states for a harness of your own: about the initial one, near singular sets, along a history
     States(states::States),
+    /// Solve a mechanism of connectors, with friction that sticks: a reference with its digits, its events and its error
+    Solve(Box<solve::Solve>),
     /// Ask a shared library by the protocol
     #[command(hide = true)]
     Element(check::Element),

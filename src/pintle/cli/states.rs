@@ -147,9 +147,16 @@ fn written(
     pintle_scene::State { number: Some(number as u64), nodes: nodes.collect(), ..Default::default() }
 }
 
-fn csv(states: &[pintle_scene::State]) -> String {
-    let mut text = String::from(
-        "state,node,u1,u2,u3,q0,q1,q2,q3,flow,v1,v2,v3,vr1,vr2,vr3,flow_v,a1,a2,a3,ar1,ar2,ar3,flow_a\n",
+/// States as a table, with their times where they have some.
+pub(crate) fn csv(states: &[pintle_scene::State]) -> String {
+    let timed = states.iter().any(|state| state.time.is_some());
+    let mut text = String::from(if timed { "state,time," } else { "state," });
+    // Rotation vectors keep their turns.
+    let motions = || states.iter().flat_map(|state| state.nodes.values());
+    let is_vector = motions().all(|motion| matches!(motion.rotation, Rotation::Vector(_)));
+    text.push_str(if is_vector { "node,u1,u2,u3,ur1,ur2,ur3" } else { "node,u1,u2,u3,q0,q1,q2,q3" });
+    text.push_str(
+        ",flow,v1,v2,v3,vr1,vr2,vr3,flow_v,a1,a2,a3,ar1,ar2,ar3,flow_a\n",
     );
     for state in states {
         for (node, motion) in &state.nodes {
@@ -157,12 +164,17 @@ fn csv(states: &[pintle_scene::State]) -> String {
             let NodeMotion {
                 acceleration, angular_acceleration, flow, flow_velocity, flow_acceleration, ..
             } = motion;
-            let quaternion = match rotation {
-                Rotation::Quaternion(quaternion) => *quaternion,
-                Rotation::Vector(vector) => so3::exp(*vector),
+            let rotation: Vec<f64> = match rotation {
+                Rotation::Quaternion(quaternion) => quaternion.to_vec(),
+                Rotation::Vector(vector) if is_vector => vector.to_vec(),
+                Rotation::Vector(vector) => so3::exp(*vector).to_vec(),
             };
-            let _ = write!(text, "{},{node}", state.number.unwrap_or_default());
-            let columns = displacement.iter().chain(&quaternion).chain([flow]);
+            let _ = write!(text, "{},", state.number.unwrap_or_default());
+            if timed {
+                let _ = write!(text, "{:?},", state.time.unwrap_or_default());
+            }
+            let _ = write!(text, "{node}");
+            let columns = displacement.iter().chain(&rotation).chain([flow]);
             let columns = columns.chain(velocity).chain(angular_velocity).chain([flow_velocity]);
             let columns = columns.chain(acceleration).chain(angular_acceleration).chain([flow_acceleration]);
             for x in columns {
