@@ -183,11 +183,12 @@ fn collocate<R: Number>(
             rates[i] = found.rates;
             switches[i] = found.switches;
         }
-        // Contracted to what rounding leaves, well below what is allowed.
-        if change < 1e-4 && change >= before * 0.5 || change < 1e-12 {
+        // Contracted to what rounding leaves, below what is allowed.
+        let is_slow = change > before * 0.5;
+        if change < 1e-12 || change < 0.05 && is_slow {
             break;
         }
-        if iteration > 3 && change > before * 0.7 && change > 1e-4 || iteration > ITERATIONS || !change.is_finite() {
+        if iteration > 3 && change > before * 0.8 || iteration > ITERATIONS || !change.is_finite() {
             return Ok(Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new() });
         }
         before = change;

@@ -391,15 +391,16 @@ impl<'a, R: Number> Run<'a, R> {
             all_stuck[*s] = Mode::sticks(positions[*s]);
         }
         // Where slip would go: against the friction of stick.
-        let (_, _, stuck) = self.instant(&all_stuck)?;
+        let stuck = self.instant(&all_stuck).ok().map(|(_, _, stuck)| stuck);
         let directions: Vec<[R; 6]> = open
             .iter()
             .map(|s| {
                 let slider = &self.mechanism.sliders[*s];
-                let force = &stuck.friction[slider.joint];
                 let mut along = [zero; 6];
-                for (k, radius) in &slider.components {
-                    along[*k] = force[*k] * R::from_f64(*radius).reciprocal_or_zero();
+                if let Some(force) = stuck.as_ref().and_then(|stuck| stuck.friction.get(slider.joint)) {
+                    for (k, radius) in &slider.components {
+                        along[*k] = force[*k] * R::from_f64(*radius).reciprocal_or_zero();
+                    }
                 }
                 let size = crate::slide::length(&along);
                 if zero.less(size) {
@@ -966,8 +967,11 @@ impl<'a, R: Number> Run<'a, R> {
                     *mode = Mode::sticks(position);
                 }
                 let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-                self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
-                self.project()?;
+                // What is driven cannot stick.
+                if let Ok(layout) = Layout::new(&self.mechanism, &found, &self.modes) {
+                    self.layout = layout;
+                    self.project()?;
+                }
                 let open: Vec<usize> =
                     (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
                 if let (Some(mode), Some(old)) = (self.modes.get_mut(slider), before.get(slider)) {

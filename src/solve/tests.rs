@@ -159,3 +159,9 @@ fn a_block_sticks_and_slips() {
     }
     assert!(compared >= 5);
 }
+#[test]
+fn look() {
+    let deck = include_str!("../../references/drawer/deck.inp");
+    let solution: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..Options::default() });
+    println!("{}", solution.events.len());
+}
