@@ -86,10 +86,15 @@ pub fn human<R: Number>(
         )?,
         Some(_) => say("error", "unknown: extrapolation and collocation find other events")?,
     }
-    if solution.connectors.is_empty() || last.is_none_or(|last| last.connectors.iter().all(|of| of.sticks.is_empty())) {
+    if solution.connectors.is_empty()
+        || last.is_none_or(|last| last.connectors.iter().all(|of| of.sticks.is_empty()))
+    {
         say("unique", "yes: nothing rubs")?;
     } else if solution.lipschitz < 1.0 {
-        say("unique", &format!("yes: κ = {:.3} < 1, so friction forces are the only ones that fit", solution.lipschitz))?;
+        say(
+            "unique",
+            &format!("yes: κ = {:.3} < 1, so friction forces are the only ones that fit", solution.lipschitz),
+        )?;
     } else {
         say("unique", &format!("not certain: κ = {:.3} is not below 1", solution.lipschitz))?;
     }

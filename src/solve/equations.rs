@@ -315,14 +315,13 @@ impl<R: Number> Mechanism<R> {
             velocity,
             acceleration: [zero; PAIR],
         };
-        let turned = |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
-        let increment = Increment {
-            rotation: [turned(0), turned(1)],
-            whole_turns: [[zero; 3]; 2],
-            flow: [zero; 2],
-        };
+        let turned =
+            |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
+        let increment =
+            Increment { rotation: [turned(0), turned(1)], whole_turns: [[zero; 3]; 2], flow: [zero; 2] };
         let mut tally = Tally::default();
-        let branch = joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
+        let branch =
+            joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
         let mut request = Request::nothing(1);
         let free = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && !joint.constrained[k]);
         let held = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && joint.constrained[k]);
@@ -372,8 +371,7 @@ impl<R: Number> Mechanism<R> {
             branch,
         };
         let behavior = &joint.behavior.behavior;
-        let motion =
-            Motion { position: now.position, constitutive: now.motion, velocity: now.velocity };
+        let motion = Motion { position: now.position, constitutive: now.motion, velocity: now.velocity };
         let conditions = Conditions::default();
         let elastic = behavior.elasticity.forces(&motion, &conditions);
         let viscous = behavior.damping.forces(&motion, &conditions);
@@ -484,8 +482,7 @@ impl<R: Number> Mechanism<R> {
                 velocity,
                 acceleration: [zero; mpc::DOFS],
             };
-            let found =
-                constraint.evaluate(&state, &[none; 2], &mpc::Turning::none(), &request, &mut tally);
+            let found = constraint.evaluate(&state, &[none; 2], &mpc::Turning::none(), &request, &mut tally);
             let is_there = constraint.rows();
             for row in (0..is_there.len()).filter(|row| is_there[*row]) {
                 let Some(gradient) = &found.jacobian[row] else { continue };
@@ -706,8 +703,7 @@ impl<R: Number> Assembled<R> {
         (stuck, slipping): (&dyn Fn(usize) -> bool, &[R; 6]),
     ) -> ([R; 6], [R; 6]) {
         let now = &self.joints[joint];
-        let mut pressing: [R; 6] =
-            std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k]);
+        let mut pressing: [R; 6] = std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k]);
         let mut friction = *slipping;
         for (force, index) in forces.iter().zip(&layout.kept) {
             if let Owner::Joint(of, k) = self.rows[*index].owner
@@ -740,10 +736,8 @@ impl<R: Number> Assembled<R> {
                 Does::Sticks(_) => None,
             })
             .collect();
-        let directions: Vec<[R; 6]> = slipping
-            .iter()
-            .map(|(s, along)| self.direction(&mechanism.sliders[*s], along))
-            .collect();
+        let directions: Vec<[R; 6]> =
+            slipping.iter().map(|(s, along)| self.direction(&mechanism.sliders[*s], along)).collect();
         let rate_of = |i: usize| {
             let slider = &mechanism.sliders[slipping[i].0];
             let now = &self.joints[slider.joint];
@@ -773,8 +767,7 @@ impl<R: Number> Assembled<R> {
                 let slider = &mechanism.sliders[*s];
                 if slider.joint == joint {
                     for (k, radius) in &slider.components {
-                        friction[*k] =
-                            friction[*k] + tensions[i] * R::from_f64(*radius) * directions[i][*k];
+                        friction[*k] = friction[*k] + tensions[i] * R::from_f64(*radius) * directions[i][*k];
                     }
                 }
             }
@@ -825,9 +818,8 @@ impl<R: Number> Assembled<R> {
                 return Err(Trouble::NotFinite);
             }
             let size = largest(found[n..].iter().copied());
-            let change = largest(
-                found[n..].iter().zip(forces.iter().chain(&tensions)).map(|(new, old)| *new - *old),
-            );
+            let change =
+                largest(found[n..].iter().zip(forces.iter().chain(&tensions)).map(|(new, old)| *new - *old));
             accelerations.copy_from_slice(&found[..n]);
             forces.copy_from_slice(&found[n..n + m]);
             tensions.copy_from_slice(&found[n + m..]);

@@ -117,7 +117,8 @@ fn extrapolate<R: Number>(
             // row is T_(column, k), known T_(column − 1, k).
             let ratio = R::ratio(parts as i32, 2 * (column - k) as i32);
             let divisor = ratio * ratio - R::integer(1);
-            let next: Vec<R> = row.iter().zip(known.iter()).map(|(new, old)| *new + (*new - *old) / divisor).collect();
+            let next: Vec<R> =
+                row.iter().zip(known.iter()).map(|(new, old)| *new + (*new - *old) / divisor).collect();
             last = std::mem::replace(known, std::mem::replace(&mut row, next));
             last.clone_from(known);
         }

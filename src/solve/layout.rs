@@ -136,11 +136,11 @@ fn needed<R: Number>(
     for (slider, mode) in mechanism.sliders.iter().zip(modes) {
         let Some(friction) = mechanism.friction(slider) else { continue };
         let presses = friction.criterion.pressing_components();
-        let needs = |k: usize| {
-            presses[k] || mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k)
-        };
-        let found =
-            owners.iter().any(|owner| matches!(owner, Owner::Joint(joint, k) if *joint == slider.joint && needs(*k)));
+        let needs =
+            |k: usize| presses[k] || mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k);
+        let found = owners
+            .iter()
+            .any(|owner| matches!(owner, Owner::Joint(joint, k) if *joint == slider.joint && needs(*k)));
         if found {
             let title = &mechanism.joints[slider.joint].title;
             let names: Vec<String> = owners.iter().take(6).map(|owner| mechanism.named(*owner)).collect();

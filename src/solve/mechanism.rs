@@ -304,16 +304,16 @@ impl<R: Number> Mechanism<R> {
         for (label, drives) in on_nodes {
             let Some(node) = places.of(*label) else { continue };
             let axes = scene.nodal_axes(*label).unwrap_or(global);
-            let rests = |k: usize| {
-                drives.motions[k].as_ref().is_some_and(|drive| drive.rests(&self.schedule, step))
-            };
+            let rests =
+                |k: usize| drives.motions[k].as_ref().is_some_and(|drive| drive.rests(&self.schedule, step));
             // A node whose rotations about two axes stay zero turns about the third alone.
             let turns_held = (3..6).filter(|k| rests(*k)).count();
             let is_hinge = self.mpcs.iter().any(|(_, constraint, nodes)| {
                 constraint.kind() != Kind::Beam && nodes.iter().skip(2).any(|other| *other == node)
             });
             for k in 0..6 {
-                let Some(drive) = drives.motions[k].as_ref().filter(|drive| drive.acts_in(&self.schedule, step))
+                let Some(drive) =
+                    drives.motions[k].as_ref().filter(|drive| drive.acts_in(&self.schedule, step))
                 else {
                     continue;
                 };
@@ -338,7 +338,11 @@ impl<R: Number> Mechanism<R> {
             for label in &set.labels {
                 let Some(element) = scene.point_elements.get(label) else { continue };
                 let mut law = Ground::default();
-                if is_spring { law.add_spring(discrete)? } else { law.add_dashpot(discrete)? };
+                if is_spring {
+                    law.add_spring(discrete)?
+                } else {
+                    law.add_dashpot(discrete)?
+                };
                 let Some(first) = places.of(element.node) else { continue };
                 let second = element.second.and_then(|node| places.of(node));
                 let is_line = matches!(element.kind, PointKind::Springa | PointKind::Dashpota);
@@ -386,7 +390,10 @@ impl<R: Number> Mechanism<R> {
         };
         self.relations.iter().any(|(_, relation, _)| turns(relation))
             || self.bounds.iter().any(|bound| turns(&bound.relation))
-            || self.springs.iter().any(|spring| spring.terms.iter().any(|(_, _, is_rotation, _)| *is_rotation))
+            || self
+                .springs
+                .iter()
+                .any(|spring| spring.terms.iter().any(|(_, _, is_rotation, _)| *is_rotation))
     }
 
     /// What an equation belongs to, in words: `HINGE 101 ur2`.
@@ -396,12 +403,18 @@ impl<R: Number> Mechanism<R> {
                 let title = self.joints.get(joint).map_or("", |joint| joint.title.as_str());
                 format!("{title} {}", COMPONENT[k])
             }
-            Owner::Mpc(index, _) => self.mpcs.get(index).map_or_else(String::new, |(title, ..)| title.clone()),
+            Owner::Mpc(index, _) => {
+                self.mpcs.get(index).map_or_else(String::new, |(title, ..)| title.clone())
+            }
             Owner::Relation(index, _) => {
                 self.relations.get(index).map_or_else(String::new, |(title, ..)| title.clone())
             }
             Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
-                format!("boundary condition of node {} in {}", self.bodies[bound.node].label, bound.number + 1)
+                format!(
+                    "boundary condition of node {} in {}",
+                    self.bodies[bound.node].label,
+                    bound.number + 1
+                )
             }),
         }
     }

@@ -76,7 +76,8 @@ struct Run<'a, R: Number> {
 /// # Errors
 /// What is not solved, before it begins; or where it ends early, with the solution so far.
 pub fn solve<R: Number>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
-    let nothing = |why: Refusal| Box::new(Ended { solution: Solution::empty(options.method), time: 0.0, why });
+    let nothing =
+        |why: Refusal| Box::new(Ended { solution: Solution::empty(options.method), time: 0.0, why });
     let model = Model::compile(scene).map_err(|error| nothing(error.into()))?;
     let mut run = Run::new(scene, &model, options).map_err(nothing)?;
     match run.all() {
@@ -135,7 +136,8 @@ impl<'a, R: Number> Run<'a, R> {
                     rotation: pintle_kinematics::so3::turn(vector.map(R::from_f64)),
                     flow: R::from_f64(motion.flow),
                 };
-                let all = motion.velocity.iter().chain(&motion.angular_velocity).chain([&motion.flow_velocity]);
+                let all =
+                    motion.velocity.iter().chain(&motion.angular_velocity).chain([&motion.flow_velocity]);
                 for (rate, x) in rates.iter_mut().zip(all) {
                     *rate = R::from_f64(*x);
                 }
@@ -216,10 +218,13 @@ impl<'a, R: Number> Run<'a, R> {
             ),
             Trouble::Singular(NoPivotAt::Row(row)) => {
                 let owner = self.rows().get(row).copied();
-                let named = owner.map_or_else(|| "a constraint".to_string(), |owner| self.mechanism.named(owner));
+                let named =
+                    owner.map_or_else(|| "a constraint".to_string(), |owner| self.mechanism.named(owner));
                 Refusal::of(
                     &named,
-                    &format!("its force is not determined at time {time}: the position is singular, or its nodes have no inertia"),
+                    &format!(
+                        "its force is not determined at time {time}: the position is singular, or its nodes have no inertia"
+                    ),
                     "give its nodes *MASS and *ROTARY INERTIA; pintle audit names constraints that repeat each other",
                 )
             }
@@ -280,7 +285,8 @@ impl<'a, R: Number> Run<'a, R> {
     /// Goes past a time at which something that acts is not smooth: rates that are prescribed may jump there, and so may loads.
     fn pass(&mut self) -> Result<(), Refusal> {
         let time = self.state.time;
-        self.state.time = time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
+        self.state.time =
+            time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
         self.project()?;
         let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
         self.choose(&open, None)
@@ -442,16 +448,16 @@ impl<'a, R: Number> Run<'a, R> {
                 let names: Vec<&str> = open.iter().map(|s| self.title(*s)).collect();
                 return Err(Refusal::of(
                     &names.join(", "),
-                    &format!("neither stick nor slip is consistent at time {}: a jam", self.state.time.to_f64()),
+                    &format!(
+                        "neither stick nor slip is consistent at time {}: a jam",
+                        self.state.time.to_f64()
+                    ),
                     "reduce the coefficient of friction, or the offset of the load",
                 ));
             }
             ([], _) => 0,
             (several, _) => {
-                let told: Vec<String> = several
-                    .iter()
-                    .map(|i| self.told(&consistent[*i].0, open))
-                    .collect();
+                let told: Vec<String> = several.iter().map(|i| self.told(&consistent[*i].0, open)).collect();
                 return Err(Refusal::of(
                     "friction",
                     &format!(
@@ -609,7 +615,12 @@ impl<'a, R: Number> Run<'a, R> {
     }
 
     /// The state after the unknowns have moved.
-    fn unpacked(&self, base: &State<R>, y: &[R], with_vectors: bool) -> (Vec<Pose<R>>, Vec<[R; DOFS]>, Vec<Vector<R>>) {
+    fn unpacked(
+        &self,
+        base: &State<R>,
+        y: &[R],
+        with_vectors: bool,
+    ) -> (Vec<Pose<R>>, Vec<[R; DOFS]>, Vec<Vector<R>>) {
         let zero = R::integer(0);
         let n = self.layout.columns.len();
         let mut moved = vec![[zero; DOFS]; base.poses.len()];
@@ -719,14 +730,18 @@ impl<'a, R: Number> Run<'a, R> {
     /// Goes on to a time, over all events before it.
     fn reach(&mut self, to: f64) -> Result<(), Refusal> {
         let goal = R::from_f64(to);
-        let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e-13;
+        let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
         let mut halvings = 0;
         while self.state.time.less(goal) {
             self.solution.steps += 1;
             if self.solution.steps > self.options.most_steps {
                 return Err(Refusal::of(
                     "the solution",
-                    &format!("{} steps were not enough to pass time {}", self.options.most_steps, self.state.time.to_f64()),
+                    &format!(
+                        "{} steps were not enough to pass time {}",
+                        self.options.most_steps,
+                        self.state.time.to_f64()
+                    ),
                     "something rings or is stiff: ask for a shorter time",
                 ));
             }
@@ -822,7 +837,7 @@ impl<'a, R: Number> Run<'a, R> {
         let zero = R::integer(0);
         let mut low = (zero, first.to_vec());
         let mut high = h;
-        let mut which: Option<(usize, Cause)> = None;
+        let mut which: Option<usize> = None;
         let mut weight = R::integer(1);
         let mut high_value: Option<R> = None;
         let start = self.state.time;
@@ -835,8 +850,8 @@ impl<'a, R: Number> Run<'a, R> {
             // Where the switch that is nearest to its end would vanish.
             let ahead = high - passed;
             let guess = match (which, high_value) {
-                (Some((slider, cause)), Some(below)) if iteration % 4 != 3 => {
-                    let above = value_of(&low.1, slider, cause).unwrap_or(zero);
+                (Some(index), Some(below)) if iteration % 4 != 3 => {
+                    let above = low.1.get(index).map_or(zero, |switch| switch.value);
                     let span = above - below * weight;
                     let part = if zero.less(span) { above / span } else { R::ratio(1, 2) };
                     ahead * part
@@ -846,59 +861,44 @@ impl<'a, R: Number> Run<'a, R> {
             };
             let is_small = !resolution.less(ahead);
             let guess = if is_small { ahead } else { guess };
-            let guess = if guess.less(resolution * R::ratio(1, 4)) { resolution * R::ratio(1, 4) } else { guess };
+            let guess =
+                if guess.less(resolution * R::ratio(1, 4)) { resolution * R::ratio(1, 4) } else { guess };
             let tried = self.tried(&base, &y, &slope, guess).map_err(|trouble| self.say(trouble))?;
             if tried.error > 1.0 {
                 return Err(self.stuck_in_time());
             }
             let ended = self.switches_at(&base, base.time + guess, &tried.end)?;
-            let crossed: Vec<Switch<R>> = ended
-                .iter()
-                .zip(&low.1)
-                .filter(|(now, before)| now.value.less(zero) && !before.value.less(zero))
-                .map(|(now, _)| *now)
-                .collect();
-            match crossed.first() {
+            // The one that is crossed first: by its value before and after.
+            let part = |(now, before): (&Switch<R>, &Switch<R>)| {
+                (before.value / (before.value - now.value)).to_f64()
+            };
+            let pairs = ended.iter().zip(&low.1).enumerate();
+            let crossed = pairs.filter(|(_, (now, before))| now.value.less(zero) && !before.value.less(zero));
+            let earliest = crossed.min_by(|(_, one), (_, two)| part(*one).total_cmp(&part(*two)));
+            match earliest.map(|(index, (now, _))| (index, *now)) {
                 None => {
                     // On this side: the state goes on to it.
                     self.commit(&base, base.time + guess, &tried.end)?;
                     low = (base.time + guess - start, ended.clone());
                     weight = R::ratio(1, 2);
-                    let vanishes = which.is_some_and(|(slider, cause)| {
-                        ended.iter().any(|now| {
-                            now.slider == slider
-                                && now.cause == cause
-                                && !(now.scale * R::from_f64(16.0 * R::ROUNDING)).less(now.value.magnitude())
-                                && cause != Cause::Stops
-                        })
+                    let vanishes = which.and_then(|index| ended.get(index)).is_some_and(|now| {
+                        let rounded = now.scale * R::from_f64(16.0 * R::ROUNDING);
+                        now.cause != Cause::Stops && !rounded.less(now.value.magnitude())
                     });
                     if vanishes || !(resolution).less(high - low.0) {
-                        let Some((slider, cause)) = which else { return Ok(()) };
-                        return self.happens(slider, cause);
+                        let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
+                        return self.happens(switch.slider, switch.cause);
                     }
                 }
-                Some(first) => {
-                    // The one that is crossed first: by its value before and after.
-                    let part = |now: &Switch<R>| {
-                        let before = value_of(&low.1, now.slider, now.cause).unwrap_or(zero);
-                        (before / (before - now.value)).to_f64()
-                    };
-                    let earliest = crossed.iter().fold(first, |best, now| if part(now) < part(best) { now } else { best });
-                    let same = which == Some((earliest.slider, earliest.cause));
-                    if !same {
-                        weight = R::integer(1);
-                    }
-                    which = Some((earliest.slider, earliest.cause));
+                Some((index, switch)) => {
+                    which = Some(index);
                     high = passed + guess;
-                    high_value = Some(earliest.value);
+                    high_value = Some(switch.value);
                     if !resolution.less(guess) {
                         self.commit(&base, base.time + guess, &tried.end)?;
-                        let (slider, cause) = (earliest.slider, earliest.cause);
-                        return self.happens(slider, cause);
+                        return self.happens(switch.slider, switch.cause);
                     }
-                    if same {
-                        weight = R::integer(1);
-                    }
+                    weight = R::integer(1);
                 }
             }
         }
@@ -972,8 +972,7 @@ impl<'a, R: Number> Run<'a, R> {
                     self.layout = layout;
                     self.project()?;
                 }
-                let open: Vec<usize> =
-                    (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
+                let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
                 if let (Some(mode), Some(old)) = (self.modes.get_mut(slider), before.get(slider)) {
                     *mode = old.clone();
                 }
@@ -1027,9 +1026,8 @@ impl<'a, R: Number> Run<'a, R> {
             if iteration == 11 {
                 break;
             }
-            let change = found
-                .correction(&self.layout, |row| row.residual)
-                .map_err(|trouble| self.say(trouble))?;
+            let change =
+                found.correction(&self.layout, |row| row.residual).map_err(|trouble| self.say(trouble))?;
             let mut turned = vec![[zero; 3]; self.state.poses.len()];
             for node in 0..self.state.poses.len() {
                 let mut by = [zero; DOFS];
@@ -1051,15 +1049,17 @@ impl<'a, R: Number> Run<'a, R> {
             }
         }
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let change =
-            found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        let change = found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
         for (dof, by) in change.iter().enumerate() {
             let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
             *rate = *rate + *by;
         }
         // What equations hold, and nothing drives, rests bit for bit.
         for (unknowns, rows) in &self.layout.determined {
-            if rows.iter().all(|row| found.rows[*row].rate.is_some() && !zero.less(found.rows[*row].driven.magnitude())) {
+            if rows
+                .iter()
+                .all(|row| found.rows[*row].rate.is_some() && !zero.less(found.rows[*row].driven.magnitude()))
+            {
                 for i in unknowns {
                     let dof = self.layout.columns[*i];
                     self.state.rates[dof / DOFS][dof % DOFS] = zero;
@@ -1072,9 +1072,8 @@ impl<'a, R: Number> Run<'a, R> {
     /// Keeps this state as a frame.
     fn record(&mut self, is_event: bool) -> Result<(), Refusal> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let solved = found
-            .solve(&self.mechanism, &self.layout, &self.modes)
-            .map_err(|trouble| self.say(trouble))?;
+        let solved =
+            found.solve(&self.mechanism, &self.layout, &self.modes).map_err(|trouble| self.say(trouble))?;
         for row in &found.rows {
             let scale = match row.owner {
                 Owner::Joint(_, k) if k >= 3 => 1.0,
@@ -1101,7 +1100,10 @@ impl<'a, R: Number> Run<'a, R> {
                 total: solved.total[index],
                 friction: solved.friction[index],
                 wanted: joint.wanted,
-                sticks: of.filter(|(slider, _)| slider.joint == index).map(|(_, mode)| mode.is_stuck()).collect(),
+                sticks: of
+                    .filter(|(slider, _)| slider.joint == index)
+                    .map(|(_, mode)| mode.is_stuck())
+                    .collect(),
             }
         });
         let [external, dissipated, stored] = [0, 1, 2].map(|i| self.state.sums[i]);
@@ -1128,10 +1130,6 @@ enum Crossing {
     Inside(f64),
     /// At its end.
     AtEnd,
-}
-
-fn value_of<R: Number>(switches: &[Switch<R>], slider: usize, cause: Cause) -> Option<R> {
-    switches.iter().find(|switch| switch.slider == slider && switch.cause == cause).map(|switch| switch.value)
 }
 
 /// Whether a switch became negative.

@@ -113,14 +113,7 @@ pub(crate) fn limit<R: Number>(
         branches.is_capped = below.less(zero);
         if is_capped {
             let none = vec![];
-            return Limit {
-                value: maximum,
-                gradient: [zero; 6],
-                turns,
-                caps,
-                branches,
-                reach: none,
-            };
+            return Limit { value: maximum, gradient: [zero; 6], turns, caps, branches, reach: none };
         }
     }
     let reach = match &parts {

@@ -174,10 +174,14 @@ impl<R: Number> Solution<R> {
             all.fold(f64::MIN_POSITIVE, f64::max)
         };
         let speed = |from: usize| {
-            largest(&|frame| frame.nodes.iter().flat_map(|node| node.velocity[from..from + 3].to_vec()).collect())
+            largest(&|frame| {
+                frame.nodes.iter().flat_map(|node| node.velocity[from..from + 3].to_vec()).collect()
+            })
         };
         let force = |from: usize| {
-            largest(&|frame| frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec()).collect())
+            largest(&|frame| {
+                frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec()).collect()
+            })
         };
         let (speeds, forces) = ([speed(0), speed(3)], [force(0), force(3)]);
         let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {

@@ -40,10 +40,18 @@ BOB, GRAV, 10., 0., -1., 0.
 fn a_pendulum_swings_as_elliptic_functions_say() {
     let quarter = 1.854_074_677_301_371_918_43_f64 * (1.0_f64 / 10.0).sqrt();
     for method in [Method::Extrapolation, Method::Collocation] {
-        let options = Options { times: vec![quarter, 2.0 * quarter], method, until: Some(2.0 * quarter), ..Options::default() };
+        let options = Options {
+            times: vec![quarter, 2.0 * quarter],
+            method,
+            until: Some(2.0 * quarter),
+            ..Options::default()
+        };
         let solution: Solution<f64> = solved(PENDULUM, &options);
         let at = |i: usize| &solution.frames[i];
-        println!("{method:?}: {} steps, {} evaluations, violation {:e}", solution.steps, solution.evaluations, solution.violation);
+        println!(
+            "{method:?}: {} steps, {} evaluations, violation {:e}",
+            solution.steps, solution.evaluations, solution.violation
+        );
         assert_eq!(solution.frames.len(), 3);
         // At the bottom after a quarter, with ω² = 2 g/L.
         let bottom = at(1).nodes.iter().find(|node| node.displacement[0].abs() > 0.5).unwrap();
@@ -123,12 +131,24 @@ fn a_block_sticks_and_slips() {
         .replace("0., 0., 10., 1.", "0., 0., 0.2, 0.1, 5., 0.1")
         .replace("*AMPLITUDE, NAME=PULL", "*AMPLITUDE, NAME=PULL, SMOOTH=0.")
         .replace("3, 1, 1, 5.", "3, 1, 1, 2.");
-    let solution: Solution<f64> = solved(&deck, &Options { times: vec![0.02, 0.04, 0.15, 1.0, 2.0], ..Options::default() });
+    let solution: Solution<f64> =
+        solved(&deck, &Options { times: vec![0.02, 0.04, 0.15, 1.0, 2.0], ..Options::default() });
     for event in &solution.events {
         println!("{:.16} {:?} {:?} {:e}", event.time, event.what, event.margin, event.lipschitz);
     }
-    println!("{} steps, {} evaluations, violation {:e}", solution.steps, solution.evaluations, solution.violation);
-    for frame in &solution.frames { println!("{:.4} {:?} {:?} {:?}", frame.time, frame.nodes.iter().map(|n| n.displacement[0]).collect::<Vec<_>>(), frame.connectors[0].velocity[0], frame.connectors[0].total[0]); }
+    println!(
+        "{} steps, {} evaluations, violation {:e}",
+        solution.steps, solution.evaluations, solution.violation
+    );
+    for frame in &solution.frames {
+        println!(
+            "{:.4} {:?} {:?} {:?}",
+            frame.time,
+            frame.nodes.iter().map(|n| n.displacement[0]).collect::<Vec<_>>(),
+            frame.connectors[0].velocity[0],
+            frame.connectors[0].total[0]
+        );
+    }
     // The end moves with 1: the spring pulls with 5 = μ m g at 0.05; ω² = 50.
     let w = 50.0_f64.sqrt();
     assert!((solution.events[0].time - 0.05).abs() < 1e-15, "{}", solution.events[0].time);
@@ -145,7 +165,11 @@ fn a_block_sticks_and_slips() {
     assert!((solution.events[2].time - end).abs() < 1e-14, "{} {end}", solution.events[2].time);
     assert_eq!(solution.events.len(), 3);
     let last = solution.frames.last().unwrap();
-    assert!((last.connectors[0].displacement[0] - at_rest).abs() < 1e-14, "{:?} {at_rest}", last.connectors[0]);
+    assert!(
+        (last.connectors[0].displacement[0] - at_rest).abs() < 1e-14,
+        "{:?} {at_rest}",
+        last.connectors[0]
+    );
     let mut compared = 0;
     for frame in &solution.frames {
         assert!(frame.energies.balance.abs() < 1e-13, "{:?}", frame.energies);
@@ -158,10 +182,4 @@ fn a_block_sticks_and_slips() {
         }
     }
     assert!(compared >= 5);
-}
-#[test]
-fn look() {
-    let deck = include_str!("../../references/drawer/deck.inp");
-    let solution: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..Options::default() });
-    println!("{}", solution.events.len());
 }

@@ -19,8 +19,8 @@ use crate::behavior::amplitude::Amplitude;
 use pintle_kinematics::catalog::component_index;
 use pintle_kinematics::scalar::{Real, Scalar};
 use pintle_scene::{
-    Application, Boundary, Code, ConditionKind, DefaultAmplitude, Diagnostic, MotionType, Procedure, Scene, Span, Step,
-    Target,
+    Application, Boundary, Code, ConditionKind, DefaultAmplitude, Diagnostic, MotionType, Procedure, Scene,
+    Span, Step, Target,
 };
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -324,10 +324,7 @@ fn on_numbers<L: Ord + Copy>(
 ///
 /// # Errors
 /// An amplitude that cannot be read.
-pub fn gravity(
-    scene: &Scene,
-    schedule: &Schedule,
-) -> Result<Vec<(Option<Target>, Drives)>, Diagnostic> {
+pub fn gravity(scene: &Scene, schedule: &Schedule) -> Result<Vec<(Option<Target>, Drives)>, Diagnostic> {
     let amplitudes = amplitudes(scene)?;
     let mut targets: Vec<Option<Target>> = Vec::new();
     let mut all: BTreeMap<usize, Drives> = BTreeMap::new();

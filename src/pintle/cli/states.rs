@@ -155,9 +155,7 @@ pub(crate) fn csv(states: &[pintle_scene::State]) -> String {
     let motions = || states.iter().flat_map(|state| state.nodes.values());
     let is_vector = motions().all(|motion| matches!(motion.rotation, Rotation::Vector(_)));
     text.push_str(if is_vector { "node,u1,u2,u3,ur1,ur2,ur3" } else { "node,u1,u2,u3,q0,q1,q2,q3" });
-    text.push_str(
-        ",flow,v1,v2,v3,vr1,vr2,vr3,flow_v,a1,a2,a3,ar1,ar2,ar3,flow_a\n",
-    );
+    text.push_str(",flow,v1,v2,v3,vr1,vr2,vr3,flow_v,a1,a2,a3,ar1,ar2,ar3,flow_a\n");
     for state in states {
         for (node, motion) in &state.nodes {
             let NodeMotion { displacement, rotation, velocity, angular_velocity, .. } = motion;

@@ -525,7 +525,8 @@ impl Criterion {
             Pressing::Component(k) => parts.linear[*k] = one,
             Pressing::Derived(_) => return None,
             Pressing::Terms(terms) => {
-                parts.magnitudes = terms.iter().map(|term| (term.factor(), term.rows(context, unit))).collect();
+                parts.magnitudes =
+                    terms.iter().map(|term| (term.factor(), term.rows(context, unit))).collect();
             }
         }
         Some(parts)
