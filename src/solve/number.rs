@@ -44,7 +44,7 @@ impl Number for Wide {
 
 /// Whether x is neither infinite nor NaN.
 pub(crate) fn is_finite<R: Number>(x: R) -> bool {
-    (x - x).magnitude().less(R::integer(1))
+    (x * R::integer(0)).magnitude().less(R::integer(1))
 }
 
 /// The larger of two numbers.

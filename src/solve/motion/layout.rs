@@ -1,11 +1,11 @@
 //! Which degrees of freedom are unknown, and which equations count.
 
-use crate::Refusal;
-use crate::equations::{Assembled, Layout, Owner};
-use crate::mechanism::Mechanism;
-use crate::mode::Mode;
+use crate::motion::mechanism::Mechanism;
+use crate::motion::mode::Mode;
+use crate::motion::rows::{Assembled, Layout, Owner};
+use crate::motion::state::DOFS;
 use crate::number::Number;
-use crate::state::DOFS;
+use crate::refusal::Refusal;
 
 /// Entries of rows below this count as zero, and rows that are nearer to a combination of others as one.
 const ZERO: f64 = 1e-9;

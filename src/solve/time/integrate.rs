@@ -1,9 +1,9 @@
 //! One-step methods of high order: extrapolation of the midpoint rule (Gragg, Bulirsch, Stoer) and Gauss collocation, which witness each
 //! other.
 
-use crate::dense::Dense;
-use crate::equations::Trouble;
-use crate::mode::Switch;
+use crate::motion::dense::Dense;
+use crate::motion::mode::Switch;
+use crate::motion::rows::Trouble;
 use crate::number::Number;
 
 /// How a solution goes on in time.

@@ -1,6 +1,6 @@
 //! The limit of a friction on its own reaction, with the derivatives by which it is solved for.
 
-use crate::mode::Branches;
+use crate::motion::mode::Branches;
 use crate::number::{Number, larger, largest};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Scalar, Seeded};

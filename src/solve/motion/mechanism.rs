@@ -1,9 +1,9 @@
 //! A scene as the bodies, joints, constraints and loads of a mechanism, on any number.
 
-use crate::Refusal;
-use crate::equations::Owner;
+use crate::motion::rows::Owner;
+use crate::motion::state::DOFS;
 use crate::number::Number;
-use crate::state::DOFS;
+use crate::refusal::Refusal;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Connector, Mask};
 use pintle_kinematics::mpc::{Constraint, Kind};

@@ -1,7 +1,7 @@
 //! What a solution consists of.
 
-use crate::integrate::Method;
 use crate::number::Number;
+use crate::time::integrate::Method;
 use pintle_scene::Label;
 use serde::Serialize;
 

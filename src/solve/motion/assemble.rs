@@ -1,0 +1,469 @@
+//! What holds at an instant: inertia, loads, the forces that follow from motions, and every equation.
+
+use crate::motion::mechanism::Mechanism;
+use crate::motion::mode::{Does, Mode};
+use crate::motion::rows::{Assembled, Beginnings, Instant, Now, Owner, Row, Trouble};
+use crate::motion::state::{DOFS, Pose, WORKS};
+use crate::number::Number;
+use pintle_kinematics::connector::{Increment, Output, Request, State as PairState, Tally, Turns};
+use pintle_kinematics::force::Want;
+use pintle_kinematics::mpc;
+use pintle_kinematics::node::{DOFS as PAIR, Node, Pair};
+use pintle_kinematics::relation::{Point, place_of};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector;
+use pintle_kinematics::vector::{add, apply, cross, dot, sub};
+use pintle_model::behavior::drive::{Drive, Prescribed};
+use pintle_model::behavior::{Conditions, Motion, Unknown};
+
+fn unknown(what: &str, why: Unknown) -> Trouble {
+    Trouble::Unknown(what.to_string(), why.in_words().to_string())
+}
+
+impl<R: Number> Mechanism<R> {
+    /// Value, rate and acceleration of what is prescribed: those that are.
+    fn prescribed(
+        &self,
+        drive: &Drive,
+        (step, time): (usize, R),
+        beginning: impl Fn(usize) -> Option<f64>,
+        what: impl Fn() -> String,
+    ) -> Result<Option<[Option<R>; 3]>, Trouble> {
+        let (zero, one) = (R::integer(0), R::integer(1));
+        let moving = R::moving(time, one, zero);
+        let real = |x: R::Time| pintle_kinematics::scalar::Scalar::real(x);
+        Ok(match drive.within(&self.schedule, step, moving, beginning) {
+            None => None,
+            Some(Prescribed::Displacement(x)) => {
+                let (first, second) = R::rates(x);
+                Some([Some(real(x)), Some(first), Some(second)])
+            }
+            Some(Prescribed::Velocity(x)) => Some([None, Some(real(x)), Some(R::rates(x).0)]),
+            Some(Prescribed::Acceleration(x)) => Some([None, None, Some(real(x))]),
+            Some(Prescribed::Unknown(_, why)) => return Err(unknown(&what(), why)),
+        })
+    }
+
+    fn load(&self, drive: &Drive, (step, time): (usize, R), what: impl Fn() -> String) -> Result<R, Trouble> {
+        match drive.within(&self.schedule, step, time, |_| None) {
+            None => Ok(R::integer(0)),
+            Some(Prescribed::Displacement(load)) => Ok(load),
+            Some(Prescribed::Unknown(_, why)) => Err(unknown(&what(), why)),
+            Some(Prescribed::Velocity(_) | Prescribed::Acceleration(_)) => {
+                Err(unknown(&what(), Unknown::External))
+            }
+        }
+    }
+
+    /// What holds at an instant, with the equations of the modes.
+    pub(crate) fn assemble(
+        &self,
+        at: &Instant<'_, R>,
+        modes: &[Mode<R>],
+        beginnings: &Beginnings,
+    ) -> Result<Assembled<R>, Trouble> {
+        let zero = R::integer(0);
+        let count = self.bodies.len();
+        let mut all = Assembled {
+            rows: Vec::new(),
+            joints: Vec::with_capacity(self.joints.len()),
+            masses: self.bodies.iter().map(|body| body.mass).collect(),
+            inertias: Vec::with_capacity(count),
+            applied: vec![zero; DOFS * count],
+            powers: [zero; WORKS],
+            rates: at.rates.to_vec(),
+            slips: at.sums.iter().skip(WORKS).copied().collect(),
+        };
+        self.loads(at, &mut all)?;
+        for index in 0..self.joints.len() {
+            self.joint(index, at, modes, beginnings, &mut all)?;
+        }
+        self.constraints(at, &mut all);
+        self.bounds(at, beginnings, &mut all)?;
+        self.springs(at, &mut all)?;
+        Ok(all)
+    }
+
+    /// Inertia and loads.
+    fn loads(&self, at: &Instant<'_, R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
+        let zero = R::integer(0);
+        let when = (at.step, at.time);
+        let mut fields = Vec::with_capacity(self.gravities.len());
+        for gravity in &self.gravities {
+            let mut field = [zero; 3];
+            for (k, drive) in gravity {
+                if let Some(entry) = field.get_mut(*k) {
+                    *entry = self.load(drive, when, || "gravity".to_string())?;
+                }
+            }
+            fields.push(field);
+        }
+        for (n, (body, (pose, rates))) in self.bodies.iter().zip(at.poses.iter().zip(at.rates)).enumerate() {
+            let inertia = vector::product(
+                &vector::product(&pose.rotation, &body.inertia),
+                &vector::transpose(&pose.rotation),
+            );
+            let spin = [rates[3], rates[4], rates[5]];
+            let gyroscopic = cross(spin, apply(&inertia, spin));
+            let mut force = [zero; 6];
+            for (k, drive) in &body.loads {
+                let load = self.load(drive, when, || format!("load on node {}", body.label))?;
+                let axis = body.axes[k % 3];
+                for i in 0..3 {
+                    force[k / 3 * 3 + i] = force[k / 3 * 3 + i] + load * axis[i];
+                }
+            }
+            for (index, mass) in &body.weights {
+                for i in 0..3 {
+                    force[i] = force[i] + *mass * fields[*index][i];
+                }
+            }
+            for (k, force) in force.into_iter().enumerate() {
+                all.powers[0] = all.powers[0] + force * rates[k];
+                all.applied[DOFS * n + k] = force - if k < 3 { zero } else { gyroscopic[k - 3] };
+            }
+            all.inertias.push(inertia);
+        }
+        Ok(())
+    }
+
+    /// A connector: its equations, and the forces that follow from its motion.
+    fn joint(
+        &self,
+        index: usize,
+        at: &Instant<'_, R>,
+        modes: &[Mode<R>],
+        beginnings: &Beginnings,
+        all: &mut Assembled<R>,
+    ) -> Result<(), Trouble> {
+        let zero = R::integer(0);
+        let joint = &self.joints[index];
+        let still = [zero; DOFS];
+        let node = |end: usize, initial: &Node<R>| match joint.ends[end].and_then(|n| at.poses.get(n)) {
+            None => *initial,
+            Some(pose) => Node {
+                displacement: pose.displacement,
+                triad: vector::product(&pose.rotation, &initial.triad),
+                flow: pose.flow,
+            },
+        };
+        let rate = |end: usize| joint.ends[end].and_then(|n| at.rates.get(n)).copied().unwrap_or(still);
+        let mut velocity = [zero; PAIR];
+        velocity[..DOFS].copy_from_slice(&rate(0));
+        velocity[DOFS..].copy_from_slice(&rate(1));
+        let state = PairState {
+            pair: Pair {
+                reference: joint.initial.reference,
+                a: node(0, &joint.initial.a),
+                b: node(1, &joint.initial.b),
+            },
+            velocity,
+            acceleration: [zero; PAIR],
+        };
+        let turned =
+            |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
+        let increment =
+            Increment { rotation: [turned(0), turned(1)], whole_turns: [[zero; 3]; 2], flow: [zero; 2] };
+        let mut tally = Tally::default();
+        let branch =
+            joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
+        let mut request = Request::nothing(1);
+        let free = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && !joint.constrained[k]);
+        let held = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && joint.constrained[k]);
+        for output in [Output::CP, Output::CU, Output::CCU, Output::CV, Output::CA] {
+            request.add(output, free);
+        }
+        for output in [Output::RES, Output::RESV, Output::RESB, Output::CP] {
+            request.add(output, held);
+        }
+        let evaluation = joint.connector.evaluate_on(&state, branch, &request, &mut tally);
+        let forces = joint.connector.force_rows_after(
+            &state,
+            &branch,
+            joint.wanted,
+            Want::default(),
+            Some(&evaluation),
+            &mut tally,
+        );
+        let spread = |row: &[R; PAIR]| -> Vec<(usize, R)> {
+            let mut found = Vec::with_capacity(PAIR);
+            for (j, entry) in row.iter().enumerate() {
+                if let Some(n) = joint.ends[j / DOFS].filter(|_| zero.less(entry.magnitude())) {
+                    found.push((DOFS * n + j % DOFS, *entry));
+                }
+            }
+            found
+        };
+        let column = |k: usize| {
+            let mut unit = [None; 6];
+            unit[k] = Some(R::integer(1));
+            if joint.wanted[k] { spread(&forces.nodal(&unit)) } else { Vec::new() }
+        };
+        let value = |of: [Option<R>; 6]| of.map(|x| x.unwrap_or(zero));
+        let rows: [Vec<(usize, R)>; 6] =
+            std::array::from_fn(|k| evaluation.jacobian[k].as_ref().map_or(Vec::new(), spread));
+        let mut now = Now {
+            position: value(evaluation.position),
+            displacement: value(evaluation.displacement),
+            motion: value(evaluation.constitutive),
+            velocity: value(evaluation.velocity),
+            bias: value(evaluation.acceleration),
+            elastic: [zero; 6],
+            viscous: [zero; 6],
+            load: [zero; 6],
+            columns: std::array::from_fn(column),
+            rows,
+            branch,
+        };
+        let behavior = &joint.behavior.behavior;
+        let motion = Motion { position: now.position, constitutive: now.motion, velocity: now.velocity };
+        let conditions = Conditions::default();
+        let elastic = behavior.elasticity.forces(&motion, &conditions);
+        let viscous = behavior.damping.forces(&motion, &conditions);
+        let when = (at.step, at.time);
+        for k in 0..6 {
+            let why = elastic.unknown[k].filter(|_| !joint.rigid[k]).or(viscous.unknown[k]);
+            if let Some(why) = why {
+                return Err(unknown(&joint.title, why));
+            }
+            now.elastic[k] = elastic.value[k].unwrap_or(zero);
+            now.viscous[k] = viscous.value[k].unwrap_or(zero);
+            if let Some(drive) = &joint.behavior.drives.loads[k] {
+                now.load[k] = self.load(drive, when, || joint.title.clone())?;
+            }
+            let known = now.elastic[k] + now.viscous[k] - now.load[k];
+            for (dof, entry) in &now.columns[k] {
+                all.applied[*dof] = all.applied[*dof] - known * *entry;
+            }
+            all.powers[0] = all.powers[0] + now.load[k] * now.velocity[k];
+            all.powers[1] = all.powers[1] + now.viscous[k] * now.velocity[k];
+            all.powers[2] = all.powers[2] + now.elastic[k] * now.velocity[k];
+        }
+        let stuck = |k: usize| {
+            let mut sliders = self.sliders.iter().zip(modes);
+            sliders.find_map(|(slider, mode)| match &mode.does {
+                Does::Sticks(position) if slider.joint == index => {
+                    slider.components.iter().any(|(of, _)| *of == k).then(|| position[k])
+                }
+                _ => None,
+            })
+        };
+        for k in (0..6).filter(|k| joint.wanted[*k]) {
+            let owner = Owner::Joint(index, k);
+            let force = now.columns[k].clone();
+            let coefficients = now.rows[k].clone();
+            // A one-form is known by its rate: steps are too long for sums along them.
+            let is_one_form = joint.connector.position_measure(k).is_some_and(|of| of.is_one_form());
+            if joint.constrained[k] {
+                all.rows.push(Row {
+                    owner,
+                    coefficients,
+                    force,
+                    residual: Some(evaluation.residual[k].unwrap_or(zero)).filter(|_| !is_one_form),
+                    rate: Some(evaluation.residual_rate[k].unwrap_or(zero)),
+                    bias: evaluation.residual_bias[k].unwrap_or(zero),
+                    driven: zero,
+                });
+                continue;
+            }
+            let [position, rate, acceleration] = if let Some(drive) = &joint.behavior.drives.motions[k] {
+                let beginning = beginnings.joint(index, k);
+                match self.prescribed(drive, when, beginning, || joint.title.clone())? {
+                    None => continue,
+                    Some([position, rate, acceleration]) => {
+                        [position.map(|p| now.displacement[k] - p), rate, acceleration]
+                    }
+                }
+            } else if joint.rigid[k] {
+                [Some(now.motion[k]), Some(zero), Some(zero)]
+            } else if let Some(at) = stuck(k) {
+                [Some(now.position[k] - at), Some(zero), Some(zero)]
+            } else {
+                continue;
+            };
+            all.rows.push(Row {
+                owner,
+                coefficients,
+                force,
+                residual: position.filter(|_| !is_one_form),
+                rate: rate.map(|rate| now.velocity[k] - rate),
+                bias: now.bias[k] - acceleration.unwrap_or(zero),
+                driven: rate.unwrap_or(now.velocity[k]),
+            });
+        }
+        all.joints.push(now);
+        Ok(())
+    }
+
+    /// Multi-point constraints and relations.
+    fn constraints(&self, at: &Instant<'_, R>, all: &mut Assembled<R>) {
+        let zero = R::integer(0);
+        let mut tally = Tally::default();
+        let mut request = Request::nothing(1);
+        for output in [Output::RES, Output::RESV, Output::RESB] {
+            request.add(output, [true; 6]);
+        }
+        let none = Turns { turns: zero, principal: zero };
+        for (index, (_, constraint, nodes)) in self.mpcs.iter().enumerate() {
+            let pose = |place: usize| nodes.get(place).and_then(|n| at.poses.get(*n)).copied();
+            let rate = |place: usize| nodes.get(place).and_then(|n| at.rates.get(*n)).copied();
+            let body = |place: usize| {
+                let pose = pose(place).unwrap_or_else(Pose::at_rest);
+                mpc::Body { displacement: pose.displacement, rotation: pose.rotation, flow: pose.flow }
+            };
+            let mut velocity = [zero; mpc::DOFS];
+            let mut angles = [None; 2];
+            for (j, entry) in velocity.iter_mut().enumerate() {
+                let (place, number) = mpc::Kind::column_dof(j);
+                *entry = rate(place).map_or(zero, |rates| rates[place_of(number)]);
+            }
+            for (i, angle) in angles.iter_mut().enumerate() {
+                *angle = pose(2 + i).map(|pose| pose.vector[2]);
+            }
+            let state = mpc::State {
+                slave: body(0),
+                master: body(1),
+                angles,
+                velocity,
+                acceleration: [zero; mpc::DOFS],
+            };
+            let found = constraint.evaluate(&state, &[none; 2], &mpc::Turning::none(), &request, &mut tally);
+            let is_there = constraint.rows();
+            for row in (0..is_there.len()).filter(|row| is_there[*row]) {
+                let Some(gradient) = &found.jacobian[row] else { continue };
+                let mut coefficients = Vec::new();
+                for (j, entry) in gradient.iter().enumerate() {
+                    let (place, number) = mpc::Kind::column_dof(j);
+                    if let Some(n) = nodes.get(place).filter(|_| zero.less(entry.magnitude())) {
+                        coefficients.push((DOFS * n + place_of(number), *entry));
+                    }
+                }
+                all.rows.push(Row {
+                    owner: Owner::Mpc(index, row),
+                    force: coefficients.clone(),
+                    coefficients,
+                    residual: found.residual[row],
+                    rate: found.residual_rate[row],
+                    bias: found.residual_bias[row].unwrap_or(zero),
+                    driven: zero,
+                });
+            }
+        }
+        for (index, (_, relation, nodes)) in self.relations.iter().enumerate() {
+            let points: Vec<Point<R>> = nodes.iter().map(|n| point(at, *n)).collect();
+            for (number, row) in relation.evaluate(&points, &request, &mut tally).into_iter().enumerate() {
+                let coefficients = spread(relation.columns(), &row.gradient, nodes);
+                all.rows.push(Row {
+                    owner: Owner::Relation(index, number),
+                    force: coefficients.clone(),
+                    coefficients,
+                    residual: Some(row.residual),
+                    rate: row.rate,
+                    bias: row.bias.unwrap_or(zero),
+                    driven: zero,
+                });
+            }
+        }
+    }
+
+    /// Boundary conditions that move, or stand across the axes.
+    fn bounds(
+        &self,
+        at: &Instant<'_, R>,
+        beginnings: &Beginnings,
+        all: &mut Assembled<R>,
+    ) -> Result<(), Trouble> {
+        let zero = R::integer(0);
+        let mut request = Request::nothing(1);
+        for output in [Output::RES, Output::RESV, Output::RESB] {
+            request.add(output, [true; 6]);
+        }
+        for (index, bound) in self.bounds.iter().enumerate() {
+            let what = || format!("boundary condition of node {}", self.bodies[bound.node].label);
+            let beginning = beginnings.node(bound.node, bound.number);
+            let Some([position, rate, acceleration]) =
+                self.prescribed(&bound.drive, (at.step, at.time), beginning, what)?
+            else {
+                continue;
+            };
+            let points = [point(at, bound.node)];
+            let found = bound.relation.evaluate(&points, &request, &mut Tally::default());
+            let Some(row) = found.into_iter().next() else { continue };
+            let coefficients = spread(bound.relation.columns(), &row.gradient, &[bound.node]);
+            all.rows.push(Row {
+                owner: Owner::Bound(index),
+                force: coefficients.clone(),
+                coefficients,
+                residual: position.map(|position| row.residual - position),
+                rate: rate.map(|rate| row.rate.unwrap_or(zero) - rate),
+                bias: row.bias.unwrap_or(zero) - acceleration.unwrap_or(zero),
+                driven: rate.unwrap_or(row.rate.unwrap_or(zero)),
+            });
+        }
+        Ok(())
+    }
+
+    /// Spring and dashpot elements.
+    fn springs(&self, at: &Instant<'_, R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
+        let zero = R::integer(0);
+        let conditions = Conditions::default();
+        for spring in &self.springs {
+            let mut row: Vec<(usize, R)> = Vec::new();
+            let (mut stretch, mut rate) = (zero, zero);
+            if let Some([i, j]) = spring.line {
+                let initial = sub(self.bodies[j].position, self.bodies[i].position);
+                let now = add(initial, sub(at.poses[j].displacement, at.poses[i].displacement));
+                let (unit, now) = R::direction_and_norm(now);
+                stretch = now - R::direction_and_norm(initial).1;
+                for k in 0..3 {
+                    row.push((DOFS * i + k, -unit[k]));
+                    row.push((DOFS * j + k, unit[k]));
+                }
+            }
+            for (node, axis, is_rotation, factor) in &spring.terms {
+                let pose = &at.poses[*node];
+                let (moved, first) = if *is_rotation { (pose.vector, 3) } else { (pose.displacement, 0) };
+                stretch = stretch + *factor * dot(*axis, moved);
+                let derivative = if *is_rotation {
+                    vector::apply_transposed(&so3::inverse_left_jacobian(pose.vector), *axis)
+                } else {
+                    *axis
+                };
+                for k in 0..3 {
+                    row.push((DOFS * node + first + k, *factor * derivative[k]));
+                }
+            }
+            for (dof, entry) in &row {
+                rate = rate + *entry * at.rates[dof / DOFS][dof % DOFS];
+            }
+            let named = |why: Unknown| unknown("a spring", why);
+            let elastic = spring.law.spring(stretch, &conditions).map_err(named)?;
+            let viscous = spring.law.dashpot(rate, &conditions).map_err(named)?;
+            for (dof, entry) in &row {
+                all.applied[*dof] = all.applied[*dof] - (elastic + viscous) * *entry;
+            }
+            all.powers[1] = all.powers[1] + viscous * rate;
+            all.powers[2] = all.powers[2] + elastic * rate;
+        }
+        Ok(())
+    }
+}
+
+fn point<R: Number>(at: &Instant<'_, R>, node: usize) -> Point<R> {
+    let pose = at.poses.get(node).copied().unwrap_or_else(Pose::at_rest);
+    Point {
+        displacement: pose.displacement,
+        rotation: pose.rotation,
+        vector: pose.vector,
+        flow: pose.flow,
+        velocity: at.rates.get(node).copied().unwrap_or([R::integer(0); DOFS]),
+        acceleration: [R::integer(0); DOFS],
+    }
+}
+
+fn spread<R: Number>(columns: &[(usize, u8)], gradient: &[R], nodes: &[usize]) -> Vec<(usize, R)> {
+    let zero = R::integer(0);
+    let all = columns.iter().zip(gradient).filter(|(_, entry)| zero.less(entry.magnitude()));
+    all.filter_map(|((place, number), entry)| Some((DOFS * nodes.get(*place)? + place_of(*number), *entry)))
+        .collect()
+}

@@ -1,0 +1,427 @@
+//! The equations of motion at one instant: M a + Σ f G + h = 0, J a + b = 0, and the limit of each friction that slips.
+
+use crate::motion::dense::{Dense, NoPivot};
+use crate::motion::mechanism::{Mechanism, Slider};
+use crate::motion::mode::{Cause, Does, Mode, Switch};
+use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
+use crate::motion::slide::{Limit, length, limit};
+use crate::motion::state::DOFS;
+use crate::number::{Number, is_finite, larger, largest};
+use pintle_kinematics::vector::{apply, dot};
+use pintle_model::behavior::Conditions;
+
+/// Accelerations and forces.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved<R> {
+    /// By node.
+    pub(crate) accelerations: Vec<[R; DOFS]>,
+    /// The force of each row.
+    pub(crate) forces: Vec<R>,
+    /// CTF of each connector.
+    pub(crate) total: Vec<[R; 6]>,
+    /// CSF of each connector.
+    pub(crate) friction: Vec<[R; 6]>,
+    /// The limit of each friction.
+    pub(crate) limits: Vec<Limit<R>>,
+    /// P of each friction.
+    pub(crate) tangential: Vec<R>,
+    /// Σ R_k n_k v_k of each friction that slips.
+    pub(crate) slip_rates: Vec<R>,
+    pub(crate) switches: Vec<Switch<R>>,
+    /// The rates of [`State::sums`].
+    pub(crate) sums: Vec<R>,
+}
+
+/// How far Newton's method goes, for friction forces.
+const ITERATIONS: usize = 60;
+
+impl<R: Number> Assembled<R> {
+    /// The matrix of accelerations and forces of rows, with `more` unknowns after them; right-hand sides are zero.
+    fn matrix(&self, layout: &Layout, (more, sides): (usize, usize)) -> Dense<R> {
+        let (n, m) = (layout.columns.len(), layout.kept.len());
+        let mut matrix = Dense::new(n + m + more, sides);
+        for (i, dof) in layout.columns.iter().enumerate() {
+            let (node, k) = (dof / DOFS, dof % DOFS);
+            match k {
+                0..3 => matrix.add(i, i, self.masses[node]),
+                3..6 => {
+                    for j in 0..3 {
+                        if let Some(place) = layout.place[DOFS * node + 3 + j] {
+                            matrix.add(i, place, self.inertias[node][k - 3][j]);
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        for (r, index) in layout.kept.iter().enumerate() {
+            let row = &self.rows[*index];
+            for (dof, entry) in &row.force {
+                if let Some(place) = layout.place[*dof] {
+                    matrix.add(place, n + r, *entry);
+                }
+            }
+            for (dof, entry) in &row.coefficients {
+                if let Some(place) = layout.place[*dof] {
+                    matrix.add(n + r, place, *entry);
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The change of the degrees of freedom, of least M-norm, that takes each row by −`gap`.
+    pub(crate) fn correction(
+        &self,
+        layout: &Layout,
+        gap: impl Fn(&Row<R>) -> Option<R>,
+    ) -> Result<Vec<R>, Trouble> {
+        let n = layout.columns.len();
+        let mut matrix = self.matrix(layout, (0, 1));
+        let side = n + layout.kept.len();
+        for (r, index) in layout.kept.iter().enumerate() {
+            matrix.add(n + r, side, -gap(&self.rows[*index]).unwrap_or(R::integer(0)));
+        }
+        let found = matrix.solve().map_err(|error| at(layout, error))?;
+        let mut change = vec![R::integer(0); layout.place.len()];
+        for (x, dof) in found.into_iter().flatten().zip(&layout.columns) {
+            change[*dof] = x;
+        }
+        Ok(change)
+    }
+
+    /// The forces that press in a connector, and those of its friction.
+    fn of_joint(
+        &self,
+        joint: usize,
+        forces: &[R],
+        layout: &Layout,
+        (stuck, slipping): (&dyn Fn(usize) -> bool, &[R; 6]),
+    ) -> ([R; 6], [R; 6]) {
+        let now = &self.joints[joint];
+        let mut pressing: [R; 6] = std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k]);
+        let mut friction = *slipping;
+        for (force, index) in forces.iter().zip(&layout.kept) {
+            if let Owner::Joint(of, k) = self.rows[*index].owner
+                && of == joint
+            {
+                if stuck(k) {
+                    friction[k] = friction[k] + *force;
+                } else {
+                    pressing[k] = pressing[k] + *force;
+                }
+            }
+        }
+        (pressing, friction)
+    }
+
+    /// Accelerations and forces in a mode. Branches of friction that `guess` knows begin from its forces.
+    pub(crate) fn solve(
+        &self,
+        mechanism: &Mechanism<R>,
+        layout: &Layout,
+        modes: &[Mode<R>],
+    ) -> Result<Solved<R>, Trouble> {
+        let zero = R::integer(0);
+        let (n, m) = (layout.columns.len(), layout.kept.len());
+        let slipping: Vec<(usize, [R; 6])> = modes
+            .iter()
+            .enumerate()
+            .filter_map(|(s, mode)| match &mode.does {
+                Does::Slips(along) => Some((s, *along)),
+                Does::Sticks(_) => None,
+            })
+            .collect();
+        let directions: Vec<[R; 6]> =
+            slipping.iter().map(|(s, along)| self.direction(&mechanism.sliders[*s], along)).collect();
+        let rate_of = |i: usize| {
+            let slider = &mechanism.sliders[slipping[i].0];
+            let now = &self.joints[slider.joint];
+            slider.components.iter().fold(zero, |sum, (k, radius)| {
+                sum + R::from_f64(*radius) * directions[i][*k] * now.velocity[*k]
+            })
+        };
+        let limit_of = |s: usize, pressing: &[R; 6], rate: R, known: bool| {
+            let slider = &mechanism.sliders[s];
+            let now = &self.joints[slider.joint];
+            let friction = mechanism.friction(slider)?;
+            let slip = self.slips.get(s).copied().unwrap_or(zero);
+            let known = known.then_some(&modes[s].branches);
+            let places = (now.position, now.motion, slip);
+            Some(limit(friction, pressing, rate, places, &Conditions::default(), known))
+        };
+        let stuck_of = |s: usize, k: usize| {
+            let joint = mechanism.sliders[s].joint;
+            let mut others = mechanism.sliders.iter().zip(modes);
+            others.any(|(slider, mode)| {
+                slider.joint == joint && mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k)
+            })
+        };
+        let friction_of = |joint: usize, tensions: &[R]| {
+            let mut friction = [zero; 6];
+            for (i, (s, _)) in slipping.iter().enumerate() {
+                let slider = &mechanism.sliders[*s];
+                if slider.joint == joint {
+                    for (k, radius) in &slider.components {
+                        friction[*k] = friction[*k] + tensions[i] * R::from_f64(*radius) * directions[i][*k];
+                    }
+                }
+            }
+            friction
+        };
+        let mut forces = vec![zero; m];
+        let mut tensions = vec![zero; slipping.len()];
+        let mut accelerations = vec![zero; n];
+        let side = n + m + slipping.len();
+        for iteration in 0.. {
+            let mut matrix = self.matrix(layout, (slipping.len(), 1));
+            for (i, dof) in layout.columns.iter().enumerate() {
+                matrix.add(i, side, self.applied[*dof]);
+            }
+            for (r, index) in layout.kept.iter().enumerate() {
+                matrix.add(n + r, side, -self.rows[*index].bias);
+            }
+            for (i, (s, _)) in slipping.iter().enumerate() {
+                let slider = &mechanism.sliders[*s];
+                let now = &self.joints[slider.joint];
+                for (k, radius) in &slider.components {
+                    let factor = R::from_f64(*radius) * directions[i][*k];
+                    for (dof, entry) in &now.columns[*k] {
+                        if let Some(place) = layout.place[*dof] {
+                            matrix.add(place, n + m + i, factor * *entry);
+                        }
+                    }
+                }
+                let stuck = |k: usize| stuck_of(*s, k);
+                let (pressing, _) = self.of_joint(slider.joint, &forces, layout, (&stuck, &[zero; 6]));
+                let Some(found) = limit_of(*s, &pressing, rate_of(i), true) else { continue };
+                matrix.add(n + m + i, n + m + i, R::integer(1));
+                let mut right = found.value;
+                for (r, index) in layout.kept.iter().enumerate() {
+                    if let Owner::Joint(of, k) = self.rows[*index].owner
+                        && of == slider.joint
+                        && !stuck(k)
+                    {
+                        matrix.add(n + m + i, n + r, -found.gradient[k]);
+                        right = right - found.gradient[k] * forces[r];
+                    }
+                }
+                matrix.add(n + m + i, side, right);
+            }
+            let found = matrix.solve().map_err(|error| at(layout, error))?;
+            let Some(found) = found.into_iter().next() else { return Err(Trouble::NotFound) };
+            if !found.iter().all(|x| is_finite(*x)) {
+                return Err(Trouble::NotFinite);
+            }
+            let size = largest(found[n..].iter().copied());
+            let change =
+                largest(found[n..].iter().zip(forces.iter().chain(&tensions)).map(|(new, old)| *new - *old));
+            accelerations.copy_from_slice(&found[..n]);
+            forces.copy_from_slice(&found[n..n + m]);
+            tensions.copy_from_slice(&found[n + m..]);
+            let is_done = !(size * R::from_f64(1e3 * R::ROUNDING)).less(change);
+            if slipping.is_empty() || is_done {
+                break;
+            }
+            if iteration >= ITERATIONS {
+                return Err(Trouble::NotFound);
+            }
+        }
+        // What equations hold, and nothing drives, rests bit for bit.
+        for (unknowns, rows) in &layout.determined {
+            if rows.iter().all(|row| !zero.less(self.rows[*row].bias.magnitude())) {
+                unknowns.iter().for_each(|i| accelerations[*i] = zero);
+            }
+        }
+        let mut solved = Solved {
+            accelerations: vec![[zero; DOFS]; self.masses.len()],
+            total: Vec::with_capacity(self.joints.len()),
+            friction: Vec::with_capacity(self.joints.len()),
+            limits: Vec::with_capacity(modes.len()),
+            tangential: Vec::with_capacity(modes.len()),
+            slip_rates: Vec::with_capacity(modes.len()),
+            switches: Vec::new(),
+            sums: self.powers.to_vec(),
+            forces,
+        };
+        for (x, dof) in accelerations.iter().zip(&layout.columns) {
+            solved.accelerations[dof / DOFS][dof % DOFS] = *x;
+        }
+        for (joint, _) in self.joints.iter().enumerate() {
+            let slipping_friction = friction_of(joint, &tensions);
+            let stuck = |k: usize| {
+                let mut others = mechanism.sliders.iter().zip(modes);
+                others.any(|(slider, mode)| {
+                    slider.joint == joint
+                        && mode.is_stuck()
+                        && slider.components.iter().any(|(of, _)| *of == k)
+                })
+            };
+            let (pressing, friction) =
+                self.of_joint(joint, &solved.forces, layout, (&stuck, &slipping_friction));
+            solved.total.push(std::array::from_fn(|k| pressing[k] + friction[k]));
+            solved.friction.push(friction);
+            let rates = &self.joints[joint].velocity;
+            for k in 0..6 {
+                solved.sums[1] = solved.sums[1] + slipping_friction[k] * rates[k];
+            }
+        }
+        for (force, index) in solved.forces.iter().zip(&layout.kept) {
+            let row = &self.rows[*index];
+            solved.sums[0] = solved.sums[0] - *force * row.driven;
+        }
+        for (s, (slider, mode)) in mechanism.sliders.iter().zip(modes).enumerate() {
+            let total = &solved.total[slider.joint];
+            let friction = &solved.friction[slider.joint];
+            let mut pressing: [R; 6] = std::array::from_fn(|k| total[k] - friction[k]);
+            for k in 0..6 {
+                if !self.is_available(mechanism, slider.joint, k) {
+                    pressing[k] = total[k];
+                }
+            }
+            let of_slip = slipping.iter().position(|(of, _)| *of == s);
+            let rate = of_slip.map_or(zero, &rate_of);
+            let Some(found) = limit_of(s, &pressing, rate, of_slip.is_some()) else { continue };
+            let tractions: Vec<R> = slider
+                .components
+                .iter()
+                .map(|(k, radius)| friction[*k] * R::from_f64(*radius).reciprocal_or_zero())
+                .collect();
+            let tangential = length(&tractions);
+            let mut push = |cause, value, scale| {
+                solved.switches.push(Switch { slider: s, cause, value, scale });
+            };
+            match mode.is_stuck() {
+                true => push(Cause::Breaks, found.value - tangential, larger(found.value, tangential)),
+                false => {
+                    push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
+                    for [value, scale] in &found.turns {
+                        push(Cause::Turns, *value, *scale);
+                    }
+                    if let Some([value, scale]) = found.caps {
+                        push(Cause::Caps, value, scale);
+                    }
+                }
+            }
+            solved.sums.push(rate);
+            solved.slip_rates.push(rate);
+            solved.tangential.push(tangential);
+            solved.limits.push(found);
+        }
+        Ok(solved)
+    }
+
+    fn is_available(&self, mechanism: &Mechanism<R>, joint: usize, k: usize) -> bool {
+        !mechanism.joints[joint].constrained[k]
+    }
+
+    /// n of a slipping friction: its velocity's direction of R_k v_k; of one component, and where it is at rest, the one it has.
+    fn direction(&self, slider: &Slider, along: &[R; 6]) -> [R; 6] {
+        if slider.components.len() == 1 {
+            return *along;
+        }
+        let now = &self.joints[slider.joint];
+        let moving: Vec<R> =
+            slider.components.iter().map(|(k, radius)| R::from_f64(*radius) * now.velocity[*k]).collect();
+        let size = length(&moving);
+        if !R::from_f64(1e-14).less(size) {
+            return *along;
+        }
+        let mut found = [R::integer(0); 6];
+        for ((k, _), x) in slider.components.iter().zip(moving) {
+            found[*k] = x / size;
+        }
+        found
+    }
+
+    /// How strongly the limits of frictions may depend on friction: the largest row sum of μ ∂F_N/∂T (κ). Below 1 the friction forces are
+    /// the only ones.
+    pub(crate) fn lipschitz(
+        &self,
+        mechanism: &Mechanism<R>,
+        layout: &Layout,
+        (modes, solved): (&[Mode<R>], &Solved<R>),
+    ) -> Result<R, Trouble> {
+        let zero = R::integer(0);
+        let (n, m) = (layout.columns.len(), layout.kept.len());
+        let acting: Vec<usize> = (0..modes.len()).filter(|s| !modes[*s].is_stuck()).collect();
+        if acting.is_empty() {
+            return Ok(zero);
+        }
+        let mut matrix = self.matrix(layout, (0, acting.len()));
+        for (i, s) in acting.iter().enumerate() {
+            let slider = &mechanism.sliders[*s];
+            let Does::Slips(along) = &modes[*s].does else { continue };
+            let direction = self.direction(slider, along);
+            for (k, radius) in &slider.components {
+                for (dof, entry) in &self.joints[slider.joint].columns[*k] {
+                    if let Some(place) = layout.place[*dof] {
+                        let force = R::from_f64(*radius) * direction[*k] * *entry;
+                        matrix.add(place, n + m + i, -force);
+                    }
+                }
+            }
+        }
+        let found = matrix.solve().map_err(|error| at(layout, error))?;
+        let mut most = zero;
+        for s in &acting {
+            let joint = mechanism.sliders[*s].joint;
+            let Some(limit) = solved.limits.get(*s) else { continue };
+            let mut sum = zero;
+            for response in &found {
+                let mut change = [zero; 6];
+                for (r, index) in layout.kept.iter().enumerate() {
+                    if let Owner::Joint(of, k) = self.rows[*index].owner
+                        && of == joint
+                    {
+                        change[k] = change[k] + response[n + r];
+                    }
+                }
+                for (factor, rows) in &limit.reach {
+                    let vector: Vec<R> = rows
+                        .iter()
+                        .map(|row| row.iter().zip(&change).fold(zero, |sum, (x, y)| sum + *x * *y))
+                        .collect();
+                    sum = sum + *factor * length(&vector);
+                }
+            }
+            most = larger(most, sum);
+        }
+        Ok(most)
+    }
+
+    /// ½ Σ v·M v.
+    pub(crate) fn kinetic(&self) -> R {
+        let mut twice = R::integer(0);
+        for ((mass, inertia), rates) in self.masses.iter().zip(&self.inertias).zip(&self.rates) {
+            let (v, w) = ([rates[0], rates[1], rates[2]], [rates[3], rates[4], rates[5]]);
+            twice = twice + *mass * dot(v, v) + dot(w, apply(inertia, w));
+        }
+        twice * R::ratio(1, 2)
+    }
+
+    /// Whether a node has mass, or inertia, in a degree of freedom.
+    pub(crate) fn has_inertia(&self, dof: usize) -> bool {
+        let zero = R::integer(0);
+        let (node, k) = (dof / DOFS, dof % DOFS);
+        match k {
+            0..3 => zero.less(self.masses[node].magnitude()),
+            3..6 => self.inertias[node].iter().flatten().any(|x| zero.less(x.magnitude())),
+            _ => false,
+        }
+    }
+
+    /// Whether a load acts in a degree of freedom.
+    pub(crate) fn is_loaded(&self, dof: usize) -> bool {
+        R::integer(0).less(self.applied[dof].magnitude())
+    }
+}
+
+fn at(layout: &Layout, NoPivot { column }: NoPivot) -> Trouble {
+    let (n, m) = (layout.columns.len(), layout.kept.len());
+    Trouble::Singular(match column {
+        k if k < n => NoPivotAt::Freedom(layout.columns[k]),
+        k if k < n + m => NoPivotAt::Row(layout.kept[k - n]),
+        k => NoPivotAt::Slider(k - n - m),
+    })
+}

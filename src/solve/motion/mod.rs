@@ -1,0 +1,22 @@
+//! The mechanics: a scene as a mechanism, and its equations of motion at one instant.
+//!
+//! | module | question |
+//! |---|---|
+//! | `mechanism` | which bodies, joints, constraints and loads are there? |
+//! | `state` | where are the nodes, and how fast? |
+//! | `mode` | which friction sticks, which slips, and what ends that? |
+//! | `rows`, `assemble` | which equations hold at an instant, and what acts? |
+//! | `slide` | what is the limit of a friction at some forces, with its derivatives? |
+//! | `equations` | which accelerations and forces follow? |
+//! | `layout` | which equations count, where some repeat others? |
+//! | `dense` | small systems of linear equations on any number |
+
+pub(crate) mod assemble;
+pub(crate) mod dense;
+pub(crate) mod equations;
+pub(crate) mod layout;
+pub(crate) mod mechanism;
+pub(crate) mod mode;
+pub(crate) mod rows;
+pub(crate) mod slide;
+pub(crate) mod state;

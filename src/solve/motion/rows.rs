@@ -1,0 +1,151 @@
+//! Equations as rows, and what is known of an instant before accelerations are.
+
+use crate::motion::state::{DOFS, Pose, State, WORKS};
+use crate::number::Number;
+use pintle_kinematics::connector::Branch;
+use pintle_kinematics::vector::{Matrix, Vector};
+
+/// What an equation belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Owner {
+    /// A component of a connector (both from 0).
+    Joint(usize, usize),
+    Mpc(usize, usize),
+    Relation(usize, usize),
+    Bound(usize),
+}
+
+/// One equation.
+#[derive(Clone, Debug)]
+pub(crate) struct Row<R> {
+    pub(crate) owner: Owner,
+    /// By degree of freedom, 7 for each node.
+    pub(crate) coefficients: Vec<(usize, R)>,
+    /// The nodal forces of a unit of its force.
+    pub(crate) force: Vec<(usize, R)>,
+    /// What must be zero, unless only rates are prescribed.
+    pub(crate) residual: Option<R>,
+    /// Its rate, unless only accelerations are.
+    pub(crate) rate: Option<R>,
+    /// The part of its acceleration that accelerations do not enter.
+    pub(crate) bias: R,
+    /// The rate that is prescribed, by which its force does work.
+    pub(crate) driven: R,
+}
+
+/// A connector at one instant.
+#[derive(Clone, Debug)]
+pub(crate) struct Now<R> {
+    pub(crate) position: [R; 6],
+    pub(crate) displacement: [R; 6],
+    pub(crate) motion: [R; 6],
+    pub(crate) velocity: [R; 6],
+    /// J̇ q̇ of each position.
+    pub(crate) bias: [R; 6],
+    pub(crate) elastic: [R; 6],
+    pub(crate) viscous: [R; 6],
+    pub(crate) load: [R; 6],
+    /// The nodal forces of a unit of each component's force.
+    pub(crate) columns: [Vec<(usize, R)>; 6],
+    /// The derivatives of each position.
+    pub(crate) rows: [Vec<(usize, R)>; 6],
+    pub(crate) branch: Branch<R>,
+}
+
+/// All that is known of one instant before accelerations are.
+#[derive(Clone, Debug)]
+pub(crate) struct Assembled<R> {
+    pub(crate) rows: Vec<Row<R>>,
+    pub(crate) joints: Vec<Now<R>>,
+    pub(crate) masses: Vec<R>,
+    pub(crate) inertias: Vec<Matrix<R>>,
+    /// −h: loads less what springs and rotation take.
+    pub(crate) applied: Vec<R>,
+    /// The power of loads, of dampers, into springs.
+    pub(crate) powers: [R; WORKS],
+    pub(crate) rates: Vec<[R; DOFS]>,
+    pub(crate) slips: Vec<R>,
+}
+
+/// Why an instant has no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum Trouble {
+    /// Nothing determines an acceleration or force.
+    #[error("singular")]
+    Singular(NoPivotAt),
+    /// The friction forces were not found.
+    #[error("the friction forces were not found")]
+    NotFound,
+    /// Something that acts is not known.
+    #[error("{0}: {1}")]
+    Unknown(String, String),
+    /// A number overflows.
+    #[error("a number is not finite")]
+    NotFinite,
+}
+
+/// What has no pivot: a degree of freedom, or an equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoPivotAt {
+    Freedom(usize),
+    Row(usize),
+    Slider(usize),
+}
+
+/// An instant that is asked about.
+#[derive(Clone, Copy)]
+pub(crate) struct Instant<'a, R> {
+    pub(crate) time: R,
+    pub(crate) step: usize,
+    pub(crate) poses: &'a [Pose<R>],
+    pub(crate) rates: &'a [[R; DOFS]],
+    pub(crate) sums: &'a [R],
+    /// How far each node has turned since the state of the branches.
+    pub(crate) turned: &'a [Vector<R>],
+    pub(crate) branches: &'a [Branch<R>],
+}
+
+impl<'a, R: Number> Instant<'a, R> {
+    /// A state by itself.
+    pub(crate) fn of(state: &'a State<R>, step: usize, still: &'a [Vector<R>]) -> Self {
+        Self {
+            time: state.time,
+            step,
+            poses: &state.poses,
+            rates: &state.rates,
+            sums: &state.sums,
+            turned: still,
+            branches: &state.branches,
+        }
+    }
+}
+
+/// Displacements of components at the beginnings of steps, of connectors and of boundary conditions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Beginnings {
+    pub(crate) joints: Vec<Vec<[f64; 6]>>,
+    pub(crate) nodes: Vec<Vec<[f64; 6]>>,
+}
+
+impl Beginnings {
+    pub(crate) fn joint(&self, joint: usize, k: usize) -> impl Fn(usize) -> Option<f64> + '_ {
+        move |step| self.joints.get(step)?.get(joint).map(|all| all[k])
+    }
+
+    pub(crate) fn node(&self, node: usize, k: usize) -> impl Fn(usize) -> Option<f64> + '_ {
+        move |step| self.nodes.get(step)?.get(node).map(|all| all[k])
+    }
+}
+
+/// Which degrees of freedom are unknowns, which equations count, and what stands still.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Layout {
+    /// The unknowns, as degrees of freedom.
+    pub(crate) columns: Vec<usize>,
+    /// The unknown of each degree of freedom.
+    pub(crate) place: Vec<Option<usize>>,
+    /// The equations that count: the others follow from them.
+    pub(crate) kept: Vec<usize>,
+    /// Sets of unknowns that equations alone determine, each with these equations.
+    pub(crate) determined: Vec<(Vec<usize>, Vec<usize>)>,
+}

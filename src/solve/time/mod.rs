@@ -1,0 +1,15 @@
+//! The motion in time: steps, events, modes, and what is kept of them.
+//!
+//! | module | question |
+//! |---|---|
+//! | `integrate` | two methods of high order |
+//! | `step` | from a state to the next: one step, the event within it, back to the constraints |
+//! | `choose` | what sticks and what slips after an event? |
+//! | `run` | from the first time to the last |
+//! | `solution` | what is kept |
+
+pub(crate) mod choose;
+pub(crate) mod integrate;
+pub(crate) mod run;
+pub(crate) mod solution;
+pub(crate) mod step;

@@ -1,0 +1,424 @@
+//! From time to time: steps, events, modes.
+
+use crate::motion::equations::Solved;
+use crate::motion::mechanism::Mechanism;
+use crate::motion::mode::Mode;
+use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
+use crate::motion::state::{DOFS, Pose, State, WORKS};
+use crate::number::{Number, larger};
+use crate::refusal::Refusal;
+use crate::time::integrate::{Method, Rule};
+use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
+use pintle_kinematics::vector::Vector;
+use pintle_model::evaluate::Model;
+use pintle_scene::{Rotation, Scene};
+
+/// What is asked of a solution.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// How many digits are wanted.
+    pub digits: usize,
+    /// How it goes on in time.
+    pub method: Method,
+    /// When it ends; none is the end of the last step.
+    pub until: Option<f64>,
+    /// The times asked for, besides the beginning and the end.
+    pub times: Vec<f64>,
+    /// Where it begins.
+    pub from: Option<pintle_scene::State>,
+    /// The most steps.
+    pub most_steps: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            digits: 14,
+            method: Method::default(),
+            until: None,
+            times: Vec::new(),
+            from: None,
+            most_steps: 1_000_000,
+        }
+    }
+}
+
+/// Where a solution ended early.
+#[derive(Clone, Debug)]
+pub struct Ended<R> {
+    /// What is known of it.
+    pub solution: Solution<R>,
+    /// When it ended.
+    pub time: f64,
+    /// Why.
+    pub why: Refusal,
+}
+
+/// A solution in the making.
+pub(crate) struct Run<'a, R: Number> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) model: &'a Model,
+    pub(crate) options: &'a Options,
+    pub(crate) rule: Rule<R>,
+    pub(crate) mechanism: Mechanism<R>,
+    pub(crate) beginnings: Beginnings,
+    pub(crate) step: usize,
+    pub(crate) state: State<R>,
+    pub(crate) modes: Vec<Mode<R>>,
+    pub(crate) layout: Layout,
+    pub(crate) kinetic: R,
+    pub(crate) solution: Solution<R>,
+    /// The length of the next step.
+    pub(crate) h: f64,
+}
+
+/// Solves a scene: every step that takes time, from its initial state or the one given.
+///
+/// # Errors
+/// What is not solved, before it begins; or where it ends early, with the solution so far.
+pub fn solve<R: Number>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
+    let nothing =
+        |why: Refusal| Box::new(Ended { solution: Solution::empty(options.method), time: 0.0, why });
+    let model = Model::compile(scene).map_err(|error| nothing(error.into()))?;
+    let mut run = Run::new(scene, &model, options).map_err(nothing)?;
+    match run.all() {
+        Ok(()) => Ok(run.solution),
+        Err(why) => Err(Box::new(Ended { time: run.state.time.to_f64(), solution: run.solution, why })),
+    }
+}
+
+impl<R> Solution<R> {
+    fn empty(method: Method) -> Self {
+        Self {
+            nodes: Vec::new(),
+            connectors: Vec::new(),
+            frames: Vec::new(),
+            events: Vec::new(),
+            lipschitz: 0.0,
+            method,
+            steps: 0,
+            evaluations: 0,
+            violation: 0.0,
+        }
+    }
+}
+
+impl<'a, R: Number> Run<'a, R> {
+    pub(crate) fn new(scene: &'a Scene, model: &'a Model, options: &'a Options) -> Result<Self, Refusal> {
+        let mechanism: Mechanism<R> = Mechanism::new(scene, model, 0)?;
+        if mechanism.schedule.is_empty() {
+            return Err(Refusal::of(
+                &scene.name,
+                "there is no step with a known length",
+                "add *STEP, *DYNAMIC with its initial increment and length, *END STEP",
+            ));
+        }
+        let zero = R::integer(0);
+        let mut state = State {
+            time: zero,
+            poses: vec![Pose::at_rest(); mechanism.bodies.len()],
+            rates: vec![[zero; DOFS]; mechanism.bodies.len()],
+            branches: mechanism.joints.iter().map(|joint| joint.connector.initial_branch()).collect(),
+            sums: vec![zero; WORKS + mechanism.sliders.len()],
+        };
+        if let Some(from) = &options.from {
+            state.time = R::from_f64(from.time.unwrap_or(0.0));
+            for (body, (pose, rates)) in
+                mechanism.bodies.iter().zip(state.poses.iter_mut().zip(&mut state.rates))
+            {
+                let Some(motion) = from.nodes.get(&body.label) else { continue };
+                let vector = match motion.rotation {
+                    Rotation::Vector(vector) => vector,
+                    Rotation::Quaternion(q) => pintle_kinematics::so3::log_quaternion(q),
+                };
+                *pose = Pose {
+                    displacement: motion.displacement.map(R::from_f64),
+                    vector: vector.map(R::from_f64),
+                    rotation: pintle_kinematics::so3::turn(vector.map(R::from_f64)),
+                    flow: R::from_f64(motion.flow),
+                };
+                let all =
+                    motion.velocity.iter().chain(&motion.angular_velocity).chain([&motion.flow_velocity]);
+                for (rate, x) in rates.iter_mut().zip(all) {
+                    *rate = R::from_f64(*x);
+                }
+            }
+        }
+        let mut solution = Solution::empty(options.method);
+        solution.nodes = mechanism.bodies.iter().map(|body| body.label).collect();
+        solution.connectors =
+            mechanism.joints.iter().map(|joint| (joint.label, joint.title.clone())).collect();
+        let rule = Rule::new(options.method, options.digits);
+        let mut run = Self {
+            scene,
+            model,
+            options,
+            rule,
+            beginnings: Beginnings::default(),
+            step: 0,
+            modes: Vec::new(),
+            layout: Layout::default(),
+            kinetic: zero,
+            state,
+            solution,
+            mechanism,
+            h: 0.0,
+        };
+        if options.from.is_some() {
+            run.follow_given();
+        }
+        Ok(run)
+    }
+
+    /// Takes the histories of connectors to a state that is given: the whole rotation is their increment.
+    pub(crate) fn follow_given(&mut self) {
+        let turned: Vec<Vector<R>> = self.state.poses.iter().map(|pose| pose.vector).collect();
+        let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
+        if let Ok(found) = self.mechanism.assemble(&instant, &[], &self.beginnings) {
+            self.state.branches = found.joints.iter().map(|now| now.branch).collect();
+        }
+    }
+
+    pub(crate) fn all(&mut self) -> Result<(), Refusal> {
+        let begin = self.state.time.to_f64();
+        for step in 0..self.mechanism.schedule.len() {
+            let Some(([from, to], is_dynamic)) = self.mechanism.schedule.span(step) else { break };
+            if to <= begin && to > 0.0 {
+                continue;
+            }
+            let to = self.options.until.map_or(to, |until| until.min(to));
+            if to < from || to <= begin && begin > 0.0 {
+                break;
+            }
+            if !is_dynamic {
+                return Err(Refusal::of(
+                    &format!("step {}", step + 1),
+                    "a static step is not solved yet",
+                    "use *DYNAMIC, with damping where rest is wanted",
+                ));
+            }
+            if step > 0 {
+                let held = std::mem::take(&mut self.mechanism.held);
+                self.mechanism = Mechanism::new(self.scene, self.model, step)?;
+                drop(held);
+            }
+            self.step = step;
+            self.one(to)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn say(&self, trouble: Trouble) -> Refusal {
+        let time = self.state.time.to_f64();
+        match trouble {
+            Trouble::Unknown(what, why) => Refusal::of(&what, &why, "give it, or take it out"),
+            Trouble::Singular(NoPivotAt::Freedom(dof)) => Refusal::of(
+                &self.mechanism.freedom(dof),
+                &format!("nothing determines how it accelerates at time {time}"),
+                "give *MASS or *ROTARY INERTIA to its node, or hold it by *BOUNDARY",
+            ),
+            Trouble::Singular(NoPivotAt::Row(row)) => {
+                let owner = self.rows().get(row).copied();
+                let named =
+                    owner.map_or_else(|| "a constraint".to_string(), |owner| self.mechanism.named(owner));
+                Refusal::of(
+                    &named,
+                    &format!(
+                        "its force is not determined at time {time}: the position is singular, or its nodes have no inertia"
+                    ),
+                    "give its nodes *MASS and *ROTARY INERTIA; pintle audit names constraints that repeat each other",
+                )
+            }
+            Trouble::Singular(NoPivotAt::Slider(_)) | Trouble::NotFound => Refusal::of(
+                "friction",
+                &format!("no friction forces were found at time {time} (κ = {:.3})", self.solution.lipschitz),
+                "a coefficient so large that the mechanism jams has no solution, or several",
+            ),
+            Trouble::NotFinite => Refusal::of(
+                "the solution",
+                &format!("a number overflows at time {time}"),
+                "check masses and stiffnesses",
+            ),
+        }
+    }
+
+    pub(crate) fn rows(&self) -> Vec<Owner> {
+        let still = vec![[R::integer(0); 3]; self.state.poses.len()];
+        let instant = Instant::of(&self.state, self.step, &still);
+        let found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings);
+        found.map_or(Vec::new(), |found| found.rows.iter().map(|row| row.owner).collect())
+    }
+
+    pub(crate) fn assembled(&self, modes: &[Mode<R>]) -> Result<Assembled<R>, Trouble> {
+        let still = vec![[R::integer(0); 3]; self.state.poses.len()];
+        self.mechanism.assemble(&Instant::of(&self.state, self.step, &still), modes, &self.beginnings)
+    }
+
+    /// One step of the scene, to a time.
+    pub(crate) fn one(&mut self, to: f64) -> Result<(), Refusal> {
+        self.begin()?;
+        let mut stops: Vec<(f64, bool)> = vec![(to, true)];
+        stops.extend(self.options.times.iter().map(|time| (*time, true)));
+        stops.extend(self.breaks().into_iter().map(|time| (time, false)));
+        let now = self.state.time.to_f64();
+        stops.retain(|(time, _)| *time > now && *time <= to);
+        stops.sort_by(|one, two| one.0.total_cmp(&two.0).then(two.1.cmp(&one.1)));
+        stops.dedup_by_key(|(time, _)| *time);
+        if self.solution.frames.is_empty() {
+            self.record(false)?;
+        }
+        if self.h <= 0.0 {
+            self.h = (to - now) * 1e-3;
+        }
+        let breaks = self.breaks();
+        for (time, is_frame) in stops {
+            self.reach(time)?;
+            if is_frame {
+                self.record(false)?;
+            }
+            if breaks.contains(&time) && time < to {
+                self.pass()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes past a time at which something that acts is not smooth: rates that are prescribed may jump there, and so may loads.
+    pub(crate) fn pass(&mut self) -> Result<(), Refusal> {
+        let time = self.state.time;
+        self.state.time =
+            time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
+        self.project()?;
+        let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
+        self.choose(&open, None)
+    }
+
+    /// The times at which something that acts is not smooth.
+    pub(crate) fn breaks(&self) -> Vec<f64> {
+        let mechanism = &self.mechanism;
+        let mut found = Vec::new();
+        let joints = mechanism.joints.iter().flat_map(|joint| {
+            let drives = &joint.behavior.drives;
+            drives.motions.iter().chain(&drives.loads).flatten()
+        });
+        let nodes = mechanism.bodies.iter().flat_map(|body| body.loads.iter().map(|(_, drive)| drive));
+        let bounds = mechanism.bounds.iter().map(|bound| &bound.drive);
+        let gravities = mechanism.gravities.iter().flatten().map(|(_, drive)| drive);
+        for drive in joints.chain(nodes).chain(bounds).chain(gravities) {
+            found.extend(drive.breaks(self.step));
+        }
+        found
+    }
+
+    /// The beginning of a step: where things are, what sticks, rates that fit.
+    pub(crate) fn begin(&mut self) -> Result<(), Refusal> {
+        let none: Vec<Mode<R>> = Vec::new();
+        let found = self.assembled(&none).map_err(|trouble| self.say(trouble))?;
+        let joints = found.joints.iter().map(|now| now.displacement.map(Number::to_f64)).collect();
+        let nodes = self.state.poses.iter().map(|pose| {
+            let [a, b, c] = pose.displacement.map(Number::to_f64);
+            let [d, e, f] = pose.vector.map(Number::to_f64);
+            [a, b, c, d, e, f]
+        });
+        self.beginnings.nodes.resize(self.step, Vec::new());
+        self.beginnings.nodes.push(nodes.collect());
+        self.beginnings.joints.resize(self.step, Vec::new());
+        self.beginnings.joints.push(joints);
+        // Rates that fit, with nothing stuck; then what stands may stick.
+        self.modes = none;
+        let found = self.assembled(&[]).map_err(|trouble| self.say(trouble))?;
+        self.layout = Layout::new(&self.mechanism, &found, &[])?;
+        self.project()?;
+        let found = self.assembled(&[]).map_err(|trouble| self.say(trouble))?;
+        let speed = self.speed();
+        let mut open = Vec::new();
+        self.modes = self
+            .mechanism
+            .sliders
+            .iter()
+            .enumerate()
+            .map(|(s, slider)| {
+                let now = &found.joints[slider.joint];
+                let mut along = [R::integer(0); 6];
+                for (k, radius) in &slider.components {
+                    along[*k] = R::from_f64(*radius) * now.velocity[*k];
+                }
+                let size = crate::motion::slide::length(&along);
+                if size.to_f64() <= 1e-12 * speed {
+                    open.push(s);
+                    return Mode::sticks(now.position);
+                }
+                Mode::slips(along.map(|x| x / size))
+            })
+            .collect();
+        self.choose(&open, None)?;
+        if self.solution.frames.is_empty() {
+            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+            self.kinetic = found.kinetic();
+        }
+        Ok(())
+    }
+
+    /// The equations that count in a mode, and its solution.
+    pub(crate) fn instant(
+        &mut self,
+        modes: &[Mode<R>],
+    ) -> Result<(Assembled<R>, Layout, Solved<R>), Refusal> {
+        self.solution.evaluations += 1;
+        let found = self.assembled(modes).map_err(|trouble| self.say(trouble))?;
+        let layout = Layout::new(&self.mechanism, &found, modes)?;
+        let solved = found.solve(&self.mechanism, &layout, modes).map_err(|trouble| self.say(trouble))?;
+        Ok((found, layout, solved))
+    }
+
+    /// Keeps this state as a frame.
+    pub(crate) fn record(&mut self, is_event: bool) -> Result<(), Refusal> {
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let solved =
+            found.solve(&self.mechanism, &self.layout, &self.modes).map_err(|trouble| self.say(trouble))?;
+        for row in &found.rows {
+            let scale = match row.owner {
+                Owner::Joint(_, k) if k >= 3 => 1.0,
+                Owner::Mpc(_, row) if (3..6).contains(&row) => 1.0,
+                _ => self.mechanism.length,
+            };
+            let gap = row.residual.map_or(0.0, |gap| gap.to_f64().abs() / scale);
+            self.solution.violation = self.solution.violation.max(gap);
+        }
+        let six = |all: &[R; DOFS]| [all[0], all[1], all[2], all[3], all[4], all[5]];
+        let nodes = self.state.poses.iter().enumerate().map(|(node, pose)| NodeFrame {
+            displacement: pose.displacement,
+            rotation: pose.vector,
+            velocity: six(&self.state.rates[node]),
+            acceleration: six(&solved.accelerations[node]),
+        });
+        let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
+            let now = &found.joints[index];
+            let of = self.mechanism.sliders.iter().zip(&self.modes);
+            ConnectorFrame {
+                position: now.position,
+                displacement: now.displacement,
+                velocity: now.velocity,
+                total: solved.total[index],
+                friction: solved.friction[index],
+                wanted: joint.wanted,
+                sticks: of
+                    .filter(|(slider, _)| slider.joint == index)
+                    .map(|(_, mode)| mode.is_stuck())
+                    .collect(),
+            }
+        });
+        let [external, dissipated, stored] = [0, 1, 2].map(|i| self.state.sums[i]);
+        let kinetic = found.kinetic();
+        let balance = kinetic + stored + dissipated - external - self.kinetic;
+        let frame = Frame {
+            time: self.state.time,
+            nodes: nodes.collect(),
+            connectors: connectors.collect(),
+            energies: Energies { kinetic, external, dissipated, stored, balance },
+            is_event,
+        };
+        self.solution.frames.push(frame);
+        Ok(())
+    }
+}

@@ -1,0 +1,450 @@
+//! From a state to the next: one step, the event within it, and back to the constraints.
+
+use crate::motion::equations::Solved;
+use crate::motion::mode::{Cause, Switch};
+use crate::motion::rows::{Instant, Owner, Trouble};
+use crate::motion::state::{DOFS, Pose, State, WORKS};
+use crate::number::{Number, larger, largest};
+use crate::refusal::Refusal;
+use crate::time::integrate::{Slope, Tried};
+use crate::time::run::Run;
+use pintle_kinematics::vector::Vector;
+
+/// Where nodes are, how fast, and how far each has turned.
+type Moved<R> = (Vec<Pose<R>>, Vec<[R; DOFS]>, Vec<Vector<R>>);
+
+impl<R: Number> Run<'_, R> {
+    /// Which rotations of a node are unknown.
+    pub(crate) fn turns(&self, node: usize) -> [bool; 3] {
+        [3, 4, 5].map(|k| self.layout.place.get(DOFS * node + k).is_some_and(Option::is_some))
+    }
+
+    /// The state after the unknowns have moved.
+    pub(crate) fn unpacked(
+        &self,
+        base: &State<R>,
+        y: &[R],
+        with_vectors: bool,
+    ) -> Moved<R> {
+        let zero = R::integer(0);
+        let n = self.layout.columns.len();
+        let mut moved = vec![[zero; DOFS]; base.poses.len()];
+        let mut rates = base.rates.clone();
+        for (i, dof) in self.layout.columns.iter().enumerate() {
+            moved[dof / DOFS][dof % DOFS] = y[i];
+            rates[dof / DOFS][dof % DOFS] = y[n + i];
+        }
+        let poses = base.poses.iter().zip(&moved).enumerate();
+        let poses = poses.map(|(node, (pose, by))| pose.moved(by, self.turns(node), with_vectors)).collect();
+        let turned = moved.iter().map(|by| [by[3], by[4], by[5]]).collect();
+        (poses, rates, turned)
+    }
+
+    /// ẏ.
+    pub(crate) fn flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+        let n = self.layout.columns.len();
+        let (poses, rates, turned) = self.unpacked(base, y, self.mechanism.needs_vectors());
+        let instant = Instant {
+            time,
+            step: self.step,
+            poses: &poses,
+            rates: &rates,
+            sums: y.get(2 * n..).unwrap_or_default(),
+            turned: &turned,
+            branches: &base.branches,
+        };
+        let found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
+        let solved = found.solve(&self.mechanism, &self.layout, &self.modes)?;
+        let mut slope = Slope { rates: Vec::with_capacity(y.len()), switches: solved.switches.clone() };
+        let mut turning: Vec<Option<Vector<R>>> = vec![None; poses.len()];
+        for dof in &self.layout.columns {
+            let (node, k) = (dof / DOFS, dof % DOFS);
+            slope.rates.push(match k {
+                3..6 => {
+                    let all = turning[node].get_or_insert_with(|| {
+                        let spin = [rates[node][3], rates[node][4], rates[node][5]];
+                        let back = pintle_kinematics::so3::inverse_left_jacobian(turned[node]);
+                        pintle_kinematics::vector::apply(&back, spin)
+                    });
+                    all[k - 3]
+                }
+                _ => rates[node][k],
+            });
+        }
+        for dof in &self.layout.columns {
+            slope.rates.push(solved.accelerations[dof / DOFS][dof % DOFS]);
+        }
+        slope.rates.extend(&solved.sums);
+        Ok((slope, solved))
+    }
+
+    pub(crate) fn packed(&self) -> Vec<R> {
+        let zero = R::integer(0);
+        let columns = &self.layout.columns;
+        let mut y = vec![zero; columns.len()];
+        y.extend(columns.iter().map(|dof| self.state.rates[dof / DOFS][dof % DOFS]));
+        y.extend(&self.state.sums);
+        y
+    }
+
+    /// The largest error of each number in a step of length h.
+    pub(crate) fn allowed(&self, y: &[R], h: f64) -> Vec<R> {
+        let tolerance = 10.0_f64.powi(-(self.options.digits as i32));
+        let n = self.layout.columns.len();
+        let length = self.mechanism.length;
+        let size = |dof: usize| if dof % DOFS < 3 || dof % DOFS == 6 { length } else { 1.0 };
+        let energy = larger(self.kinetic.magnitude(), largest(self.state.sums.iter().take(WORKS).copied()));
+        let energy = energy.to_f64().max(1e-6 * self.work());
+        let speed = self.speed();
+        let each = (0..y.len()).map(|i| {
+            let scale = if i < n {
+                size(self.layout.columns[i])
+            } else if i < 2 * n {
+                let size = size(self.layout.columns[i - n]);
+                (size / h).min(size * speed * 10.0).max(1e-3 * size * speed)
+            } else if i < 2 * n + WORKS {
+                energy
+            } else {
+                length
+            };
+            R::from_f64(tolerance * scale)
+        });
+        let mut all: Vec<R> = each.collect();
+        all.push(R::from_f64(tolerance));
+        all
+    }
+
+    /// A size of works: masses, speeds and lengths by their units.
+    pub(crate) fn work(&self) -> f64 {
+        let masses = self.mechanism.bodies.iter().map(|body| body.mass.to_f64().abs());
+        masses.fold(1.0, f64::max) * self.mechanism.length.powi(2)
+    }
+
+    /// The largest speed, lengths by the size of the model.
+    pub(crate) fn speed(&self) -> f64 {
+        let length = self.mechanism.length;
+        let all = self.state.rates.iter().flat_map(|rates| {
+            rates.iter().enumerate().map(move |(k, x)| x.to_f64().abs() / if k < 3 { length } else { 1.0 })
+        });
+        all.fold(1e-12, f64::max)
+    }
+
+    pub(crate) fn tried(
+        &mut self,
+        base: &State<R>,
+        y: &[R],
+        slope: &Slope<R>,
+        h: R,
+    ) -> Result<Tried<R>, Trouble> {
+        let allowed = self.allowed(y, h.to_f64());
+        let mut evaluations = 0;
+        let mut flow = |time: R, y: &[R]| {
+            evaluations += 1;
+            self.flow(base, time, y).map(|(slope, _)| slope)
+        };
+        let tried = self.rule.step(&mut flow, (base.time, y, slope), h, &allowed);
+        self.solution.evaluations += evaluations;
+        tried
+    }
+
+    /// Goes on to a time, over all events before it.
+    pub(crate) fn reach(&mut self, to: f64) -> Result<(), Refusal> {
+        let goal = R::from_f64(to);
+        let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
+        let mut halvings = 0;
+        while self.state.time.less(goal) {
+            self.solution.steps += 1;
+            if self.solution.steps > self.options.most_steps {
+                return Err(Refusal::of(
+                    "the solution",
+                    &format!(
+                        "{} steps were not enough to pass time {}",
+                        self.options.most_steps,
+                        self.state.time.to_f64()
+                    ),
+                    "something rings or is stiff: ask for a shorter time",
+                ));
+            }
+            let left = goal - self.state.time;
+            let is_last = !R::from_f64(self.h).less(left);
+            let h = if is_last { left } else { R::from_f64(self.h) };
+            let base = self.state.clone();
+            let y = self.packed();
+            let (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            self.keep_branches(&solved);
+            let tried = self.tried(&base, &y, &slope, h);
+            let tried = match tried {
+                Ok(tried) if tried.error <= 1.0 => tried,
+                Ok(Tried { growth, .. }) => {
+                    self.h = h.to_f64() * growth.min(0.8);
+                    halvings += 1;
+                    if self.h < least || halvings > 200 {
+                        return Err(self.stuck_in_time());
+                    }
+                    continue;
+                }
+                Err(trouble) => {
+                    self.h = h.to_f64() * 0.3;
+                    halvings += 1;
+                    if self.h < least || halvings > 200 {
+                        return Err(self.say(trouble));
+                    }
+                    continue;
+                }
+            };
+            halvings = 0;
+            let ended = self.switches_at(&base, base.time + h, &tried.end)?;
+            let crossing = crossing(&slope.switches, &tried.inner, &ended);
+            match crossing {
+                None => {
+                    let grown = h.to_f64() * tried.growth;
+                    self.h = if is_last { grown.max(self.h) } else { grown };
+                    let time = if is_last { goal } else { base.time + h };
+                    self.commit(&base, time, &tried.end)?;
+                }
+                Some(Crossing::Inside(part)) => {
+                    // Back before the end of the step: what is negative within it must be so at its end.
+                    self.h = h.to_f64() * part;
+                    if self.h < least {
+                        return Err(self.stuck_in_time());
+                    }
+                }
+                Some(Crossing::AtEnd) => {
+                    let usual = self.h;
+                    self.locate(h, &slope.switches)?;
+                    self.h = usual.min(h.to_f64());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn stuck_in_time(&self) -> Refusal {
+        Refusal::of(
+            "the solution",
+            &format!("steps become too short at time {}", self.state.time.to_f64()),
+            "a singular position is near, or something rings",
+        )
+    }
+
+    /// Branches of magnitudes that were zero and are not any more.
+    pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) {
+        for (mode, limit) in self.modes.iter_mut().zip(&solved.limits) {
+            if mode.is_stuck() {
+                continue;
+            }
+            if mode.branches.magnitudes.len() != limit.branches.magnitudes.len() {
+                mode.branches = limit.branches.clone();
+                continue;
+            }
+            for (known, now) in mode.branches.magnitudes.iter_mut().zip(&limit.branches.magnitudes) {
+                *known = now.clone();
+            }
+            if mode.branches.normal.is_none() {
+                mode.branches.normal = limit.branches.normal;
+            }
+        }
+    }
+
+    pub(crate) fn switches_at(
+        &mut self,
+        base: &State<R>,
+        time: R,
+        y: &[R],
+    ) -> Result<Vec<Switch<R>>, Refusal> {
+        self.solution.evaluations += 1;
+        let found = self.flow(base, time, y).map_err(|trouble| self.say(trouble))?;
+        Ok(found.0.switches)
+    }
+
+    /// Finds the first event within h, by whole steps: the state goes on to it.
+    pub(crate) fn locate(&mut self, h: R, first: &[Switch<R>]) -> Result<(), Refusal> {
+        let zero = R::integer(0);
+        let mut low = (zero, first.to_vec());
+        let mut high = h;
+        let mut which: Option<usize> = None;
+        let mut weight = R::integer(1);
+        let mut high_value: Option<R> = None;
+        let start = self.state.time;
+        let resolution = larger(start.magnitude(), h) * R::from_f64(4.0 * R::ROUNDING);
+        for iteration in 0..400 {
+            let base = self.state.clone();
+            let y = self.packed();
+            let (slope, _) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            let passed = base.time - start;
+            // Where the switch that is nearest to its end would vanish.
+            let ahead = high - passed;
+            let guess = match (which, high_value) {
+                (Some(index), Some(below)) if iteration % 4 != 3 => {
+                    let above = low.1.get(index).map_or(zero, |switch| switch.value);
+                    let span = above - below * weight;
+                    let part = if zero.less(span) { above / span } else { R::ratio(1, 2) };
+                    ahead * part
+                }
+                (None, _) => ahead,
+                _ => ahead * R::ratio(1, 2),
+            };
+            let is_small = !resolution.less(ahead);
+            let guess = if is_small { ahead } else { guess };
+            let guess =
+                if guess.less(resolution * R::ratio(1, 4)) { resolution * R::ratio(1, 4) } else { guess };
+            let tried = self.tried(&base, &y, &slope, guess).map_err(|trouble| self.say(trouble))?;
+            if tried.error > 1.0 {
+                return Err(self.stuck_in_time());
+            }
+            let ended = self.switches_at(&base, base.time + guess, &tried.end)?;
+            // The one that is crossed first: by its value before and after.
+            let part = |(now, before): (&Switch<R>, &Switch<R>)| {
+                (before.value / (before.value - now.value)).to_f64()
+            };
+            let pairs = ended.iter().zip(&low.1).enumerate();
+            let crossed = pairs.filter(|(_, (now, before))| now.value.less(zero) && !before.value.less(zero));
+            let earliest = crossed.min_by(|(_, one), (_, two)| part(*one).total_cmp(&part(*two)));
+            match earliest.map(|(index, (now, _))| (index, *now)) {
+                None => {
+                    // On this side: the state goes on to it.
+                    self.commit(&base, base.time + guess, &tried.end)?;
+                    low = (base.time + guess - start, ended.clone());
+                    weight = R::ratio(1, 2);
+                    let vanishes = which.and_then(|index| ended.get(index)).is_some_and(|now| {
+                        let rounded = now.scale * R::from_f64(16.0 * R::ROUNDING);
+                        now.cause != Cause::Stops && !rounded.less(now.value.magnitude())
+                    });
+                    if vanishes || !(resolution).less(high - low.0) {
+                        let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
+                        return self.happens(switch.slider, switch.cause);
+                    }
+                }
+                Some((index, switch)) => {
+                    which = Some(index);
+                    high = passed + guess;
+                    high_value = Some(switch.value);
+                    if !resolution.less(guess) {
+                        self.commit(&base, base.time + guess, &tried.end)?;
+                        return self.happens(switch.slider, switch.cause);
+                    }
+                    weight = R::integer(1);
+                }
+            }
+        }
+        Err(self.stuck_in_time())
+    }
+
+    /// Goes on to a state, and back to its constraints.
+    pub(crate) fn commit(&mut self, base: &State<R>, time: R, y: &[R]) -> Result<(), Refusal> {
+        let n = self.layout.columns.len();
+        let (poses, rates, turned) = self.unpacked(base, y, true);
+        let mut next = State {
+            time,
+            poses,
+            rates,
+            branches: base.branches.clone(),
+            sums: y.get(2 * n..).unwrap_or_default().to_vec(),
+        };
+        let instant = Instant { turned: &turned, ..Instant::of(&next, self.step, &turned) };
+        let found = self
+            .mechanism
+            .assemble(&instant, &self.modes, &self.beginnings)
+            .map_err(|trouble| self.say(trouble))?;
+        next.branches = found.joints.iter().map(|now| now.branch).collect();
+        self.state = next;
+        self.project()
+    }
+
+    /// Brings positions and rates back to the equations.
+    pub(crate) fn project(&mut self) -> Result<(), Refusal> {
+        let zero = R::integer(0);
+        let small = R::from_f64(4.0 * R::ROUNDING);
+        let length = R::from_f64(self.mechanism.length);
+        for iteration in 0..12 {
+            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+            let size = |owner: Owner| match owner {
+                Owner::Joint(_, k) if k >= 3 => R::integer(1),
+                Owner::Mpc(_, row) if (3..6).contains(&row) => R::integer(1),
+                _ => length,
+            };
+            let gap = self.layout.kept.iter().fold(zero, |most, index| {
+                let row = &found.rows[*index];
+                let gap = row.residual.unwrap_or(zero).magnitude() / size(row.owner);
+                larger(most, gap)
+            });
+            if !small.less(gap) {
+                break;
+            }
+            if iteration == 11 {
+                break;
+            }
+            let change =
+                found.correction(&self.layout, |row| row.residual).map_err(|trouble| self.say(trouble))?;
+            let mut turned = vec![[zero; 3]; self.state.poses.len()];
+            for node in 0..self.state.poses.len() {
+                let mut by = [zero; DOFS];
+                by.copy_from_slice(&change[DOFS * node..DOFS * (node + 1)]);
+                let turns = self.turns(node);
+                if by.iter().any(|x| zero.less(x.magnitude())) {
+                    self.state.poses[node] = self.state.poses[node].moved(&by, turns, true);
+                }
+                turned[node] = [by[3], by[4], by[5]];
+            }
+            let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
+            let found = self
+                .mechanism
+                .assemble(&instant, &self.modes, &self.beginnings)
+                .map_err(|trouble| self.say(trouble))?;
+            self.state.branches = found.joints.iter().map(|now| now.branch).collect();
+            if !R::from_f64(1e3 * R::ROUNDING).less(gap) {
+                break;
+            }
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let change = found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        for (dof, by) in change.iter().enumerate() {
+            let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
+            *rate = *rate + *by;
+        }
+        // What equations hold, and nothing drives, rests bit for bit.
+        for (unknowns, rows) in &self.layout.determined {
+            if rows
+                .iter()
+                .all(|row| found.rows[*row].rate.is_some() && !zero.less(found.rows[*row].driven.magnitude()))
+            {
+                for i in unknowns {
+                    let dof = self.layout.columns[*i];
+                    self.state.rates[dof / DOFS][dof % DOFS] = zero;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where a step passed the end of a mode.
+pub(crate) enum Crossing {
+    /// Within it, at this part.
+    Inside(f64),
+    /// At its end.
+    AtEnd,
+}
+
+/// Whether a switch became negative.
+pub(crate) fn crossing<R: Number>(
+    first: &[Switch<R>],
+    inner: &[(f64, Vec<Switch<R>>)],
+    last: &[Switch<R>],
+) -> Option<Crossing> {
+    let zero = R::integer(0);
+    let passes = |now: &[Switch<R>]| {
+        now.iter().zip(first).any(|(now, before)| now.value.less(zero) && !before.value.less(zero))
+    };
+    if passes(last) {
+        return Some(Crossing::AtEnd);
+    }
+    let found = inner.iter().find(|(_, switches)| {
+        switches.iter().zip(first).any(|(now, before)| {
+            // Points within a step are less exact than its end.
+            let margin = now.scale * R::from_f64(1e-6);
+            (now.value + margin).less(zero) && !before.value.less(zero)
+        })
+    });
+    found.map(|(part, _)| Crossing::Inside(*part))
+}
