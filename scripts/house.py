@@ -47,6 +47,7 @@ def uses(crate):
             item.split(" as ")[-1].strip(): from_
             for from_, list_, one in re.findall(r"pub(?:\([^)]*\))? use ([\w:]+)::(?:\{([^{}]*)\}|(\w+));", text)
             for item in (list_ or one).split(",")
+            if item.strip()
         }
         for name, text in texts.items()
     }

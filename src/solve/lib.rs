@@ -22,10 +22,10 @@
 //! use pintle_scene::Scene;
 //! use pintle_solve::{Options, solve};
 //!
-//! let deck = "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n9, , 1\n*CONNECTOR SECTION, ELSET=C\nSLOT\n\
+//! let deck = "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n9, , 1\n*CONNECTOR SECTION, ELSET=C\nCARTESIAN\n\
 //!             *ELEMENT, TYPE=MASS, ELSET=M\n8, 1\n*MASS, ELSET=M\n2.\n\
 //!             *STEP\n*DYNAMIC\n0.1, 3.\n*CLOAD\n1, 1, 4.\n*END STEP\n";
-//! let scene = Scene::parse("slot.inp", deck)?;
+//! let scene = Scene::parse("mass.inp", deck)?;
 //! let solution = solve::<f64>(&scene, &Options::default()).map_err(|ended| ended.why)?;
 //! let last = solution.frames.last().ok_or("no frame")?;
 //! assert!((last.nodes[0].displacement[0] - 9.0).abs() < 1e-13); // ½ (4/2) 3²

@@ -38,7 +38,7 @@ BOB, GRAV, 10., 0., -1., 0.
 /// Released level, a pendulum is level again on the other side after K(sin 45°) 2 √(L/g): elliptic functions, typed from tables.
 #[test]
 fn a_pendulum_swings_as_elliptic_functions_say() {
-    let quarter = 1.854_074_677_301_371_918_43_f64 * (1.0_f64 / 10.0).sqrt();
+    let quarter = 1.854_074_677_301_372_f64 * (1.0_f64 / 10.0).sqrt();
     for method in [Method::Extrapolation, Method::Collocation] {
         let options = Options {
             times: vec![quarter, 2.0 * quarter],
