@@ -288,18 +288,18 @@ impl<R: Number> Assembled<R> {
                 .map(|(k, radius)| friction[*k] * R::from_f64(*radius).reciprocal_or_zero())
                 .collect();
             let tangential = length(&tractions);
-            let mut push = |cause, value, scale| {
-                solved.switches.push(Switch { slider: s, cause, value, scale });
+            let mut push = |cause, part, value, scale| {
+                solved.switches.push(Switch { slider: s, cause, part, value, scale });
             };
             match mode.is_stuck() {
-                true => push(Cause::Breaks, found.value - tangential, larger(found.value, tangential)),
+                true => push(Cause::Breaks, None, found.value - tangential, larger(found.value, tangential)),
                 false => {
-                    push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
-                    for [value, scale] in &found.turns {
-                        push(Cause::Turns, *value, *scale);
+                    push(Cause::Stops, None, rate, larger(rate.magnitude(), R::integer(1)));
+                    for (part, [value, scale]) in &found.turns {
+                        push(Cause::Turns, *part, *value, *scale);
                     }
                     if let Some([value, scale]) = found.caps {
-                        push(Cause::Caps, value, scale);
+                        push(Cause::Caps, None, value, scale);
                     }
                 }
             }

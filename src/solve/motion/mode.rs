@@ -47,6 +47,8 @@ pub(crate) enum Cause {
 pub(crate) struct Switch<R> {
     pub(crate) slider: usize,
     pub(crate) cause: Cause,
+    /// Which magnitude turns; `None` for F_C + F_C^int.
+    pub(crate) part: Option<usize>,
     pub(crate) value: R,
     /// The size against which it counts as zero.
     pub(crate) scale: R,

@@ -14,7 +14,7 @@ pub(crate) struct Limit<R> {
     /// ∂limit/∂f_k.
     pub(crate) gradient: [R; 6],
     /// Where a magnitude passes zero: its part along its branch, and the size of the forces.
-    pub(crate) turns: Vec<[R; 2]>,
+    pub(crate) turns: Vec<(Option<usize>, [R; 2])>,
     /// τ_max − μ F_N, of the branch positive, where there is a τ_max.
     pub(crate) caps: Option<[R; 2]>,
     /// The branches at these forces.
@@ -70,7 +70,7 @@ pub(crate) fn limit<R: Number>(
                     None => (length, vector.iter().map(|x| *x / length).collect()),
                 };
                 if let Some(Some(unit)) = told {
-                    turns.push([along(unit), size]);
+                    turns.push((Some(i), [along(unit), size]));
                 }
                 contact = contact + *factor * value;
                 for (row, e) in rows.iter().zip(&direction) {
@@ -78,7 +78,11 @@ pub(crate) fn limit<R: Number>(
                         *entry = *entry + *factor * *x * *e;
                     }
                 }
-                branches.magnitudes.push(if is_nothing { None } else { Some(direction) });
+                branches.magnitudes.push(match told {
+                    Some(told) if is_nothing => told.clone(),
+                    _ if is_nothing => None,
+                    _ => Some(vector.iter().map(|x| *x / length).collect()),
+                });
             }
         }
         None => {
@@ -94,11 +98,15 @@ pub(crate) fn limit<R: Number>(
     }
     let signed = contact + internal;
     let told = known.and_then(|known| known.normal);
-    let now = if signed.less(zero) { R::integer(-1) } else { R::integer(1) };
+    // A sum of magnitudes has no sign to change.
+    let may_turn = parts.as_ref().is_none_or(|parts| {
+        parts.internal.less(zero) || parts.linear.iter().any(|x| zero.less(x.magnitude()))
+    });
+    let now = if may_turn && signed.less(zero) { R::integer(-1) } else { R::integer(1) };
     branches.normal = small.less(signed.magnitude()).then_some(now);
     let sign = told.unwrap_or(now);
-    if told.is_some() {
-        turns.push([sign * signed, larger(size, internal.magnitude())]);
+    if told.is_some() && may_turn {
+        turns.push((None, [sign * signed, larger(size, internal.magnitude())]));
     }
     let normal = sign * signed;
     let seeded = R::Gradient::<1>::seed(normal, 0);

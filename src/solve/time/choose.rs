@@ -4,7 +4,7 @@ use crate::motion::equations::Solved;
 use crate::motion::mode::{Branches, Cause, Does, Mode};
 use crate::motion::rows::{Assembled, Layout};
 use crate::motion::state::DOFS;
-use crate::number::{Number, larger};
+use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
@@ -60,18 +60,23 @@ impl<R: Number> Run<'_, R> {
         let count = open.len();
         let combinations: usize = 3_usize.pow(count.min(ALL) as u32);
         let mut consistent: Vec<(Vec<Mode<R>>, f64)> = Vec::new();
-        for number in 0..combinations {
+        'combinations: for number in 0..combinations {
             let mut modes = all_stuck.clone();
             let mut rest = number;
             for (i, s) in open.iter().enumerate().take(ALL) {
                 match rest % 3 {
                     0 => {}
                     1 => modes[*s] = Mode::slips(directions[i]),
+                    // Of several components there is one direction, which is sought.
+                    _ if self.mechanism.sliders[*s].components.len() > 1 => continue 'combinations,
                     _ => modes[*s] = Mode::slips(directions[i].map(|x| -x)),
                 }
                 rest /= 3;
             }
-            let Ok((found, layout, solved)) = self.instant(&modes) else { continue };
+            let Ok((mut found, mut layout, mut solved)) = self.instant(&modes) else { continue };
+            if self.turn(&mut modes, open, (&mut found, &mut layout, &mut solved)).is_err() {
+                continue;
+            }
             let margin = self.margin(&found, (&layout, &solved), &modes, open);
             if margin >= 0.0 {
                 consistent.push((modes, margin));
@@ -162,6 +167,53 @@ impl<R: Number> Run<'_, R> {
         each.collect::<Vec<_>>().join(" and ")
     }
 
+    /// Turns frictions of several components that begin to slip to where they go: n along R_k times the acceleration of component k.
+    fn turn(
+        &mut self,
+        modes: &mut [Mode<R>],
+        open: &[usize],
+        (found, layout, solved): (&mut Assembled<R>, &mut Layout, &mut Solved<R>),
+    ) -> Result<(), Refusal> {
+        const ITERATIONS: usize = 2000;
+        let slipping: Vec<usize> = open
+            .iter()
+            .copied()
+            .filter(|s| !modes[*s].is_stuck() && self.mechanism.sliders[*s].components.len() > 1)
+            .collect();
+        if slipping.is_empty() {
+            return Ok(());
+        }
+        let enough = R::from_f64(1e2 * R::ROUNDING);
+        for _ in 0..ITERATIONS {
+            let mut change = R::integer(0);
+            for s in &slipping {
+                let slider = &self.mechanism.sliders[*s];
+                let now = &found.joints[slider.joint];
+                let mut along = [R::integer(0); 6];
+                for (k, radius) in &slider.components {
+                    let acceleration = now.rows[*k].iter().fold(now.bias[*k], |sum, (dof, entry)| {
+                        sum + *entry * solved.accelerations[dof / DOFS][dof % DOFS]
+                    });
+                    along[*k] = R::from_f64(*radius) * acceleration;
+                }
+                let size = crate::motion::slide::length(&along);
+                if !R::integer(0).less(size) {
+                    return Ok(());
+                }
+                let along = along.map(|x| x / size);
+                if let Does::Slips(old) = &modes[*s].does {
+                    change = larger(change, largest(along.iter().zip(old).map(|(new, old)| *new - *old)));
+                }
+                modes[*s] = Mode::slips(along);
+            }
+            (*found, *layout, *solved) = self.instant(modes)?;
+            if !enough.less(change) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// By how much the open frictions are consistent with a mode: the least of them, relative; negative where one is not.
     pub(crate) fn margin(
         &self,
@@ -233,6 +285,7 @@ impl<R: Number> Run<'_, R> {
             }
             event.lipschitz = kappa;
         }
+        self.is_new = !modes.is_empty();
         self.modes = modes;
         self.layout = layout;
         self.branch(solved, None);
@@ -247,18 +300,29 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// An event at this state.
-    pub(crate) fn happens(&mut self, slider: usize, cause: Cause) -> Result<(), Refusal> {
+    pub(crate) fn happens(&mut self, slider: usize, cause: Cause, part: Option<usize>) -> Result<(), Refusal> {
         let zero = R::integer(0);
         match cause {
-            Cause::Turns | Cause::Caps => {
-                let modes = self.modes.clone();
-                let mut open = modes;
-                if let Some(mode) = open.get_mut(slider) {
-                    let capped = mode.branches.is_capped;
-                    mode.branches = Branches::none();
-                    mode.branches.is_capped = if cause == Cause::Caps { !capped } else { capped };
+            Cause::Turns => {
+                self.is_new = true;
+                // On the other side of zero the direction is the opposite one.
+                if let Some(mode) = self.modes.get_mut(slider) {
+                    let branches = &mut mode.branches;
+                    match part {
+                        None => branches.normal = branches.normal.map(|sign| -sign),
+                        Some(part) => {
+                            if let Some(Some(unit)) = branches.magnitudes.get_mut(part) {
+                                unit.iter_mut().for_each(|x| *x = -*x);
+                            }
+                        }
+                    }
                 }
-                self.modes = open;
+                Ok(())
+            }
+            Cause::Caps => {
+                if let Some(mode) = self.modes.get_mut(slider) {
+                    mode.branches.is_capped = !mode.branches.is_capped;
+                }
                 Ok(())
             }
             Cause::Breaks => {

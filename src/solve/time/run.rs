@@ -70,6 +70,10 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) solution: Solution<R>,
     /// The length of the next step.
     pub(crate) h: f64,
+    /// The largest speed until now, lengths by the size of the model.
+    pub(crate) fastest: f64,
+    /// Whether the mode has just begun.
+    pub(crate) is_new: bool,
 }
 
 /// Solves a scene: every step that takes time, from its initial state or the one given.
@@ -163,6 +167,8 @@ impl<'a, R: Number> Run<'a, R> {
             solution,
             mechanism,
             h: 0.0,
+            fastest: 0.0,
+            is_new: false,
         };
         if options.from.is_some() {
             run.follow_given();

@@ -163,7 +163,8 @@ impl<R: Number> Solution<R> {
     pub fn difference(&self, other: &Self, length: f64) -> Difference {
         let mut found = Difference { same_events: true, ..Difference::default() };
         let duration = self.frames.last().map_or(1.0, |frame| frame.time.to_f64()).max(f64::MIN_POSITIVE);
-        found.same_events = self.events.len() == other.events.len();
+        found.same_events =
+            self.events.len() == other.events.len() && self.frames.len() == other.frames.len();
         for (one, two) in self.events.iter().zip(&other.events) {
             found.same_events &= one.connector == two.connector && one.what == two.what;
             found.event = found.event.max((one.time - two.time).to_f64().abs() / duration);

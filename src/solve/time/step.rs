@@ -6,9 +6,16 @@ use crate::motion::rows::{Instant, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Slope, Tried};
+use crate::motion::mechanism::Slider;
+use crate::time::integrate::{Method, Rule, Slope, Tried};
 use crate::time::run::Run;
 use pintle_kinematics::vector::Vector;
+
+/// The part of the usual length of a step that the first one in a mode has.
+const CAREFUL: f64 = 0.02;
+
+/// The part of the way to rest that one step goes.
+const APPROACH: f64 = 0.6;
 
 /// Where nodes are, how fast, and how far each has turned.
 type Moved<R> = (Vec<Pose<R>>, Vec<[R; DOFS]>, Vec<Vector<R>>);
@@ -120,13 +127,13 @@ impl<R: Number> Run<'_, R> {
         masses.fold(1.0, f64::max) * self.mechanism.length.powi(2)
     }
 
-    /// The largest speed, lengths by the size of the model.
+    /// The largest speed until now, lengths by the size of the model.
     pub(crate) fn speed(&self) -> f64 {
         let length = self.mechanism.length;
         let all = self.state.rates.iter().flat_map(|rates| {
             rates.iter().enumerate().map(move |(k, x)| x.to_f64().abs() / if k < 3 { length } else { 1.0 })
         });
-        all.fold(1e-12, f64::max)
+        all.fold(self.fastest.max(1e-12), f64::max)
     }
 
     pub(crate) fn tried(
@@ -142,7 +149,15 @@ impl<R: Number> Run<'_, R> {
             evaluations += 1;
             self.flow(base, time, y).map(|(slope, _)| slope)
         };
-        let tried = self.rule.step(&mut flow, (base.time, y, slope), h, &allowed);
+        let mut tried = self.rule.step(&mut flow, (base.time, y, slope), h, &allowed);
+        // Near rest the direction of a slip changes at once, and stages do not contract.
+        let turns = |slider: &Slider| slider.components.len() > 1;
+        if tried.as_ref().is_ok_and(|tried| tried.error.is_infinite())
+            && self.mechanism.sliders.iter().any(turns)
+        {
+            let other: Rule<R> = Rule::new(Method::Extrapolation, self.options.digits);
+            tried = other.step(&mut flow, (base.time, y, slope), h, &allowed);
+        }
         self.solution.evaluations += evaluations;
         tried
     }
@@ -165,13 +180,29 @@ impl<R: Number> Run<'_, R> {
                     "something rings or is stiff: ask for a shorter time",
                 ));
             }
-            let left = goal - self.state.time;
-            let is_last = !R::from_f64(self.h).less(left);
-            let h = if is_last { left } else { R::from_f64(self.h) };
             let base = self.state.clone();
             let y = self.packed();
-            let (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
-            self.keep_branches(&solved);
+            let (mut slope, mut solved) =
+                self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            if self.keep_branches(&solved) {
+                (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            }
+            let nearest = self.rests_in(&solved)?;
+            if let Some((slider, None)) = nearest {
+                self.happens(slider, Cause::Stops, None)?;
+                continue;
+            }
+            // What has just become zero may do so again soon.
+            if std::mem::take(&mut self.is_new) {
+                self.h *= CAREFUL;
+            }
+            let mut wanted = R::from_f64(self.h);
+            if let Some((_, Some(rest))) = nearest {
+                wanted = wanted.lesser(rest * R::from_f64(APPROACH));
+            }
+            let left = goal - self.state.time;
+            let is_last = !wanted.less(left);
+            let h = if is_last { left } else { wanted };
             let tried = self.tried(&base, &y, &slope, h);
             let tried = match tried {
                 Ok(tried) if tried.error <= 1.0 => tried,
@@ -227,23 +258,71 @@ impl<R: Number> Run<'_, R> {
         )
     }
 
+    /// The friction of several components that comes to rest first, and in how long; `None` for a time where it rests now. Its direction has no
+    /// meaning at rest, so that it is approached: each step goes a part of the way.
+    fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, Option<R>)>, Refusal> {
+        let zero = R::integer(0);
+        let mut found: Option<(usize, Option<R>)> = None;
+        let several =
+            |s: &usize| self.mechanism.sliders[*s].components.len() > 1 && !self.modes[*s].is_stuck();
+        if !(0..self.modes.len()).any(|s| several(&s)) {
+            return Ok(None);
+        }
+        let known = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let tolerance = 10.0_f64.powi(-(self.options.digits as i32)) * self.speed();
+        for s in (0..self.modes.len()).filter(several) {
+            let slider = &self.mechanism.sliders[s];
+            let now = &known.joints[slider.joint];
+            let Some(rate) = solved.slip_rates.get(s).copied() else { continue };
+            let mut change = zero;
+            for (k, radius) in &slider.components {
+                let radius = R::from_f64(*radius);
+                let acceleration = now.rows[*k].iter().fold(now.bias[*k], |sum, (dof, entry)| {
+                    sum + *entry * solved.accelerations[dof / DOFS][dof % DOFS]
+                });
+                change = change + radius * now.velocity[*k] * radius * acceleration;
+            }
+            if !change.less(zero) {
+                continue;
+            }
+            if rate.to_f64() <= tolerance {
+                return Ok(Some((s, None)));
+            }
+            // d|v|/dt = v·a/|v|.
+            let rest = rate * rate / -change;
+            let is_first = match found {
+                Some((_, Some(other))) => rest.less(other),
+                _ => true,
+            };
+            if is_first {
+                found = Some((s, Some(rest)));
+            }
+        }
+        Ok(found)
+    }
+
     /// Branches of magnitudes that were zero and are not any more.
-    pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) {
+    pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
+        let mut changed = false;
         for (mode, limit) in self.modes.iter_mut().zip(&solved.limits) {
             if mode.is_stuck() {
                 continue;
             }
             if mode.branches.magnitudes.len() != limit.branches.magnitudes.len() {
                 mode.branches = limit.branches.clone();
+                changed = true;
                 continue;
             }
             for (known, now) in mode.branches.magnitudes.iter_mut().zip(&limit.branches.magnitudes) {
+                // Directions turn with the forces; what counts is which there are.
+                changed |= known.is_some() != now.is_some();
                 *known = now.clone();
             }
-            if mode.branches.normal.is_none() {
-                mode.branches.normal = limit.branches.normal;
-            }
+            let normal = limit.branches.normal.or(mode.branches.normal);
+            changed |= normal.is_some() != mode.branches.normal.is_some();
+            mode.branches.normal = normal;
         }
+        changed
     }
 
     pub(crate) fn switches_at(
@@ -312,7 +391,7 @@ impl<R: Number> Run<'_, R> {
                     });
                     if vanishes || !(resolution).less(high - low.0) {
                         let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
-                        return self.happens(switch.slider, switch.cause);
+                        return self.happens(switch.slider, switch.cause, switch.part);
                     }
                 }
                 Some((index, switch)) => {
@@ -321,7 +400,7 @@ impl<R: Number> Run<'_, R> {
                     high_value = Some(switch.value);
                     if !resolution.less(guess) {
                         self.commit(&base, base.time + guess, &tried.end)?;
-                        return self.happens(switch.slider, switch.cause);
+                        return self.happens(switch.slider, switch.cause, switch.part);
                     }
                     weight = R::integer(1);
                 }
@@ -348,7 +427,9 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         self.state = next;
-        self.project()
+        self.project()?;
+        self.fastest = self.speed();
+        Ok(())
     }
 
     /// Brings positions and rates back to the equations.
@@ -433,6 +514,7 @@ pub(crate) fn crossing<R: Number>(
     last: &[Switch<R>],
 ) -> Option<Crossing> {
     let zero = R::integer(0);
+    let dips = dips(first, inner, last);
     let passes = |now: &[Switch<R>]| {
         now.iter().zip(first).any(|(now, before)| now.value.less(zero) && !before.value.less(zero))
     };
@@ -446,5 +528,35 @@ pub(crate) fn crossing<R: Number>(
             (now.value + margin).less(zero) && !before.value.less(zero)
         })
     });
-    found.map(|(part, _)| Crossing::Inside(*part))
+    found.map(|(part, _)| *part).or(dips).map(Crossing::Inside)
+}
+
+/// Where a switch comes so near to zero within a step that it may have passed and returned between two points.
+fn dips<R: Number>(first: &[Switch<R>], inner: &[(f64, Vec<Switch<R>>)], last: &[Switch<R>]) -> Option<f64> {
+    /// A vertex below this part of its neighbours is looked at.
+    const LOW: f64 = 0.2;
+    let mut earliest: Option<f64> = None;
+    for i in 0..first.len() {
+        let value = |switches: &[Switch<R>]| switches.get(i).map(|switch| switch.value.to_f64());
+        let all = std::iter::once((0.0, value(first)))
+            .chain(inner.iter().map(|(part, switches)| (*part, value(switches))))
+            .chain([(1.0, value(last))]);
+        let points: Vec<(f64, f64)> = all.filter_map(|(part, value)| Some((part, value?))).collect();
+        let scale = first[i].scale.to_f64();
+        for three in points.windows(3) {
+            let [(t0, g0), (t1, g1), (t2, g2)] = [three[0], three[1], three[2]];
+            if !(g1 < g0 && g1 < g2 && g0.min(g2) > 1e-9 * scale) {
+                continue;
+            }
+            // The vertex of the parabola through the three.
+            let (s0, s1) = ((g1 - g0) / (t1 - t0), (g2 - g1) / (t2 - t1));
+            let bend = (s1 - s0) / (t2 - t0);
+            let at = (t0 + t1) / 2.0 - s0 / (2.0 * bend);
+            let lowest = g0 + s0 * (at - t0) + bend * (at - t0) * (at - t1);
+            if lowest < LOW * g0.min(g2) && at > 1e-3 && at < 1.0 - 1e-3 {
+                earliest = Some(earliest.map_or(at, |known: f64| known.min(at)));
+            }
+        }
+    }
+    earliest
 }
