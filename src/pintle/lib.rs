@@ -48,6 +48,7 @@
 //! | `scene` | decks, TOML, JSON, states, forces, diagnostics |
 //! | `model` | behaviour, friction, the evaluation of a scene, the sparse Jacobian |
 //! | `assembly` | rank, redundancy, mobility |
+//! | `solve` | reference solutions of small mechanisms, with friction that sticks |
 //! | `symbolic` | formulas traced, their derivatives, programs in other languages |
 //! | `audit` | oracles, bounds, verdicts, laws, mutants, singular points, findings |
 //! | `bench` | run time against error |

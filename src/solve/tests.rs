@@ -183,3 +183,85 @@ fn a_block_sticks_and_slips() {
     }
     assert!(compared >= 5);
 }
+
+/// Every problem of `references/`, with the error that is allowed between the methods.
+const REFERENCES: [(&str, &str, f64, usize); 16] = [
+    ("block", include_str!("../../references/block/deck.inp"), 1e-12, 3),
+    ("cardan_shaft", include_str!("../../references/cardan_shaft/deck.inp"), 1e-11, 0),
+    ("cross_friction", include_str!("../../references/cross_friction/deck.inp"), 1e-11, 18),
+    ("double_pendulum", include_str!("../../references/double_pendulum/deck.inp"), 1e-11, 0),
+    ("drawer", include_str!("../../references/drawer/deck.inp"), 1e-12, 5),
+    ("helical_slide", include_str!("../../references/helical_slide/deck.inp"), 1e-12, 1),
+    ("limit_cycle", include_str!("../../references/limit_cycle/deck.inp"), 1e-11, 8),
+    ("oscillator", include_str!("../../references/oscillator/deck.inp"), 1e-11, 0),
+    ("pendulum", include_str!("../../references/pendulum/deck.inp"), 1e-11, 0),
+    ("planar_spin", include_str!("../../references/planar_spin/deck.inp"), 1e-12, 2),
+    ("puck", include_str!("../../references/puck/deck.inp"), 1e-12, 0),
+    // A kink of its friction is met to six digits only; its motion is driven.
+    ("slider_crank", include_str!("../../references/slider_crank/deck.inp"), 1e-5, 9),
+    ("slot", include_str!("../../references/slot/deck.inp"), 1e-12, 1),
+    ("spherical_pendulum", include_str!("../../references/spherical_pendulum/deck.inp"), 1e-11, 0),
+    ("spin_down", include_str!("../../references/spin_down/deck.inp"), 1e-12, 1),
+    ("top", include_str!("../../references/top/deck.inp"), 1e-11, 0),
+];
+
+/// Two methods agree; energy is kept; equations hold; what sticks stands still, and no friction is beyond its limit in sign.
+#[test]
+fn references_obey_their_laws() {
+    let (mut frames, mut stuck, mut events) = (0, 0, 0);
+    for (name, deck, allowed, expected) in REFERENCES {
+        let one: Solution<f64> = solved(deck, &Options::default());
+        let other: Solution<f64> =
+            solved(deck, &Options { method: Method::Collocation, ..Options::default() });
+        let apart = one.difference(&other, 1.0);
+        assert!(apart.largest() <= allowed, "{name}: {apart:?}");
+        assert_eq!(one.events.len(), expected, "{name}");
+        assert!(one.violation < 1e-13 && one.lipschitz < 1.0, "{name}: {one:?}");
+        let most = one
+            .frames
+            .iter()
+            .map(|of| of.energies.external.abs().max(of.energies.kinetic))
+            .fold(1e-3, f64::max);
+        for frame in &one.frames {
+            frames += 1;
+            assert!(frame.energies.balance.abs() <= 1e-11 * most, "{name}: {:?}", frame.energies);
+            for connector in &frame.connectors {
+                if !connector.sticks.is_empty() && connector.sticks.iter().all(|sticks| *sticks) {
+                    stuck += 1;
+                    for k in (0..6).filter(|k| connector.friction[*k] != 0.0) {
+                        assert_eq!(connector.velocity[k], 0.0, "{name} at {}", frame.time);
+                    }
+                }
+            }
+        }
+        events += one.events.len();
+    }
+    assert!(frames > 60 && stuck > 10 && events > 40, "{frames} frames, {stuck} stuck, {events} events");
+}
+
+/// The flywheel: ω = (2 − 0.17) 0.5 / 0.05 after the push, 3.4 rad/s² of friction: M = μ (R_a 30 + R_p 40).
+#[test]
+fn a_flywheel_comes_to_rest_by_hand() {
+    let deck = include_str!("../../references/spin_down/deck.inp");
+    let solution: Solution<f64> = solved(deck, &Options::default());
+    // The push ends on a ramp of 1e-7 s.
+    let by_hand = 0.5 + (2.0 - 0.17) * 0.5 / 0.05 / 3.4;
+    assert_eq!(solution.events[0].what, What::Sticks);
+    assert!((solution.events[0].time - by_hand).abs() < 2e-6, "{} {by_hand}", solution.events[0].time);
+}
+
+#[test]
+fn what_is_not_determined_is_refused_by_name() {
+    let refused = |deck: &str| {
+        let scene = Scene::parse("deck.inp", deck).unwrap();
+        solve::<f64>(&scene, &Options::default()).unwrap_err().why.to_string()
+    };
+    let without_mass = BLOCK.replace("*MASS, ELSET=M\n2.\n", "*MASS, ELSET=M\n0.\n");
+    let why = refused(&without_mass);
+    assert!(why.contains("node 2") || why.contains("TRANSLATOR 101"), "{why}");
+    let static_step = BLOCK.replace("*DYNAMIC\n0.01, 3.\n", "*STATIC\n0.01, 3.\n");
+    assert!(refused(&static_step).contains("static step"), "{}", refused(&static_step));
+    let stopped =
+        BLOCK.replace("*FRICTION\n0.25\n", "*FRICTION\n0.25\n*CONNECTOR STOP, COMPONENT=1\n-1., 1.\n");
+    assert!(refused(&stopped).contains("stops"), "{}", refused(&stopped));
+}

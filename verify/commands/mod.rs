@@ -9,4 +9,5 @@ pub(crate) mod files; // whether files are whole, and none is overwritten
 pub(crate) mod handover; // counter-examples in other forms, each one run
 pub(crate) mod pages; // whether the pages show what their commands print
 pub(crate) mod reports; // whether reports of an audit show what was found
+mod solve; // mechanisms in time
 pub(crate) mod states; // states for other harnesses, read back

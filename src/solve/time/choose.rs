@@ -300,7 +300,12 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// An event at this state.
-    pub(crate) fn happens(&mut self, slider: usize, cause: Cause, part: Option<usize>) -> Result<(), Refusal> {
+    pub(crate) fn happens(
+        &mut self,
+        slider: usize,
+        cause: Cause,
+        part: Option<usize>,
+    ) -> Result<(), Refusal> {
         let zero = R::integer(0);
         match cause {
             Cause::Turns => {

@@ -142,6 +142,8 @@ pub struct Difference {
     pub velocity: f64,
     /// Of component forces, relative to the largest of their kind.
     pub force: f64,
+    /// Of energies and works, relative to the largest.
+    pub energy: f64,
     /// Of event times, relative to the duration.
     pub event: f64,
     /// Whether both have the same events in the same order.
@@ -153,7 +155,7 @@ pub struct Difference {
 impl Difference {
     /// The largest of them.
     pub fn largest(&self) -> f64 {
-        let all = [self.displacement, self.rotation, self.velocity, self.force, self.event];
+        let all = [self.displacement, self.rotation, self.velocity, self.force, self.energy, self.event];
         if self.same_events { all.into_iter().fold(0.0, f64::max) } else { f64::INFINITY }
     }
 }
@@ -184,6 +186,11 @@ impl<R: Number> Solution<R> {
                 frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec()).collect()
             })
         };
+        let works = |of: &Frame<R>| {
+            let Energies { kinetic, external, dissipated, stored, .. } = of.energies;
+            [kinetic, external, dissipated, stored]
+        };
+        let energy = largest(&|frame| works(frame).to_vec());
         let (speeds, forces) = ([speed(0), speed(3)], [force(0), force(3)]);
         let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {
             for (x, y) in one.iter().zip(two) {
@@ -197,6 +204,7 @@ impl<R: Number> Solution<R> {
         // Frames at events differ in their times; those asked for do not.
         for (i, j) in smooth(&self.frames).into_iter().zip(smooth(&other.frames)) {
             let (one, two) = (&self.frames[i], &other.frames[j]);
+            compare(&mut found.energy, &mut found.compared, &works(one), &works(two), energy);
             for (one, two) in one.nodes.iter().zip(&two.nodes) {
                 let count = &mut found.compared;
                 compare(&mut found.displacement, count, &one.displacement, &two.displacement, length);

@@ -1,12 +1,12 @@
 //! From a state to the next: one step, the event within it, and back to the constraints.
 
 use crate::motion::equations::Solved;
+use crate::motion::mechanism::Slider;
 use crate::motion::mode::{Cause, Switch};
 use crate::motion::rows::{Instant, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::motion::mechanism::Slider;
 use crate::time::integrate::{Method, Rule, Slope, Tried};
 use crate::time::run::Run;
 use pintle_kinematics::vector::Vector;
@@ -27,12 +27,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The state after the unknowns have moved.
-    pub(crate) fn unpacked(
-        &self,
-        base: &State<R>,
-        y: &[R],
-        with_vectors: bool,
-    ) -> Moved<R> {
+    pub(crate) fn unpacked(&self, base: &State<R>, y: &[R], with_vectors: bool) -> Moved<R> {
         let zero = R::integer(0);
         let n = self.layout.columns.len();
         let mut moved = vec![[zero; DOFS]; base.poses.len()];
