@@ -56,6 +56,8 @@ pub(crate) struct Documents<'a> {
     /// What was told of the scene, and how many other faults were.
     told: RefCell<HashSet<String>>,
     passed: Cell<usize>,
+    /// Whether nothing after the last fault can be read.
+    ends: Cell<bool>,
     /// How many of the latter were met in this reading.
     met: Cell<usize>,
     /// The number of the last state, if there was one.
@@ -70,6 +72,7 @@ impl<'a> Documents<'a> {
             fault: Cell::default(),
             told: RefCell::default(),
             passed: Cell::default(),
+            ends: Cell::default(),
             met: Cell::default(),
             last: Cell::default(),
         }
@@ -112,7 +115,7 @@ impl<'a> Documents<'a> {
                 self.passed.set(self.passed.get() + 1);
             }
             faults.add(fault.at(span, "ends here"));
-            if !source.is_repeatable() {
+            if self.ends.get() || !source.is_repeatable() {
                 break;
             }
         }
@@ -162,8 +165,14 @@ impl<'a> Context<'a> {
         &self.reading.freedom
     }
 
-    /// Ends the reading.
+    /// Ends the reading, for good.
     pub(crate) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
+        self.reading.ends.set(true);
+        self.halt(fault)
+    }
+
+    /// Ends this reading.
+    fn halt<E: serde::de::Error>(self, fault: Fault) -> E {
         let error = E::custom(&fault.message);
         self.reading.fault.set(Some(fault));
         error
@@ -186,7 +195,7 @@ impl<'a> Context<'a> {
                 return Ok(None);
             }
         }
-        Err(self.stop(fault))
+        Err(self.halt(fault))
     }
 
     /// States are numbered upwards, or not at all.
