@@ -204,3 +204,29 @@ impl<'a> Context<'a> {
         self.value(check_number(last, number)).map(drop)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Scene, StateFile};
+
+    const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n9, 1, 2\n*CONNECTOR SECTION, ELSET=C\nLINK\n";
+
+    /// An unknown node is told once, however often it comes, and what else is wrong beside it.
+    #[test]
+    fn every_fault_of_a_file_is_told_in_one_run() {
+        let scene = Scene::parse("deck.inp", DECK).unwrap();
+        let csv = "state,node,u1\n0,1,0\n0,7,0\n1,1,abc\n1,7,0\n2,2,xyz\n";
+        let first = StateFile::parse_csv("s.csv", csv, &scene).unwrap_err();
+        let all = 1 + first.further().len();
+        assert_eq!(all, 3, "{first:?}");
+        let json = r#"{"schema": "pintle-states/1", "states": [
+            {"nodes": {"1": {"quaternion": [2, 0, 0, 0]}}},
+            {"nodes": {"7": {}}},
+            {"nodes": {"2": {"quaternion": [3, 0, 0, 0]}}}]}"#;
+        let first = StateFile::parse_json("s.json", json, &scene).unwrap_err();
+        assert_eq!(1 + first.further().len(), 3, "{first:?}");
+        let other =
+            StateFile::parse_json("s.json", r#"{"schema": "other/1", "states": []}"#, &scene).unwrap_err();
+        assert_eq!(other.further().len(), 0, "{other:?}");
+    }
+}
