@@ -1,12 +1,18 @@
 //! In which order, unit and frame a routine answers, and how that is undone.
 
 use pintle_audit::{Given, Quantity, Tangent};
-use pintle_kinematics::connector::{Components, Connector, Definition, NodalMatrix, NodalRow, State};
-use pintle_kinematics::measure::Unit;
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::{
+    Components, Connector, Definition, Increment, NodalMatrix, NodalRow, Output, Request, State, Tally,
+};
+use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Matrix, Vector, apply, apply_transposed, product, transpose};
+use pintle_kinematics::vector::{
+    Matrix, Vector, apply, apply_transposed, identity, product, transpose, transposed_product,
+};
 use serde::Deserialize;
+use std::fmt::Write as _;
 
 /// The columns of a row, as the protocol names them.
 pub(crate) const COLUMNS: [&str; DOFS] = [
@@ -25,6 +31,93 @@ pub enum Variation {
     Body,
     /// δφ of the total rotation vector, C = exp(φ^).
     TotalVector,
+    /// The changes of three successive angles, C = R_i(α) R_j(β) R_k(γ) about turned axes: Cardan angles, axes 1, 2, 3.
+    #[serde(rename = "angles-123")]
+    Angles123,
+    /// Yaw, pitch and roll: axes 3, 2, 1.
+    #[serde(rename = "angles-321")]
+    Angles321,
+    /// Euler angles: axes 3, 1, 3; about axes 3, 2, 3 the changes are the same.
+    #[serde(rename = "angles-313")]
+    Angles313,
+}
+
+impl Variation {
+    /// All of them.
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Spatial, Self::Body, Self::TotalVector, Self::Angles123, Self::Angles321, Self::Angles313];
+
+    /// As documents name it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Spatial => "spatial",
+            Self::Body => "body",
+            Self::TotalVector => "total-vector",
+            Self::Angles123 => "angles-123",
+            Self::Angles321 => "angles-321",
+            Self::Angles313 => "angles-313",
+        }
+    }
+
+    /// J of δθ = J δv, v being what this varies, at a rotation C.
+    pub(crate) fn jacobian(self, own: &Turned) -> Matrix<f64> {
+        let sequence = match self {
+            Self::Spatial => return identity(),
+            // δθ = C δΘ.
+            Self::Body => return own.rotation,
+            // δθ = J_l(φ) δφ.
+            Self::TotalVector => return so3::left_jacobian(own.vector),
+            Self::Angles123 => [0, 1, 2],
+            Self::Angles321 => [2, 1, 0],
+            Self::Angles313 => [2, 0, 2],
+        };
+        let [i, j, _] = sequence;
+        let axis = |of: usize| [0, 1, 2].map(|x| f64::from(u8::from(x == of)));
+        let [alpha, beta] = successive(&own.rotation, sequence);
+        let first = so3::turn(axis(i).map(|x| x * alpha));
+        let second = product(&first, &so3::turn(axis(j).map(|x| x * beta)));
+        // δθ = e_i δα + R_i e_j δβ + R_i R_j e_k δγ.
+        transpose(&[axis(i), apply(&first, axis(j)), apply(&second, axis(sequence[2]))])
+    }
+}
+
+/// α and β of C = R_i(α) R_j(β) R_k(γ).
+fn successive(c: &Matrix<f64>, [i, j, k]: [usize; 3]) -> [f64; 2] {
+    if i == k {
+        // The third axis, and the sign of the order i, j, third.
+        let third = 3 - i - j;
+        let sign = if (j + 3 - i) % 3 == 1 { 1.0 } else { -1.0 };
+        return [c[j][i].atan2(-sign * c[third][i]), c[j][i].hypot(c[third][i]).atan2(c[i][i])];
+    }
+    let sign = if (j + 3 - i) % 3 == 1 { 1.0 } else { -1.0 };
+    let [x, y] = [c[i][i], c[i][j]];
+    [(-sign * c[j][k]).atan2(c[k][k]), (sign * c[i][k]).atan2(x.hypot(y))]
+}
+
+/// The variation of both nodes' rotations, or of each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum Variations {
+    /// The same of both.
+    Both(Variation),
+    /// Of a and of b.
+    Each([Variation; 2]),
+}
+
+impl Default for Variations {
+    fn default() -> Self {
+        Self::Both(Variation::default())
+    }
+}
+
+impl Variations {
+    /// Of a (0) or b (1).
+    pub fn of(self, end: usize) -> Variation {
+        match self {
+            Self::Both(one) => one,
+            Self::Each(each) => each[end.min(1)],
+        }
+    }
 }
 
 /// The unit of an angle.
@@ -37,14 +130,30 @@ pub enum Angle {
     /// Degrees.
     #[serde(rename = "deg")]
     Degree,
+    /// Whole turns.
+    #[serde(rename = "turn")]
+    Turn,
 }
 
 impl Angle {
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::Radian, Self::Degree, Self::Turn];
+
+    /// As documents name it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Radian => "rad",
+            Self::Degree => "deg",
+            Self::Turn => "turn",
+        }
+    }
+
     /// One of these, in radians.
-    fn size(self) -> f64 {
+    pub(crate) const fn size(self) -> f64 {
         match self {
             Self::Radian => 1.0,
             Self::Degree => std::f64::consts::PI / 180.0,
+            Self::Turn => std::f64::consts::TAU,
         }
     }
 }
@@ -71,6 +180,122 @@ pub enum Frame {
     A,
     /// Along the axes of node b.
     B,
+    /// Those of each node along its own axes.
+    Own,
+}
+
+impl Frame {
+    /// All of them.
+    pub(crate) const ALL: [Self; 4] = [Self::Global, Self::A, Self::B, Self::Own];
+
+    /// The axes, as columns, along which the displacements of a (0) or b (1) are taken.
+    pub(crate) fn axes(self, end: usize, turned: &[Turned; 2]) -> Matrix<f64> {
+        match self {
+            Self::Global => identity(),
+            Self::A => turned[0].triad,
+            Self::B => turned[1].triad,
+            Self::Own => turned[end.min(1)].triad,
+        }
+    }
+}
+
+/// Along which axes the components of a vector are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axes {
+    /// Of node a, as the type declares them.
+    #[default]
+    A,
+    /// Global.
+    Global,
+    /// Of node b.
+    B,
+}
+
+impl Axes {
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::A, Self::Global, Self::B];
+
+    /// T of v_given = T v_a.
+    pub(crate) fn from_a(self, turned: &[Turned; 2]) -> Matrix<f64> {
+        match self {
+            Self::A => identity(),
+            Self::Global => turned[0].triad,
+            Self::B => transposed_product(&turned[1].triad, &turned[0].triad),
+        }
+    }
+}
+
+/// Whether components 1 to 3 (`first` = 0) or 4 to 6 (`first` = 3) are those of one vector along the axes of a.
+pub(crate) fn is_vector(connector: &Connector<f64>, first: usize) -> bool {
+    let measures = [0, 1, 2].map(|i| connector.differentiated(first + i));
+    let all = |of: fn(usize) -> Measure| (0..3).all(|i| measures[i] == Some(of(i + 1)));
+    all(Measure::Position) || all(Measure::RotationVector) || all(Measure::Misalignment)
+}
+
+/// What a value of a component is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Positions {
+    /// CU from the initial state; of what is constrained, its residual.
+    #[default]
+    Displacement,
+    /// CP.
+    Position,
+    /// CCU from the constitutive reference.
+    Constitutive,
+}
+
+impl Positions {
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::Displacement, Self::Position, Self::Constitutive];
+
+    /// What a value of pintle is less than this one.
+    pub(crate) fn offsets(self, definition: &Definition, connector: &Connector<f64>) -> Components<f64> {
+        let output = match self {
+            Self::Displacement => return [None; 6],
+            Self::Position => Output::CP,
+            Self::Constitutive => Output::CCU,
+        };
+        let rest = State { pair: definition.initial, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let asked = Request::new(&[output], [true; 6], 0);
+        let branch = connector.initial_branch();
+        let first = connector.evaluate(&rest, &Increment::none(), &branch, &asked, &mut Tally::default());
+        if self == Self::Position { first.position } else { first.constitutive }
+    }
+}
+
+/// How the routine reads a triad.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Triads {
+    /// A list of e1, e2, e3.
+    #[default]
+    Axes,
+    /// A matrix, row by row, whose columns are e1, e2, e3.
+    Matrix,
+}
+
+/// The order of a quaternion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quaternions {
+    /// The scalar first.
+    #[default]
+    Wxyz,
+    /// The scalar last.
+    Xyzw,
+}
+
+/// What a quaternion and a rotation vector turn into what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sense {
+    /// Initial axes into present ones.
+    #[default]
+    Forward,
+    /// Present axes into initial ones.
+    Inverse,
 }
 
 /// Whether angles go on through half a turn.
@@ -110,10 +335,24 @@ impl Stiffness {
 pub struct Convention {
     /// The columns of a row, in the routine's order; those left out are zero.
     pub columns: Vec<String>,
-    /// The variation of rotations.
-    pub rotations: Variation,
+    /// The components in the routine's order, without those that it has not; six, with null, where this is empty.
+    pub rows: Vec<String>,
+    /// The variation of rotations, of both nodes or of a and b.
+    pub rotations: Variations,
     /// The axes of displacements.
     pub displacements: Frame,
+    /// The axes of a vector whose components are given.
+    pub axes: Axes,
+    /// What the values are.
+    pub positions: Positions,
+    /// Components whose cosine is given as the angle by which the axes miss the right angle, asin of it.
+    pub as_angle: Vec<String>,
+    /// How triads are read.
+    pub triads: Triads,
+    /// How quaternions are read.
+    pub quaternion: Quaternions,
+    /// How rotations are read.
+    pub sense: Sense,
     /// Whether angles go on through half a turn.
     pub turns: Turns,
     /// What the stiffness of an element of springs is.
@@ -124,6 +363,10 @@ pub struct Convention {
     pub column_angles: Angle,
     /// The routine's unit of length, in units of the scene: 0.001 for a routine in mm of a scene in m.
     pub length: f64,
+    /// The unit of components that are lengths, in units of `length`, where it is another.
+    pub row_length: f64,
+    /// The unit of the displacements by which rows differentiate, in units of `length`, where it is another.
+    pub column_length: f64,
     /// The routine's component over pintle's: −1 where it has the opposite sign.
     pub factors: [f64; 6],
     /// How rows are stored.
@@ -134,13 +377,22 @@ impl Default for Convention {
     fn default() -> Self {
         Self {
             columns: COLUMNS.map(String::from).to_vec(),
-            rotations: Variation::default(),
+            rows: Vec::new(),
+            rotations: Variations::default(),
             displacements: Frame::default(),
+            axes: Axes::default(),
+            positions: Positions::default(),
+            as_angle: Vec::new(),
+            triads: Triads::default(),
+            quaternion: Quaternions::default(),
+            sense: Sense::default(),
             turns: Turns::default(),
             stiffness: Stiffness::default(),
             angles: Angle::default(),
             column_angles: Angle::default(),
             length: 1.0,
+            row_length: 1.0,
+            column_length: 1.0,
             factors: [1.0; 6],
             storage: Storage::default(),
         }
@@ -148,6 +400,51 @@ impl Default for Convention {
 }
 
 impl Convention {
+    /// The TOML document that declares them; what is pintle's own is left out.
+    pub fn to_toml(&self) -> String {
+        let own = Self::default();
+        let mut text = String::new();
+        let mut line = |key: &str, value: String, is_own: bool| {
+            if !is_own {
+                let _ = writeln!(text, "{key} = {value}");
+            }
+        };
+        let list = |names: &[String]| format!("{names:?}");
+        line("columns", list(&self.columns), self.columns == own.columns);
+        line("rows", list(&self.rows), self.rows == own.rows);
+        let rotations = match self.rotations {
+            Variations::Both(both) => format!("{:?}", both.name()),
+            Variations::Each(each) => format!("{:?}", each.map(Variation::name)),
+        };
+        line("rotations", rotations, self.rotations == own.rotations);
+        let lower = |debug: String| format!("{:?}", debug.to_lowercase());
+        line(
+            "displacements",
+            lower(format!("{:?}", self.displacements)),
+            self.displacements == own.displacements,
+        );
+        line("axes", lower(format!("{:?}", self.axes)), self.axes == own.axes);
+        line("positions", lower(format!("{:?}", self.positions)), self.positions == own.positions);
+        line("as_angle", list(&self.as_angle), self.as_angle == own.as_angle);
+        line("triads", lower(format!("{:?}", self.triads)), self.triads == own.triads);
+        line("quaternion", lower(format!("{:?}", self.quaternion)), self.quaternion == own.quaternion);
+        line("sense", lower(format!("{:?}", self.sense)), self.sense == own.sense);
+        line("turns", lower(format!("{:?}", self.turns)), self.turns == own.turns);
+        line("stiffness", lower(format!("{:?}", self.stiffness)), self.stiffness == own.stiffness);
+        line("angles", format!("{:?}", self.angles.name()), self.angles == own.angles);
+        line(
+            "column_angles",
+            format!("{:?}", self.column_angles.name()),
+            self.column_angles == own.column_angles,
+        );
+        line("length", format!("{:?}", self.length), self.length == own.length);
+        line("row_length", format!("{:?}", self.row_length), self.row_length == own.row_length);
+        line("column_length", format!("{:?}", self.column_length), self.column_length == own.column_length);
+        line("factors", format!("{:?}", self.factors), self.factors == own.factors);
+        line("storage", lower(format!("{:?}", self.storage)), self.storage == own.storage);
+        text
+    }
+
     /// Those that a TOML document declares.
     ///
     /// # Errors
@@ -177,8 +474,21 @@ impl Convention {
                 Some(place) => places.push(place),
             }
         }
-        if !(self.length > 0.0 && self.length.is_finite()) {
-            return Err(format!("convention.length is {}, not a positive number", self.length));
+        let lengths =
+            [("length", self.length), ("row_length", self.row_length), ("column_length", self.column_length)];
+        if let Some((name, x)) = lengths.into_iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+            return Err(format!("convention.{name} is {x}, not a positive number"));
+        }
+        for (list, names) in [("rows", &self.rows), ("as_angle", &self.as_angle)] {
+            for (n, name) in names.iter().enumerate() {
+                if !COMPONENT.contains(&name.as_str()) {
+                    let known = COMPONENT.join(", ");
+                    return Err(format!("convention.{list} names {name:?}; the components are {known}"));
+                }
+                if names[..n].contains(name) {
+                    return Err(format!("convention.{list} names {name} twice"));
+                }
+            }
         }
         if let Some(k) = (0..6).find(|k| !(self.factors[*k] != 0.0 && self.factors[*k].is_finite())) {
             return Err(format!(
@@ -193,10 +503,39 @@ impl Convention {
     pub(crate) fn unit(&self, k: usize, connector: &Connector<f64>) -> f64 {
         let of_unit = match connector.differentiated(k).map(|measure| measure.unit()) {
             Some(Unit::Angle) => self.angles.size(),
-            Some(Unit::Length) => self.length,
+            Some(Unit::Length) => self.length * self.row_length,
+            _ if self.is_as_angle(k) => self.angles.size(),
             _ => 1.0,
         };
         of_unit / self.factors[k]
+    }
+
+    /// Whether a component that is a cosine is given as an angle.
+    pub(crate) fn is_as_angle(&self, k: usize) -> bool {
+        self.as_angle.iter().any(|name| name == COMPONENT[k])
+    }
+
+    /// Of each component that is given as an angle, the slope of its cosine by that angle: √(1 − c²).
+    fn slopes(&self, connector: &Connector<f64>, state: &State<f64>) -> Components<f64> {
+        if self.as_angle.is_empty() {
+            return [None; 6];
+        }
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let branch = connector.initial_branch();
+        let now = connector.evaluate(state, &Increment::none(), &branch, &asked, &mut Tally::default());
+        std::array::from_fn(|k| {
+            let cosine = now.residual[k].or(now.displacement[k]).filter(|_| self.is_as_angle(k))?;
+            Some((1.0 - cosine * cosine).max(0.0).sqrt())
+        })
+    }
+
+    /// The component of each line of the routine's values and rows.
+    pub(crate) fn lines(&self) -> Vec<usize> {
+        if self.rows.is_empty() {
+            return (0..COMPONENT.len()).collect();
+        }
+        let place = |name: &String| COMPONENT.iter().position(|known| known == name);
+        self.rows.iter().filter_map(place).collect()
     }
 
     /// What a convention cannot say of the quantities offered.
@@ -209,10 +548,22 @@ impl Convention {
         let changes = offers.contains(&Quantity::GeometricStiffness)
             || of_element && self.stiffness == Stiffness::Forces;
         let second = second || of_element;
-        if self.rotations == Variation::TotalVector && (second || changes) {
-            return Err("second derivatives and stiffness are read by spatial or body variations, not by total-vector".into());
+        let both = match self.rotations {
+            Variations::Both(both) => Some(both),
+            Variations::Each([a, b]) => (a == b).then_some(a),
+        };
+        let is_plain = matches!(both, Some(Variation::Spatial | Variation::Body));
+        if !is_plain && (second || changes) {
+            return Err(
+                "second derivatives and stiffness are read by spatial or body variations of both nodes alone"
+                    .into(),
+            );
         }
-        let turns = self.rotations == Variation::Body || self.displacements != Frame::Global;
+        let is_resolved = self.axes != Axes::A || !self.as_angle.is_empty();
+        if is_resolved && (second || changes || offers.contains(&Quantity::Acceleration)) {
+            return Err("second derivatives, stiffness and accelerations are read along the axes of a, of cosines themselves".into());
+        }
+        let turns = both == Some(Variation::Body) || self.displacements != Frame::Global;
         if changes && turns {
             return Err(
                 "geometric_stiffness is read by spatial variations and global displacements alone".into()
@@ -229,30 +580,25 @@ impl Convention {
         let mut row = [0.0; DOFS];
         for (entry, place) in of_routine.iter().zip(places) {
             let is_rotation = matches!(place % 7, 3..=5);
-            let column = if is_rotation { self.column_angles.size() } else { self.length };
+            let column =
+                if is_rotation { self.column_angles.size() } else { self.length * self.column_length };
             row[*place] = entry / column;
         }
         let block = |row: &NodalRow<f64>, at: usize| [row[at], row[at + 1], row[at + 2]];
         for (end, own) in turned.iter().enumerate() {
-            let axes = match self.displacements {
-                Frame::Global => None,
-                Frame::A => Some(&turned[0].triad),
-                Frame::B => Some(&turned[1].triad),
-            };
-            if let Some(axes) = axes {
+            if self.displacements != Frame::Global {
                 // δx = T δx_local.
-                let global = apply(axes, block(&row, 7 * end));
+                let global = apply(&self.displacements.axes(end, turned), block(&row, 7 * end));
                 row[7 * end..7 * end + 3].copy_from_slice(&global);
             }
             let at = 7 * end + 3;
-            let spatial = match self.rotations {
+            let given = block(&row, at);
+            let spatial = match self.rotations.of(end) {
                 Variation::Spatial => continue,
-                // δΘ = Cᵀ δθ.
-                Variation::Body => apply(&own.rotation, block(&row, at)),
-                // δφ = J_l(φ)⁻¹ δθ.
-                Variation::TotalVector => {
-                    apply_transposed(&so3::inverse_left_jacobian(own.vector), block(&row, at))
-                }
+                Variation::Body => apply(&own.rotation, given),
+                Variation::TotalVector => apply_transposed(&so3::inverse_left_jacobian(own.vector), given),
+                // Jᵀ times the row along spatial rotations is what is given.
+                of_angles => solve(&transpose(&of_angles.jacobian(own)), given),
             };
             row[at..at + 3].copy_from_slice(&spatial);
         }
@@ -283,6 +629,35 @@ impl Convention {
         }
         matrix
     }
+}
+
+/// Vectors with their components along the axes of a, in place of those along others: what `sum` makes of component i.
+fn along_a<T: Copy>(
+    mut all: Components<T>,
+    blocks: [bool; 2],
+    sum: impl Fn(usize, [T; 3]) -> T,
+) -> Components<T> {
+    for (first, is_vector) in [0, 3].into_iter().zip(blocks) {
+        if let (true, [Some(x), Some(y), Some(z)]) = (is_vector, [0, 1, 2].map(|i| all[first + i])) {
+            for i in 0..3 {
+                all[first + i] = Some(sum(i, [x, y, z]));
+            }
+        }
+    }
+    all
+}
+
+/// x of M x = y by Cramer's rule: no number where M is singular.
+fn solve(m: &Matrix<f64>, y: Vector<f64>) -> Vector<f64> {
+    let det = |m: &Matrix<f64>| {
+        let minor = |i: usize, j: usize| m[1][i] * m[2][j] - m[1][j] * m[2][i];
+        m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
+    };
+    let whole = det(m);
+    [0, 1, 2].map(|column| {
+        let replaced = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if j == column { y[i] } else { m[i][j] }));
+        det(&replaced) / whole
+    })
 }
 
 /// How a node is turned from its initial orientation.
@@ -325,6 +700,10 @@ impl Own {
     ) -> Given {
         let turned = Turned::of(definition, state);
         let unit = |k: usize| convention.unit(k, connector);
+        let offsets = convention.positions.offsets(definition, connector);
+        let slopes = convention.slopes(connector, state);
+        let axes = convention.axes.from_a(&turned);
+        let blocks = [0, 3].map(|first| convention.axes != Axes::A && is_vector(connector, first));
         let mut given = Given::default();
         // E in the routine's unit of length is E over that unit.
         let energy = convention.length;
@@ -340,16 +719,35 @@ impl Own {
                 }
                 _ => {}
             }
-            let scalars = || std::array::from_fn(|k| Some(of[k].as_ref()?.first()? * unit(k)));
-            let rows =
-                || std::array::from_fn(|k| Some(convention.row(of[k].as_ref()?, places, unit(k), &turned)));
+            let scalars = |is_value: bool| {
+                let mut all: Components<f64> =
+                    std::array::from_fn(|k| Some(of[k].as_ref()?.first()? * unit(k)));
+                all = along_a(all, blocks, |i, of| (0..3).map(|m| axes[m][i] * of[m]).sum());
+                std::array::from_fn(|k| {
+                    let x = all[k]? - offsets[k].filter(|_| is_value).unwrap_or(0.0);
+                    Some(match slopes[k] {
+                        Some(_) if is_value => x.sin(),
+                        Some(slope) => x * slope,
+                        None => x,
+                    })
+                })
+            };
+            let rows = || {
+                let all =
+                    std::array::from_fn(|k| Some(convention.row(of[k].as_ref()?, places, unit(k), &turned)));
+                let sum = |i: usize, of: [NodalRow<f64>; 3]| {
+                    std::array::from_fn(|j| (0..3).map(|m| axes[m][i] * of[m][j]).sum())
+                };
+                let all: Components<NodalRow<f64>> = along_a(all, blocks, sum);
+                std::array::from_fn(|k| Some(all[k]?.map(|x| x * slopes[k].unwrap_or(1.0))))
+            };
             let matrices = || {
                 std::array::from_fn(|k| Some(convention.matrix(of[k].as_ref()?, places, unit(k), &turned)))
             };
             given = match quantity {
-                Quantity::Value => given.values(scalars()),
-                Quantity::Rate => given.rates(scalars()),
-                Quantity::Acceleration => given.accelerations(scalars()),
+                Quantity::Value => given.values(scalars(true)),
+                Quantity::Rate => given.rates(scalars(false)),
+                Quantity::Acceleration => given.accelerations(scalars(false)),
                 Quantity::FirstDerivatives => given.rows(rows()),
                 Quantity::NodalForces => given.nodal_forces(rows()),
                 Quantity::SecondDerivatives => given.second_derivatives(matrices()),

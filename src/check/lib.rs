@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `protocol` | what is sent, and what must come back? |
 //! | `convention` | in which order, unit and frame does the routine answer? |
+//! | [`fit`] | and if it does not say so: which conventions fit its numbers? |
 //! | `session` | what is asked, and what was answered? |
 //! | `process` | does the process behave? |
 //! | `python` | how is a Python function asked? |
@@ -11,18 +12,22 @@
 //! The audit judges; nothing here does.
 
 mod convention;
+pub mod fit;
 mod process;
 mod protocol;
 mod python;
 mod session;
 
-pub use convention::{Angle, Convention, Frame, Stiffness, Storage, Turns, Variation};
+pub use convention::{
+    Angle, Axes, Convention, Frame, Positions, Quaternions, Sense, Stiffness, Storage, Triads, Turns,
+    Variation, Variations,
+};
 pub use process::{Misbehaviour, Patience, Process};
-pub use protocol::{OFFERS, PROTOCOL};
+pub use protocol::{OFFERS, PROTOCOL, answers_of_file};
 pub use python::{DRIVER, command as python_command};
 pub use session::{Door, Session};
 
-use pintle_audit::{Candidate, Question, Report, Settings};
+use pintle_audit::{Candidate, Quantity, Question, Report, Settings, Step};
 use pintle_kinematics::connector::Definition;
 
 /// A report, and what it rests on.
@@ -101,4 +106,41 @@ pub fn check<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<
     let asked = session.asked();
     session.close()?;
     Ok(Checked { report, states, outside, not_offered, asked })
+}
+
+/// Asks a routine behind a door for rows at general states, and finds the conventions under which they are right.
+///
+/// # Errors
+/// [`Misbehaviour`]; what it gives may be no rows at all.
+pub fn fit_convention<D: Door>(
+    door: D,
+    definition: &Definition,
+    seed: &str,
+) -> Result<fit::Found, Misbehaviour> {
+    /// One tells most; a second and a third what one leaves open by chance.
+    const STATES: usize = 3;
+    let plain = Convention::default();
+    let mut session = Session::open(door, definition, Some(&plain), &[None; 6])?;
+    let offers = session.offers();
+    if !offers.contains(&Quantity::FirstDerivatives) {
+        return Err(Misbehaviour::BadHello("it offers no rows, by which conventions are found".into()));
+    }
+    let wants: Vec<Quantity> = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate]
+        .into_iter()
+        .filter(|quantity| offers.contains(quantity))
+        .collect();
+    let states = fit::generic_states(definition, seed, STATES);
+    let steps: Vec<Step> = states
+        .iter()
+        .map(|state| Step { state: *state, ..Step::between(&definition.initial, state.pair) })
+        .collect();
+    // At the initial state displacements and residuals are zero.
+    let connector = pintle_kinematics::connector::Connector::<f64>::new(definition);
+    let values_before = std::array::from_fn(|k| connector.differentiated(k).map(|_| 0.0));
+    let question =
+        |(number, step)| Question { number, step, path: &[], values_before, wants: &wants, is_drawn: true };
+    let asked: Vec<Question<'_>> = steps.iter().enumerate().map(question).collect();
+    let given = session.ask_as_it_is(&asked)?;
+    session.close()?;
+    fit::fit(definition, &states, &given).map_err(Misbehaviour::NoConvention)
 }

@@ -83,6 +83,9 @@ pub enum Misbehaviour {
     /// A convention that is none.
     #[error("the hello of the process has no valid convention: {0}")]
     BadConvention(String),
+    /// Its numbers are those of no convention.
+    #[error("no convention was found: {0}")]
+    NoConvention(String),
     /// It offers nothing.
     #[error("the process offers nothing: \"offers\" is to name values, rows or more")]
     OffersNothing,

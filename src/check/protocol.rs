@@ -1,6 +1,7 @@
 //! The messages of `pintle-candidate/1`: one JSON document each, in both directions.
 
-use crate::convention::{Convention, Own, Storage};
+use crate::convention::{Convention, Own, Quaternions, Sense, Storage, Triads};
+use crate::fit::GivenRows;
 use pintle_audit::{Quantity, Question};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition, State};
@@ -91,7 +92,7 @@ pub(crate) fn open(definition: &Definition, convention: &Convention, springs: &C
     };
     let components: Vec<Value> = (0..6).map(|k| of(k).unwrap_or(Value::Null)).collect();
     let initial = &definition.initial;
-    let at = |node: &Node<f64>, x: Vector<f64>| json!({ "x": x.map(|x| x / convention.length), "triad": directions(node) });
+    let at = |node: &Node<f64>, x: Vector<f64>| json!({ "x": x.map(|x| x / convention.length), "triad": directions(node, convention) });
     // An energy in the routine's length, over its component's unit squared.
     let spring =
         |k: usize| springs[k].map(|d| d * convention.unit(k, &connector).powi(2) / convention.length);
@@ -106,22 +107,32 @@ pub(crate) fn open(definition: &Definition, convention: &Convention, springs: &C
     } })
 }
 
-/// e1, e2, e3 of a node.
-fn directions(node: &Node<f64>) -> [Vector<f64>; 3] {
-    [0, 1, 2].map(|i| column(&node.triad, i))
+/// e1, e2, e3 of a node, or the matrix that has them as columns.
+fn directions(node: &Node<f64>, convention: &Convention) -> [Vector<f64>; 3] {
+    match convention.triads {
+        Triads::Axes => [0, 1, 2].map(|i| column(&node.triad, i)),
+        Triads::Matrix => node.triad,
+    }
 }
 
 /// A place, rotation and flow of each node.
 fn places(pair: &Pair<f64>, definition: &Definition, convention: &Convention) -> Map<String, Value> {
     let initial = &definition.initial;
     let node = |now: &Node<f64>, first: &Node<f64>, x: Vector<f64>| {
-        let rotation = product(&now.triad, &transpose(&first.triad));
+        let mut rotation = product(&now.triad, &transpose(&first.triad));
+        if convention.sense == Sense::Inverse {
+            rotation = transpose(&rotation);
+        }
+        let mut quaternion = so3::quaternion(&rotation);
+        if convention.quaternion == Quaternions::Xyzw {
+            quaternion.rotate_left(1);
+        }
         let place = add(x, now.displacement);
         json!({
             "x": place.map(|x| x / convention.length),
             "u": now.displacement.map(|u| u / convention.length),
-            "triad": directions(now),
-            "quaternion": so3::quaternion(&rotation),
+            "triad": directions(now, convention),
+            "quaternion": quaternion,
             "rotation_vector": so3::log(&rotation),
             "flow": now.flow / convention.length,
         })
@@ -158,7 +169,8 @@ pub(crate) fn state(
     let before = asked.before().map_or(definition.initial, |before| before.pair);
     let mut previous = places(&before, definition, convention);
     let value = |k: usize| asked.values_before[k].map(|x| x / convention.unit(k, connector));
-    previous.insert("values".into(), json!([0, 1, 2, 3, 4, 5].map(value)));
+    let before: Vec<Option<f64>> = convention.lines().into_iter().map(value).collect();
+    previous.insert("values".into(), json!(before));
     if let Some(memory) = memory {
         previous.insert("memory".into(), memory.clone());
     }
@@ -217,6 +229,73 @@ pub(crate) fn answers(
     answers.iter().map(|one| answer(one, convention, wants)).collect()
 }
 
+/// The values, rows and rates of so many answers, as they are: no convention is undone.
+///
+/// # Errors
+/// In words, what is no list of numbers.
+pub(crate) fn as_it_is(answers: Option<&Value>, count: usize) -> Result<Vec<GivenRows>, String> {
+    let answers = answers.and_then(Value::as_array).ok_or("\"answers\" is no list")?;
+    if answers.len() != count {
+        return Err(format!("there are {} answers, and {count} states", answers.len()));
+    }
+    let of = |(n, one): (usize, &Value)| {
+        let one = one.as_object().ok_or_else(|| format!("answer {} is no object", n + 1))?;
+        for key in ["error", "out_of_domain"] {
+            if let Some(why) = one.get(key) {
+                return Err(format!("answer {} is {key}: {}", n + 1, excerpt(&why.to_string())));
+            }
+        }
+        let rows = one.get("rows").and_then(Value::as_array).filter(|rows| !rows.is_empty());
+        let rows = rows.ok_or_else(|| format!("answer {} has no \"rows\"", n + 1))?;
+        let numbers = |list: &[Value], name: &str| {
+            list.iter().map(|x| number(x, name)).collect::<Result<Vec<Option<f64>>, String>>()
+        };
+        let filled = |list: &[Value]| {
+            let all = numbers(list, "an entry of \"rows\"")?;
+            Ok::<_, String>(all.into_iter().map(|x| x.unwrap_or(0.0)).collect::<Vec<f64>>())
+        };
+        let is_flat = rows.iter().all(|item| !item.is_array() && !item.is_null());
+        let rows = if is_flat {
+            vec![Some(filled(rows)?)]
+        } else {
+            let line = |item: &Value| match item {
+                Value::Null => Ok(None),
+                Value::Array(list) => filled(list).map(Some),
+                other => {
+                    Err(format!("{} among the lists of \"rows\" is no list", excerpt(&other.to_string())))
+                }
+            };
+            rows.iter().map(line).collect::<Result<_, String>>()?
+        };
+        let list = |key: &str| match one.get(key) {
+            Some(Value::Array(list)) => numbers(list, key).map(Some),
+            _ => Ok(None),
+        };
+        Ok(GivenRows { rows, values: list("values")?, rates: list("rates")? })
+    };
+    answers.iter().enumerate().map(of).collect()
+}
+
+/// The answers of a file: a list, an object with such a list under "answers", or a line for each.
+///
+/// # Errors
+/// In words, what is none.
+pub fn answers_of_file(text: &str, count: usize) -> Result<Vec<GivenRows>, String> {
+    match serde_json::from_str::<Value>(text) {
+        Ok(Value::Object(one)) if one.contains_key("answers") => as_it_is(one.get("answers"), count),
+        Ok(one @ Value::Object(_)) => as_it_is(Some(&Value::Array(vec![one])), count),
+        Ok(all) => as_it_is(Some(&all), count),
+        Err(error) => {
+            let lines = text.lines().filter(|line| !line.trim().is_empty());
+            let all = lines.map(serde_json::from_str).collect::<Result<Vec<Value>, _>>();
+            match all {
+                Ok(all) if all.len() > 1 => as_it_is(Some(&Value::Array(all)), count),
+                _ => Err(format!("this is no JSON document, nor one a line: {error}")),
+            }
+        }
+    }
+}
+
 fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<Answer, String> {
     let one = one.as_object().ok_or("an item of \"answers\" is no object")?;
     let text = |key: &str| one.get(key).map(|why| why.as_str().map_or_else(|| why.to_string(), String::from));
@@ -228,6 +307,8 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
     }
     let width = convention.columns.len();
     debug_assert!(width <= DOFS);
+    let lines = convention.lines();
+    let height = lines.len();
     let mut own = Own { given: Vec::new(), memory: one.get("memory").cloned() };
     for quantity in wants {
         let name = name(*quantity);
@@ -244,23 +325,23 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
                 of[0] = Some(matrix(given, width, name)?);
             }
             1 => {
-                for (k, value) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
-                    of[k] = number(value, &format!("{name:?}[{k}]"))?.map(|x| vec![x]);
+                for (i, value) in list(given, height, &format!("{name:?}"))?.iter().enumerate() {
+                    of[lines[i]] = number(value, &format!("{name:?}[{i}]"))?.map(|x| vec![x]);
                 }
             }
             DOFS => {
-                let (outer, inner) = if by_columns { (width, 6) } else { (6, width) };
+                let (outer, inner) = if by_columns { (width, height) } else { (height, width) };
                 for (i, j, x) in table(given, outer, inner, name)? {
-                    let (k, column) = if by_columns { (j, i) } else { (i, j) };
+                    let (line, column) = if by_columns { (j, i) } else { (i, j) };
                     if let Some(x) = x {
-                        of[k].get_or_insert_with(|| vec![0.0; width])[column] = x;
+                        of[lines[line]].get_or_insert_with(|| vec![0.0; width])[column] = x;
                     }
                 }
             }
             _ => {
-                for (k, given) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
+                for (i, given) in list(given, height, &format!("{name:?}"))?.iter().enumerate() {
                     if !given.is_null() {
-                        of[k] = Some(matrix(given, width, &format!("{name}[{k}]"))?);
+                        of[lines[i]] = Some(matrix(given, width, &format!("{name}[{i}]"))?);
                     }
                 }
             }

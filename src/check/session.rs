@@ -1,6 +1,7 @@
 //! A routine that was greeted and opened: asked through a door, its answers read in pintle's conventions.
 
 use crate::convention::{Convention, Turns};
+use crate::fit::GivenRows;
 use crate::process::Misbehaviour;
 use crate::protocol::{self, Answer, Hello, PROTOCOL};
 use pintle_audit::{Given, Quantity, Question, Step, Tangent};
@@ -224,8 +225,32 @@ impl<'a, D: Door> Session<'a, D> {
     }
 
     fn answers(&mut self, asked: &[Question<'_>]) -> Result<Vec<Answer>, Misbehaviour> {
-        const DUE: &str = "answer";
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
+        let answer = self.exchange(asked, first.wants)?;
+        let id = self.asked;
+        protocol::answers(&answer, &self.hello.convention, first.wants, asked.len())
+            .map_err(|what| Misbehaviour::WrongShape { id, what })
+    }
+
+    /// Asks for several states, and takes the lists as they come: of any shape, in whatever convention.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub fn ask_as_it_is(&mut self, asked: &[Question<'_>]) -> Result<Vec<GivenRows>, Misbehaviour> {
+        let Some(first) = asked.first() else { return Ok(Vec::new()) };
+        let answer = self.exchange(asked, first.wants)?;
+        let id = self.asked;
+        protocol::as_it_is(answer.get("answers"), asked.len())
+            .map_err(|what| Misbehaviour::WrongShape { id, what })
+    }
+
+    /// A request, and the answer with its number.
+    fn exchange(
+        &mut self,
+        asked: &[Question<'_>],
+        wants: &[Quantity],
+    ) -> Result<Map<String, Value>, Misbehaviour> {
+        const DUE: &str = "answer";
         // What is there before the question is no answer to it.
         self.door.is_silent()?;
         self.asked += 1;
@@ -235,20 +260,18 @@ impl<'a, D: Door> Session<'a, D> {
             protocol::state(asked, of, &self.hello.convention, self.memories.get(&asked.number))
         };
         let states = asked.iter().map(state).collect();
-        self.door.send(&protocol::evaluate(id, first.wants, states), DUE)?;
+        self.door.send(&protocol::evaluate(id, wants, states), DUE)?;
         let answer = self.door.receive(DUE)?;
         match answer.get("id") {
-            Some(got) if got.as_u64() == Some(id) => {}
+            Some(got) if got.as_u64() == Some(id) => Ok(answer),
             Some(got) if got.as_u64().is_some_and(|got| got < id) => {
-                return Err(Misbehaviour::Again { got: got.as_u64().unwrap_or_default(), asked: id });
+                Err(Misbehaviour::Again { got: got.as_u64().unwrap_or_default(), asked: id })
             }
             got => {
                 let got = got.map_or_else(|| "none".to_string(), ToString::to_string);
-                return Err(Misbehaviour::WrongId { got: protocol::excerpt(&got), asked: id });
+                Err(Misbehaviour::WrongId { got: protocol::excerpt(&got), asked: id })
             }
         }
-        protocol::answers(&answer, &self.hello.convention, first.wants, asked.len())
-            .map_err(|what| Misbehaviour::WrongShape { id, what })
     }
 
     /// Asks for the first state once more: a routine has no memory but what it is given.

@@ -43,7 +43,7 @@ pub(crate) fn push_blanks(line: &mut String, count: usize) {
 }
 
 /// A text in lines of at most `cells`, broken at blanks; a word that is longer stands alone.
-pub(crate) fn wrap(text: &str, cells: usize) -> Vec<String> {
+pub fn wrap(text: &str, cells: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

@@ -27,8 +27,10 @@
 
 mod element;
 mod given;
+mod right;
 
 pub use given::{Given, Question, Tangent};
+pub use right::Right;
 
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step, moved};

@@ -3,7 +3,7 @@
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
 use super::tell::complain;
-use super::{Failure, connection, page_width};
+use super::{Failure, connection, fit, page_width};
 use clap::{ArgGroup, Args};
 use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
@@ -45,12 +45,18 @@ nodal_forces, geometric_stiffness. The third argument is what is wanted now.
 pintle_element.h (--header prints it), or an Abaqus user element of two nodes,
 which is judged as springs along the components (--springs).
 
+--fit-convention tells in which units, signs, orders, axes and variations of
+rotations its rows are right, as the TOML that declares it, and then checks the
+routine under it. Where its states leave several open, it tells all of them.
+
 A routine in any other language prints hello, opened and answers as JSON lines.
 A state that it does not cover is answered by {\"out_of_domain\": \"why\"}.
 
 Examples:
   pintle check AXIAL --python my_elements:axial
   pintle check model.inp:106 --with './my_element --json'
+  pintle check REVOLUTE --python my_elements:hinge --fit-convention
+  pintle check REVOLUTE --at states.csv --answers rows.json --fit-convention
   pintle check AXIAL --library ./uel.so --springs 250 --properties 250
   pintle check \"CARTESIAN CARDAN\" --with 'python3 bushing.py' --format junit
 
@@ -58,7 +64,7 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
-#[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header"])))]
+#[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header", "answers"])))]
 pub(crate) struct Check {
     /// A connection type, or two basic ones in quotes; or a connector of a scene, SCENE:ELEMENT
     #[arg(value_name = "TYPE|SCENE:ELEMENT", required_unless_present = "header")]
@@ -96,6 +102,15 @@ pub(crate) struct Check {
     /// A TOML file with what differs from pintle's conventions, in place of what the routine says
     #[arg(long, value_name = "FILE")]
     convention: Option<PathBuf>,
+    /// Find the conventions from the numbers: units, signs, order, axes, variation of rotations
+    #[arg(long, conflicts_with_all = ["convention", "springs"])]
+    fit_convention: bool,
+    /// Rows that a harness of one's own computed at the states of --at: JSON, an answer for each state
+    #[arg(long, value_name = "FILE", requires = "at", requires = "fit_convention")]
+    answers: Option<PathBuf>,
+    /// The states of --answers, as pintle states writes them
+    #[arg(long, value_name = "FILE", requires = "answers")]
+    at: Option<PathBuf>,
     /// The stiffness of each component of an element of springs that gives element_forces: six numbers, - for none
     #[arg(long, value_name = "D1,…,D6", allow_hyphen_values = true, value_parser = springs)]
     springs: Option<Springs>,
@@ -227,14 +242,34 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     if arguments.header {
         return Ok(io::stdout().lock().write_all(pintle_element::HEADER.as_bytes())?);
     }
-    let Subject { definition, .. } = named(arguments.of.as_deref().unwrap_or_default())?;
-    let convention = arguments.convention.as_deref().map(convention).transpose()?;
+    let of = arguments.of.as_deref().unwrap_or_default();
+    let subject = named(of)?;
+    if let (Some(answers), Some(at)) = (&arguments.answers, &arguments.at) {
+        let scene = match of.rsplit_once(':').filter(|_| subject.is_of_scene) {
+            Some((scene, _)) => Some(read(source(scene)?, None)?.0),
+            None => None,
+        };
+        let found = fit::of_files(&subject, scene.as_ref(), at, answers)?;
+        fit::tell(&found, &subject.definition)?;
+        return if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) };
+    }
+    let Subject { definition, .. } = subject;
+    let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
         (None, Some(library), _) => library_command(library, arguments, convention.as_ref())?,
         (None, None, with) => with.clone().unwrap_or_default(),
     };
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
+    let misbehaved = |misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string());
+    if arguments.fit_convention {
+        let found = Process::start(&command, patience)
+            .and_then(|process| pintle_check::fit_convention(process, &definition, &arguments.seed))
+            .map_err(misbehaved)?;
+        fit::tell(&found, &definition)?;
+        println!();
+        convention = Some(found.convention);
+    }
     let settings = pintle_audit::Settings {
         states: arguments.states,
         near_singular_states: arguments.near_singular_states,
@@ -247,7 +282,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     let asked = Asked { settings, histories: arguments.histories, convention, springs };
     let checked = Process::start(&command, patience)
         .and_then(|process| pintle_check::check(process, &definition, asked));
-    let checked = checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
+    let checked = checked.map_err(misbehaved)?;
     let notes = checked.notes();
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());

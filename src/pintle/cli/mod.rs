@@ -6,6 +6,7 @@ pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
+mod fit;
 pub(crate) mod history;
 pub(crate) mod manual;
 mod output;

@@ -185,7 +185,7 @@ pub(crate) fn csv(states: &[pintle_scene::State]) -> String {
 }
 
 /// The deck of one connector: node 1 at the origin, node 2 where the definition has it.
-fn deck(definition: &Definition) -> String {
+pub(crate) fn deck(definition: &Definition) -> String {
     let Definition { connection, initial, flow_scale, .. } = definition;
     let listed = |numbers: &[f64]| numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
     // Two points on the first and in the plane of the first two axes.
