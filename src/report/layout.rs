@@ -71,7 +71,7 @@ pub(crate) fn labelled(label: &str, indent: usize, column: usize, text: &str, ce
 }
 
 /// Rows of cells under a heading, each column as wide as its widest cell, two blanks between.
-pub(crate) fn table(heading: &[&str], rows: &[Vec<String>]) -> String {
+pub fn table(heading: &[&str], rows: &[Vec<String>]) -> String {
     let mut widths: Vec<usize> = heading.iter().map(|title| width(title)).collect();
     for row in rows {
         for (column, cell) in widths.iter_mut().zip(row) {

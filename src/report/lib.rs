@@ -21,5 +21,5 @@ pub use evaluation::{
     Renderer, Subject, Unevaluated, Value, csv, flag_in_words, flags_in_words, human, json, matrix_market,
     unevaluated,
 };
-pub use layout::wrap;
+pub use layout::{table, wrap};
 pub use words::{NOTATION, ROWS, SIGNS};

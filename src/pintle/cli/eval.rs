@@ -1,8 +1,9 @@
 //! `pintle eval`.
 
+use super::compare::is_of_another;
 use super::history::{Assigned, Forces, Given, History, Survey};
 use super::tell::{complain, show_diagnostic};
-use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
+use super::{Eval, EvalFormat, Failure, Files, Show, Sign, compare, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{
@@ -168,6 +169,7 @@ pub(crate) fn read(source: Source<'_>, states: Option<&Path>) -> Result<(Scene, 
         Source::File(path) => Scene::read(path)?,
     };
     let states = match (states, source) {
+        (Some(file), _) if is_of_another(file) => compare::states(file, &scene)?,
         (Some(file), _) => StateFile::read(file, &scene)?.states,
         (None, Source::Gallery(example)) => example.states(&scene)?.states,
         (None, Source::File(_)) => scene.states.clone(),

@@ -1,6 +1,7 @@
 //! The states and forces of a run: held, or read from their files one state at a time, as often as they are needed.
 
-use super::Failure;
+use super::compare::is_of_another;
+use super::{Failure, compare};
 use pintle_scene::{
     ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile, StateForces,
     StateIndex, StateMark, StateStream, Vanishing,
@@ -21,6 +22,9 @@ pub(crate) enum History {
 impl History {
     /// The states of a file. What cannot be read twice, such as a pipe, is held.
     pub(crate) fn open(path: &Path, scene: &Scene) -> Result<Self, Failure> {
+        if is_of_another(path) {
+            return Ok(Self::Held(compare::states(path, scene)?));
+        }
         let stream = StateStream::open(path)?;
         // What is not there is said by its reader.
         if stream.is_repeatable() || !path.exists() {

@@ -3,6 +3,7 @@
 pub(crate) mod audit;
 pub(crate) mod bench;
 pub(crate) mod check;
+pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
@@ -73,6 +74,8 @@ pub(crate) enum Command {
     Check(Box<check::Check>),
     /// Write states for a harness of your own: about the initial one, near singular sets, along a history
     States(states::States),
+    /// Compare what another program has written with what the connectors must give
+    Compare(Box<compare::Compare>),
     /// Solve a mechanism of connectors, with friction that sticks: a reference with its digits, its events and its error
     Solve(Box<solve::Solve>),
     /// Ask a shared library by the protocol

@@ -51,6 +51,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Audit(arguments) => cli::audit::run(arguments, files),
         Command::Check(arguments) => cli::check::run(arguments),
         Command::States(arguments) => cli::states::run(arguments, files),
+        Command::Compare(arguments) => cli::compare::run(arguments),
         Command::Solve(arguments) => cli::solve::run(arguments, files),
         Command::Element(arguments) => cli::check::serve(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments, files),

@@ -1,7 +1,8 @@
 //! `pintle states`.
 
 use super::check::{Subject, named};
-use super::{Failure, Files};
+use super::eval::{read, source};
+use super::{Failure, Files, compare};
 use clap::{Args, ValueEnum};
 use pintle_audit::{Candidate, Case, Settings};
 use pintle_kinematics::catalog::Orientation;
@@ -29,6 +30,7 @@ them. Of a connector of a scene they are its nodes.
 Examples:
   pintle states REVOLUTE --count 100 --deck revolute.inp > states.csv
   pintle eval revolute.inp --states states.csv --independent --format csv
+  pintle states model.inp --from model.dat -o states.csv
   pintle states model.inp:106 --count 500 --history --format json -o history.json";
 
 #[derive(Debug, Args)]
@@ -37,6 +39,9 @@ pub(crate) struct States {
     /// A connection type, or two basic ones in quotes; or a connector of a scene, SCENE:ELEMENT
     #[arg(value_name = "TYPE|SCENE:ELEMENT")]
     of: String,
+    /// The states of a result that another program has written (.dat, or a table with its headings); TYPE is a scene then
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["count", "near", "history", "deck"])]
+    from: Option<PathBuf>,
     /// How many states
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     count: u32,
@@ -72,6 +77,10 @@ enum Format {
 /// Draws states and writes them.
 pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
     files.check(arguments.output.iter().chain(&arguments.deck))?;
+    if let Some(from) = &arguments.from {
+        let (scene, _) = read(source(&arguments.of)?, None)?;
+        return write(arguments, files, compare::states(from, &scene)?);
+    }
     let Subject { definition, nodes, is_of_scene } = named(&arguments.of)?;
     let settings = Settings {
         states: arguments.count as usize,
@@ -105,6 +114,11 @@ pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
         }
         files.text(file, deck(&definition))?;
     }
+    write(arguments, files, states)
+}
+
+/// Writes states where they are wanted.
+fn write(arguments: &States, files: Files, states: Vec<pintle_scene::State>) -> Result<(), Failure> {
     let text = match arguments.format {
         Format::Csv => csv(&states),
         Format::Json => StateFile { states }.to_json().map_err(io::Error::from)? + "\n",

@@ -1,0 +1,374 @@
+//! Files of other programs, frame by frame: tables in CSV, records in JSON, what Abaqus and CalculiX print (`.dat`).
+
+use crate::column::{Column, Map, Motion};
+use crate::printed::Printed;
+use pintle_kinematics::connector::Output;
+use serde_json::value::RawValue;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// The longest line that is read.
+const LONGEST: usize = 1 << 20;
+
+/// All that files say of one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// The time, where the file has it.
+    pub time: Option<f64>,
+    /// The number of the state, where the file has it.
+    pub number: Option<u64>,
+    /// By node.
+    pub nodes: BTreeMap<String, Vec<(Motion, Printed)>>,
+    /// By element.
+    pub elements: BTreeMap<String, Vec<(Output, usize, Printed)>>,
+}
+
+/// The files of one run, read as often as needed, a frame at a time.
+#[derive(Clone, Debug)]
+pub struct Results {
+    files: Vec<PathBuf>,
+    /// What is not standard in them.
+    pub map: Map,
+}
+
+/// One line of any of the formats.
+#[derive(Debug, Default)]
+struct Row {
+    time: Option<f64>,
+    number: Option<u64>,
+    node: Option<String>,
+    element: Option<String>,
+    motions: Vec<(Motion, Printed)>,
+    outputs: Vec<(Output, usize, Printed)>,
+    /// Where it stands, in words.
+    place: String,
+}
+
+type Rows = Box<dyn Iterator<Item = Result<Row, String>>>;
+
+impl Results {
+    /// Of these files.
+    pub const fn new(files: Vec<PathBuf>, map: Map) -> Self {
+        Self { files, map }
+    }
+
+    /// Hands on every frame, in the order of times. Files of one run are joined by time, or by number where there are no times.
+    ///
+    /// # Errors
+    /// What cannot be read, with file and line; or the first of `take`.
+    pub fn each(&self, mut take: impl FnMut(&Frame) -> Result<(), String>) -> Result<(), String> {
+        let mut streams = Vec::new();
+        for file in &self.files {
+            streams.push(Frames::open(file, &self.map)?);
+        }
+        let mut heads: Vec<Option<Frame>> = Vec::new();
+        for stream in &mut streams {
+            heads.push(stream.next().transpose()?);
+        }
+        loop {
+            let earliest = heads
+                .iter()
+                .flatten()
+                .map(|frame| key(frame, frame.time.is_some()))
+                .fold(f64::INFINITY, f64::min);
+            if earliest.is_infinite() {
+                return Ok(());
+            }
+            let mut joined = Frame::default();
+            for (head, stream) in heads.iter_mut().zip(&mut streams) {
+                let is_now = |frame: &mut Frame| {
+                    (key(frame, frame.time.is_some()) - earliest).abs() <= 1e-9 * earliest.abs()
+                };
+                if let Some(frame) = head.take_if(is_now) {
+                    joined.time = joined.time.or(frame.time);
+                    joined.number = joined.number.or(frame.number);
+                    for (node, motions) in frame.nodes {
+                        joined.nodes.entry(node).or_default().extend(motions);
+                    }
+                    for (element, outputs) in frame.elements {
+                        joined.elements.entry(element).or_default().extend(outputs);
+                    }
+                    *head = stream.next().transpose()?;
+                    if let Some(next) = head
+                        && key(next, next.time.is_some()) < earliest
+                    {
+                        let at = key(next, next.time.is_some());
+                        return Err(format!("{}: {at} comes after {earliest}: times must not go back", stream.file));
+                    }
+                }
+            }
+            take(&joined)?;
+        }
+    }
+}
+
+/// What frames are ordered by.
+fn key(frame: &Frame, has_time: bool) -> f64 {
+    if has_time { frame.time.unwrap_or(0.0) } else { frame.number.unwrap_or(0) as f64 }
+}
+
+/// The frames of one file.
+struct Frames {
+    file: String,
+    rows: Rows,
+    next: Option<Row>,
+    counted: u64,
+    map: Map,
+}
+
+impl Frames {
+    fn open(path: &Path, map: &Map) -> Result<Self, String> {
+        let file = path.display().to_string();
+        let named = |error: std::io::Error| format!("cannot read {file}: {error}");
+        let opened = || File::open(path).map(BufReader::new).map_err(named);
+        let extension = path.extension().map(|x| x.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        let rows: Rows = match extension.as_str() {
+            "csv" => csv_rows(file.clone(), opened()?, map.clone())?,
+            "jsonl" | "ndjson" => json_lines(file.clone(), opened()?, map.clone()),
+            "json" => json_rows(&file, opened()?, map)?,
+            "dat" => printed_rows(file.clone(), opened()?, map.clone()),
+            other => {
+                return Err(format!("{file}: there is no reader for .{other}; there are .csv, .json, .jsonl and .dat"));
+            }
+        };
+        Ok(Self { file, rows, next: None, counted: 0, map: map.clone() })
+    }
+
+    fn next(&mut self) -> Option<Result<Frame, String>> {
+        let mut frame: Option<Frame> = None;
+        loop {
+            let row = match self.next.take() {
+                Some(row) => row,
+                None => match self.rows.next() {
+                    Some(Ok(row)) => row,
+                    Some(Err(error)) => return Some(Err(error)),
+                    None => return frame.map(Ok),
+                },
+            };
+            let node = row.node.clone().or_else(|| self.map.node.clone());
+            let element = row.element.clone().or_else(|| self.map.element.clone());
+            if let Some(known) = &frame {
+                let is_same = match (row.time, row.number) {
+                    (Some(time), _) => known.time == Some(time),
+                    (None, Some(number)) => known.number == Some(number),
+                    // What names neither begins anew where a label comes again.
+                    (None, None) => {
+                        let is_new = |label: &Option<String>, known: &dyn Fn(&String) -> bool| {
+                            label.as_ref().is_none_or(|label| !known(label))
+                        };
+                        is_new(&node, &|label| known.nodes.contains_key(label) && !row.motions.is_empty())
+                            && is_new(&element, &|label| known.elements.contains_key(label) && !row.outputs.is_empty())
+                            && (node.is_some() || element.is_some())
+                    }
+                };
+                if !is_same {
+                    self.next = Some(row);
+                    return frame.map(Ok);
+                }
+            }
+            let counted = &mut self.counted;
+            let of = frame.get_or_insert_with(|| {
+                let number = row.number.or((row.time.is_none()).then_some(*counted));
+                *counted += 1;
+                Frame { time: row.time, number, ..Frame::default() }
+            });
+            if !row.motions.is_empty() {
+                let Some(node) = node else {
+                    return Some(Err(format!("{}: a motion of no node: name a column node, or node in the map", row.place)));
+                };
+                of.nodes.entry(node).or_default().extend(row.motions);
+            }
+            if !row.outputs.is_empty() {
+                let Some(element) = element else {
+                    return Some(Err(format!(
+                        "{}: an output of no element: name a column element, or element in the map",
+                        row.place
+                    )));
+                };
+                of.elements.entry(element).or_default().extend(row.outputs);
+            }
+        }
+    }
+}
+
+impl Row {
+    /// Takes a cell.
+    fn put(&mut self, column: Column, heading: &str, text: &str, map: &Map) -> Result<(), String> {
+        let text = text.trim();
+        if text.is_empty() || column == Column::Other {
+            return Ok(());
+        }
+        let wrong = || format!("{}: {heading} is {:?}, not a number", self.place, excerpt(text));
+        match column {
+            Column::Node => self.node = Some(label(text)),
+            Column::Element => self.element = Some(label(text)),
+            Column::State => self.number = Some(Printed::parse(text).ok_or_else(wrong)?.x as u64),
+            Column::Time => self.time = Some(Printed::parse(text).ok_or_else(wrong)?.x),
+            Column::Motion(motion) => {
+                let number = Printed::parse(text).ok_or_else(wrong)?;
+                self.motions.push((motion, number.times(map.of_motion(motion))));
+            }
+            Column::Output(output, k) => {
+                let number = Printed::parse(text).ok_or_else(wrong)?;
+                self.outputs.push((output, k, number));
+            }
+            Column::Other => {}
+        }
+        Ok(())
+    }
+}
+
+/// `12.` and `12` are one label.
+fn label(text: &str) -> String {
+    text.trim_matches('"').trim_end_matches('.').to_ascii_uppercase()
+}
+
+fn excerpt(text: &str) -> String {
+    const SHOWN: usize = 60;
+    let shown: String = text.chars().take(SHOWN).collect();
+    if shown.len() < text.len() { format!("{shown}…") } else { shown }
+}
+
+fn csv_rows(file: String, from: impl Read + 'static, map: Map) -> Result<Rows, String> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(from);
+    let headings = reader.headers().map_err(|error| format!("{file}: {error}"))?.clone();
+    let columns: Vec<(Column, String)> =
+        headings.iter().map(|heading| (map.column(heading), heading.to_string())).collect();
+    let is_told = |(column, _): &(Column, String)| matches!(column, Column::Motion(_) | Column::Output(..));
+    if !columns.iter().any(is_told) {
+        let found: Vec<&str> = headings.iter().take(20).collect();
+        return Err(format!(
+            "{file}: no heading is a motion of nodes (U1, UR1, q0 …) or an output of connectors (CU1, CTF1 …); they are {}; \
+             a map says what they mean: [columns] \"{}\" = \"CU1\"",
+            found.join(", "),
+            found.first().unwrap_or(&"")
+        ));
+    }
+    Ok(Box::new(reader.into_records().map(move |record| {
+        let record = record.map_err(|error| format!("{file}: {error}"))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut row = Row { place: format!("{file}:{line}"), ..Row::default() };
+        if record.len() != columns.len() {
+            return Err(format!("{}: {} cells, and {} headings", row.place, record.len(), columns.len()));
+        }
+        for ((column, heading), text) in columns.iter().zip(&record) {
+            row.put(*column, heading, text, &map)?;
+        }
+        Ok(row)
+    })))
+}
+
+/// A record as an object.
+fn of_object(place: String, text: &str, map: &Map) -> Result<Row, String> {
+    let object: BTreeMap<String, Box<RawValue>> =
+        serde_json::from_str(text).map_err(|error| format!("{place}: {error}"))?;
+    let mut row = Row { place, ..Row::default() };
+    for (key, value) in object {
+        let column = map.column(&key);
+        let text = value.get();
+        let text = if text == "null" { "" } else { text.trim_matches('"') };
+        row.put(column, &key, text, map)?;
+    }
+    Ok(row)
+}
+
+fn json_lines(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
+    let lines = lines(file.clone(), from).filter(|line| line.as_ref().is_ok_and(|(_, line)| !line.trim().is_empty()) || line.is_err());
+    Box::new(lines.map(move |line| {
+        let (number, line) = line?;
+        of_object(format!("{file}:{number}"), &line, &map)
+    }))
+}
+
+fn json_rows(file: &str, mut from: impl BufRead, map: &Map) -> Result<Rows, String> {
+    let mut text = String::new();
+    from.read_to_string(&mut text).map_err(|error| format!("cannot read {file}: {error}"))?;
+    let records: Vec<Box<RawValue>> = serde_json::from_str(&text)
+        .map_err(|error| format!("{file}: {error}; it is to be a list of records {{\"time\": …, \"node\": …, \"U1\": …}}"))?;
+    let rows: Vec<Result<Row, String>> = records
+        .iter()
+        .enumerate()
+        .map(|(n, record)| of_object(format!("{file}, record {}", n + 1), record.get(), map))
+        .collect();
+    Ok(Box::new(rows.into_iter()))
+}
+
+/// Lines with their numbers.
+fn lines(file: String, mut from: impl BufRead + 'static) -> impl Iterator<Item = Result<(usize, String), String>> {
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        let mut bytes = Vec::new();
+        let taken = from.by_ref().take(LONGEST as u64).read_until(b'\n', &mut bytes);
+        number += 1;
+        match taken {
+            Err(error) => Some(Err(format!("cannot read {file}: {error}"))),
+            Ok(0) => None,
+            Ok(LONGEST) => Some(Err(format!("{file}:{number}: the line is longer than {LONGEST} bytes"))),
+            Ok(_) => Some(Ok((number, String::from_utf8_lossy(&bytes).trim_end().to_string()))),
+        }
+    })
+}
+
+/// What a table of a `.dat` file holds.
+enum Table {
+    /// Of nodes or elements, by columns.
+    Of { is_node: bool, columns: Vec<(Column, String)> },
+    None,
+}
+
+/// The tables that Abaqus prints for `*NODE PRINT` and `*EL PRINT`, and CalculiX for `*NODE PRINT`.
+fn printed_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
+    let (mut table, mut time) = (Table::None, None);
+    Box::new(lines(file.clone(), from).filter_map(move |line| {
+        let (number, line) = match line {
+            Ok(line) => line,
+            Err(error) => return Some(Err(error)),
+        };
+        let place = format!("{file}:{number}");
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let upper = line.to_ascii_uppercase();
+        if let Some(at) = upper.find("TOTAL TIME COMPLETED") {
+            let told = line[at + "TOTAL TIME COMPLETED".len()..].split(',').next().unwrap_or_default();
+            time = Printed::parse(told).map(|time| time.x);
+            table = Table::None;
+            return time.is_none().then(|| Err(format!("{place}: {:?} is no time", excerpt(told.trim()))));
+        }
+        // CalculiX: «displacements (vx,vy,vz) for set ALL and time  0.1000000E+01».
+        if let Some((_, told)) = upper.split_once(" AND TIME ") {
+            time = Printed::parse(told).map(|time| time.x);
+            let is_displacement = upper.trim_start().starts_with("DISPLACEMENTS");
+            table = if is_displacement {
+                let columns = [0, 1, 2].map(|i| (Column::Motion(Motion::Displacement(i)), format!("v{}", ["x", "y", "z"][i])));
+                Table::Of { is_node: true, columns: columns.to_vec() }
+            } else {
+                Table::None
+            };
+            return None;
+        }
+        let heads = |kind: &str| words.first().is_some_and(|word| word.eq_ignore_ascii_case(kind));
+        let is_node = heads("NODE");
+        if (is_node || heads("ELEMENT")) && upper.contains("FOOT-") {
+            let after = words.iter().skip_while(|word| !word.eq_ignore_ascii_case("FOOT-")).skip(1);
+            let columns = after.map(|heading| (map.column(heading), (*heading).to_string())).collect();
+            table = Table::Of { is_node, columns };
+            return None;
+        }
+        let Table::Of { is_node, columns } = &table else { return None };
+        let label_of = words.first().filter(|word| word.parse::<u64>().is_ok())?;
+        let numbers = words.len().checked_sub(columns.len()).filter(|first| (1..=2).contains(first));
+        let Some(first) = numbers else {
+            return Some(Err(format!("{place}: {} numbers, and {} columns", words.len() - 1, columns.len())));
+        };
+        let mut row = Row { place, time, ..Row::default() };
+        let owner = Some(label(label_of));
+        if *is_node { row.node = owner } else { row.element = owner }
+        for ((column, heading), text) in columns.iter().zip(&words[first..]) {
+            if let Err(error) = row.put(*column, heading, text, &map) {
+                return Some(Err(error));
+            }
+        }
+        Some(Ok(row))
+    }))
+}

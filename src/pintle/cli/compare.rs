@@ -1,0 +1,139 @@
+//! `pintle compare`.
+
+use super::eval::{read, source};
+use super::{Failure, page_width};
+use clap::{Args, ValueEnum};
+use pintle_compare::{Comparison, Map, Results, compare};
+use pintle_model::evaluate::Model;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+const HELP: &str = "\
+Compares what another program has written with what the connectors of a scene must
+give along the same motion: CP, CU, CCU, CV, CA and forces, number by number.
+
+The motion is in the files, too: U and UR of the nodes (or q0 to q3), and V, VR
+where rates are compared. Files given together are one run, joined by time. Tables
+(.csv), records (.json, .jsonl) and what Abaqus and CalculiX print (.dat) are read
+by their standard headings; a map in TOML says what others mean.
+
+A number stands for all that round to it: a difference within half a unit of its
+last digit, and within what the digits of the motion allow, is none.
+
+  [columns]
+  \"Door angle\" = \"CUR1\"
+
+Also in the map: node, element (of files that name none), rotation_angles and
+angles (\"deg\"), length and force (the file's unit in the scene's), rotations
+(\"incremental\").
+
+Examples:
+  pintle compare model.inp --against model.dat
+  pintle compare model.inp --against nodes.csv connectors.csv --map map.toml
+  pintle compare model.inp --against abaqus.dat --or mine.csv
+
+Exit codes: 0 all agree, 1 a number differs, 4 nothing was compared, 6 bad input.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = HELP)]
+pub(crate) struct Compare {
+    /// A scene (.inp, .toml, .json) or gallery:NAME
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    /// The files of one run: motions of nodes and outputs of connectors
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    against: Vec<PathBuf>,
+    /// The files of another program's run, compared by themselves
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    or: Vec<PathBuf>,
+    /// What is not standard in the files, as TOML
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// How to write it
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Text for reading
+    #[default]
+    Human,
+    /// One JSON document
+    Json,
+    /// One self-contained page of HTML, with both curves
+    Html,
+}
+
+/// The map of a file.
+fn map(file: Option<&Path>) -> Result<Map, Failure> {
+    let Some(file) = file else { return Ok(Map::default()) };
+    let named = |why: String| Failure::Input(format!("{}: {why}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|error| named(error.to_string()))?;
+    Map::from_toml(&text).map_err(named)
+}
+
+/// Whether a file of states is another program's, which pintle compare reads.
+pub(crate) fn is_of_another(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dat"))
+}
+
+/// The states of such a file.
+pub(crate) fn states(path: &Path, scene: &pintle_scene::Scene) -> Result<Vec<pintle_scene::State>, Failure> {
+    let results = Results::new(vec![path.to_path_buf()], Map::default());
+    let states = pintle_compare::states(scene, &results).map_err(Failure::Input)?;
+    if states.is_empty() {
+        return Err(Failure::Input(format!("{}: no motion of a node of the scene", path.display())));
+    }
+    Ok(states)
+}
+
+/// Compares files with what a scene gives.
+pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
+    let source = source(&arguments.scene)?;
+    let (scene, _) = read(source, None)?;
+    let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    let map = map(arguments.map.as_deref())?;
+    let mut found: Vec<(String, Comparison)> = Vec::new();
+    for files in [&arguments.against, &arguments.or] {
+        if files.is_empty() {
+            continue;
+        }
+        let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        let results = Results::new(files.clone(), map.clone());
+        found.push((names.join(", "), compare(&scene, &model, &results).map_err(Failure::Input)?));
+    }
+    let mut out = BufWriter::new(io::stdout().lock());
+    match arguments.format {
+        Format::Human => {
+            let width = page_width(&io::stdout());
+            for (n, (name, comparison)) in found.iter().enumerate() {
+                if n > 0 {
+                    writeln!(out)?;
+                }
+                comparison.write_human(&mut out, name, width)?;
+            }
+        }
+        Format::Json => {
+            let all: Vec<serde_json::Value> = found
+                .iter()
+                .map(|(name, comparison)| {
+                    serde_json::json!({ "schema": "pintle-comparison/1", "files": name,
+                        "headline": comparison.headline(), "comparison": comparison })
+                })
+                .collect();
+            serde_json::to_writer_pretty(&mut out, &all).map_err(io::Error::from)?;
+            writeln!(out)?;
+        }
+        Format::Html => {
+            for (name, comparison) in &found {
+                comparison.write_html(&mut out, name)?;
+            }
+        }
+    }
+    out.flush()?;
+    if found.iter().any(|(_, comparison)| comparison.compared() == 0) {
+        return Err(Failure::Nothing("no number of the files could be compared".to_string()));
+    }
+    if found.iter().any(|(_, comparison)| comparison.wrong() > 0) { Err(Failure::Mismatch) } else { Ok(()) }
+}
