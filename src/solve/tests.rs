@@ -184,35 +184,57 @@ fn a_block_sticks_and_slips() {
     assert!(compared >= 5);
 }
 
-/// Every problem of `references/`, with the error that is allowed between the methods.
-const REFERENCES: [(&str, &str, f64, usize); 16] = [
-    ("block", include_str!("../../references/block/deck.inp"), 1e-12, 3),
-    ("cardan_shaft", include_str!("../../references/cardan_shaft/deck.inp"), 1e-11, 0),
-    ("cross_friction", include_str!("../../references/cross_friction/deck.inp"), 1e-11, 18),
-    ("double_pendulum", include_str!("../../references/double_pendulum/deck.inp"), 1e-11, 0),
-    ("drawer", include_str!("../../references/drawer/deck.inp"), 1e-12, 5),
-    ("helical_slide", include_str!("../../references/helical_slide/deck.inp"), 1e-12, 1),
-    ("limit_cycle", include_str!("../../references/limit_cycle/deck.inp"), 1e-11, 8),
-    ("oscillator", include_str!("../../references/oscillator/deck.inp"), 1e-11, 0),
-    ("pendulum", include_str!("../../references/pendulum/deck.inp"), 1e-11, 0),
-    ("planar_spin", include_str!("../../references/planar_spin/deck.inp"), 1e-12, 2),
-    ("puck", include_str!("../../references/puck/deck.inp"), 1e-12, 0),
+/// Every problem of `references/`, with the error that is allowed between the methods, and how many events it has.
+const REFERENCES: [(&str, f64, usize); 20] = [
+    ("block", 1e-12, 3),
+    ("cardan_shaft", 1e-11, 0),
+    ("cross_friction", 1e-11, 18),
+    ("double_pendulum", 1e-11, 0),
+    ("drawer", 1e-12, 5),
+    ("helical_slide", 1e-12, 1),
+    ("limit_cycle", 1e-11, 8),
+    ("oscillator", 1e-11, 0),
+    ("pendulum", 1e-11, 0),
+    ("planar_spin", 1e-12, 2),
+    ("puck", 1e-12, 0),
     // A kink of its friction is met to six digits only; its motion is driven.
-    ("slider_crank", include_str!("../../references/slider_crank/deck.inp"), 1e-5, 9),
-    ("slot", include_str!("../../references/slot/deck.inp"), 1e-12, 1),
-    ("spherical_pendulum", include_str!("../../references/spherical_pendulum/deck.inp"), 1e-11, 0),
-    ("spin_down", include_str!("../../references/spin_down/deck.inp"), 1e-12, 1),
-    ("top", include_str!("../../references/top/deck.inp"), 1e-11, 0),
+    ("slider_crank", 1e-5, 9),
+    ("slot", 1e-12, 1),
+    ("spherical_pendulum", 1e-11, 0),
+    ("spin_down", 1e-12, 1),
+    ("stop_elastic", 1e-11, 0),
+    ("stop_friction", 1e-12, 4),
+    ("stop_pendulum", 1e-12, 1),
+    ("stop_rigid", 1e-12, 3),
+    ("top", 1e-11, 0),
 ];
+
+fn reference(name: &str) -> String {
+    let path = format!("{}/../../references/{name}/deck.inp", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Every folder of `references/` is listed.
+#[test]
+fn references_are_all_solved() {
+    let folder = format!("{}/../../references", env!("CARGO_MANIFEST_DIR"));
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, REFERENCES.map(|(name, ..)| name));
+}
 
 /// Two methods agree; energy is kept; equations hold; what sticks stands still, and no friction is beyond its limit in sign.
 #[test]
 fn references_obey_their_laws() {
     let (mut frames, mut stuck, mut events) = (0, 0, 0);
-    for (name, deck, allowed, expected) in REFERENCES {
-        let one: Solution<f64> = solved(deck, &Options::default());
+    for (name, allowed, expected) in REFERENCES {
+        let deck = reference(name);
+        let one: Solution<f64> = solved(&deck, &Options::default());
         let other: Solution<f64> =
-            solved(deck, &Options { method: Method::Collocation, ..Options::default() });
+            solved(&deck, &Options { method: Method::Collocation, ..Options::default() });
         let apart = one.difference(&other, 1.0);
         assert!(apart.largest() <= allowed, "{name}: {apart:?}");
         assert_eq!(one.events.len(), expected, "{name}");
@@ -242,8 +264,7 @@ fn references_obey_their_laws() {
 /// The flywheel: ω = (2 − 0.17) 0.5 / 0.05 after the push, 3.4 rad/s² of friction: M = μ (R_a 30 + R_p 40).
 #[test]
 fn a_flywheel_comes_to_rest_by_hand() {
-    let deck = include_str!("../../references/spin_down/deck.inp");
-    let solution: Solution<f64> = solved(deck, &Options::default());
+    let solution: Solution<f64> = solved(&reference("spin_down"), &Options::default());
     // The push ends on a ramp of 1e-7 s.
     let by_hand = 0.5 + (2.0 - 0.17) * 0.5 / 0.05 / 3.4;
     assert_eq!(solution.events[0].what, What::Sticks);
@@ -261,7 +282,7 @@ fn what_is_not_determined_is_refused_by_name() {
     assert!(why.contains("node") || why.contains("HINGE") || why.contains("BEAM"), "{why}");
     let static_step = BLOCK.replace("*DYNAMIC\n0.01, 3.\n", "*STATIC\n0.01, 3.\n");
     assert!(refused(&static_step).contains("static step"), "{}", refused(&static_step));
-    let stopped =
-        BLOCK.replace("*FRICTION\n0.25\n", "*FRICTION\n0.25\n*CONNECTOR STOP, COMPONENT=1\n-1., 1.\n");
-    assert!(refused(&stopped).contains("stops"), "{}", refused(&stopped));
+    let beyond =
+        BLOCK.replace("*FRICTION\n0.25\n", "*FRICTION\n0.25\n*CONNECTOR STOP, COMPONENT=1\n0.1, 1.\n");
+    assert!(refused(&beyond).contains("beyond its stop"), "{}", refused(&beyond));
 }

@@ -65,6 +65,8 @@ pub(crate) struct Assembled<R> {
     pub(crate) powers: [R; WORKS],
     pub(crate) rates: Vec<[R; DOFS]>,
     pub(crate) slips: Vec<R>,
+    /// The stretch of each spring or dashpot, and its rate.
+    pub(crate) springs: Vec<[R; 2]>,
 }
 
 /// Why an instant has no solution.

@@ -1,14 +1,15 @@
 //! From time to time: steps, events, modes.
 
 use crate::motion::equations::Solved;
-use crate::motion::mechanism::Mechanism;
-use crate::motion::mode::Mode;
+use crate::motion::mechanism::{Hold, Mechanism};
+use crate::motion::mode::{Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
+use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::vector::Vector;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
@@ -64,7 +65,7 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) beginnings: Beginnings,
     pub(crate) step: usize,
     pub(crate) state: State<R>,
-    pub(crate) modes: Vec<Mode<R>>,
+    pub(crate) modes: Modes<R>,
     pub(crate) layout: Layout,
     pub(crate) kinetic: R,
     pub(crate) solution: Solution<R>,
@@ -160,7 +161,7 @@ impl<'a, R: Number> Run<'a, R> {
             rule,
             beginnings: Beginnings::default(),
             step: 0,
-            modes: Vec::new(),
+            modes: Modes::none(),
             layout: Layout::default(),
             kinetic: zero,
             state,
@@ -180,7 +181,7 @@ impl<'a, R: Number> Run<'a, R> {
     pub(crate) fn follow_given(&mut self) {
         let turned: Vec<Vector<R>> = self.state.poses.iter().map(|pose| pose.vector).collect();
         let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
-        if let Ok(found) = self.mechanism.assemble(&instant, &[], &self.beginnings) {
+        if let Ok(found) = self.mechanism.assemble(&instant, &Modes::none(), &self.beginnings) {
             self.state.branches = found.joints.iter().map(|now| now.branch).collect();
         }
     }
@@ -255,7 +256,7 @@ impl<'a, R: Number> Run<'a, R> {
         found.map_or(Vec::new(), |found| found.rows.iter().map(|row| row.owner).collect())
     }
 
-    pub(crate) fn assembled(&self, modes: &[Mode<R>]) -> Result<Assembled<R>, Trouble> {
+    pub(crate) fn assembled(&self, modes: &Modes<R>) -> Result<Assembled<R>, Trouble> {
         let still = vec![[R::integer(0); 3]; self.state.poses.len()];
         self.mechanism.assemble(&Instant::of(&self.state, self.step, &still), modes, &self.beginnings)
     }
@@ -295,8 +296,9 @@ impl<'a, R: Number> Run<'a, R> {
         self.state.time =
             time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
         self.project()?;
-        let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
-        self.choose(&open, None)
+        let frictions = &self.modes.frictions;
+        let open: Vec<usize> = (0..frictions.len()).filter(|s| frictions[*s].is_stuck()).collect();
+        self.choose(&open)
     }
 
     /// The times at which something that acts is not smooth.
@@ -318,8 +320,7 @@ impl<'a, R: Number> Run<'a, R> {
 
     /// The beginning of a step: where things are, what sticks, rates that fit.
     pub(crate) fn begin(&mut self) -> Result<(), Refusal> {
-        let none: Vec<Mode<R>> = Vec::new();
-        let found = self.assembled(&none).map_err(|trouble| self.say(trouble))?;
+        let found = self.assembled(&Modes::none()).map_err(|trouble| self.say(trouble))?;
         let joints = found.joints.iter().map(|now| now.displacement.map(Number::to_f64)).collect();
         let nodes = self.state.poses.iter().map(|pose| {
             let [a, b, c] = pose.displacement.map(Number::to_f64);
@@ -330,34 +331,18 @@ impl<'a, R: Number> Run<'a, R> {
         self.beginnings.nodes.push(nodes.collect());
         self.beginnings.joints.resize(self.step, Vec::new());
         self.beginnings.joints.push(joints);
-        // Rates that fit, with nothing stuck; then what stands may stick.
-        self.modes = none;
-        let found = self.assembled(&[]).map_err(|trouble| self.say(trouble))?;
-        self.layout = Layout::new(&self.mechanism, &found, &[])?;
+        // Rates that fit, with nothing stuck; then what stands may stick. What is locked or has failed stays so.
+        let count = self.mechanism.joints.len();
+        self.modes.locked.resize(count, [None; 6]);
+        self.modes.failed.resize(count, [false; 6]);
+        self.modes.frictions.clear();
+        self.modes.spans.clear();
+        self.modes.stops = vec![Touch::Open; self.mechanism.stops.len()];
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
         self.project()?;
-        let found = self.assembled(&[]).map_err(|trouble| self.say(trouble))?;
-        let speed = self.speed();
-        let mut open = Vec::new();
-        self.modes = self
-            .mechanism
-            .sliders
-            .iter()
-            .enumerate()
-            .map(|(s, slider)| {
-                let now = &found.joints[slider.joint];
-                let mut along = [R::integer(0); 6];
-                for (k, radius) in &slider.components {
-                    along[*k] = R::from_f64(*radius) * now.velocity[*k];
-                }
-                let size = crate::motion::slide::length(&along);
-                if size.to_f64() <= 1e-12 * speed {
-                    open.push(s);
-                    return Mode::sticks(now.position);
-                }
-                Mode::slips(along.map(|x| x / size))
-            })
-            .collect();
-        self.choose(&open, None)?;
+        self.touch()?;
+        self.begin_modes()?;
         if self.solution.frames.is_empty() {
             let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
             self.kinetic = found.kinetic();
@@ -366,10 +351,7 @@ impl<'a, R: Number> Run<'a, R> {
     }
 
     /// The equations that count in a mode, and its solution.
-    pub(crate) fn instant(
-        &mut self,
-        modes: &[Mode<R>],
-    ) -> Result<(Assembled<R>, Layout, Solved<R>), Refusal> {
+    pub(crate) fn instant(&mut self, modes: &Modes<R>) -> Result<(Assembled<R>, Layout, Solved<R>), Refusal> {
         self.solution.evaluations += 1;
         let found = self.assembled(modes).map_err(|trouble| self.say(trouble))?;
         let layout = Layout::new(&self.mechanism, &found, modes)?;
@@ -400,7 +382,19 @@ impl<'a, R: Number> Run<'a, R> {
         });
         let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
             let now = &found.joints[index];
-            let of = self.mechanism.sliders.iter().zip(&self.modes);
+            let of = self.mechanism.sliders.iter().zip(&self.modes.frictions);
+            let held = |k: usize| {
+                if let Hold::Locked(_) = self.mechanism.hold(&self.modes, index, k) {
+                    return Some(StopStatus::Locked);
+                }
+                let mut stops = self.mechanism.stops.iter().zip(&self.modes.stops);
+                let (_, touch) = stops.find(|(stop, _)| stop.joint == index && stop.component == k)?;
+                Some(match touch {
+                    Touch::Closed(Side::Lower) => StopStatus::AtLower,
+                    Touch::Closed(Side::Upper) => StopStatus::AtUpper,
+                    Touch::Open | Touch::Leaves(_) => StopStatus::Free,
+                })
+            };
             ConnectorFrame {
                 position: now.position,
                 displacement: now.displacement,
@@ -412,6 +406,8 @@ impl<'a, R: Number> Run<'a, R> {
                     .filter(|(slider, _)| slider.joint == index)
                     .map(|(_, mode)| mode.is_stuck())
                     .collect(),
+                held: [0, 1, 2, 3, 4, 5].map(held),
+                failed: self.modes.failed.get(index).copied().unwrap_or([false; 6]),
             }
         });
         let [external, dissipated, stored] = [0, 1, 2].map(|i| self.state.sums[i]);

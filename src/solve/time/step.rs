@@ -2,7 +2,7 @@
 
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::Slider;
-use crate::motion::mode::{Cause, Switch};
+use crate::motion::mode::{Cause, Switch, Touch};
 use crate::motion::rows::{Instant, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
@@ -182,9 +182,13 @@ impl<R: Number> Run<'_, R> {
             if self.keep_branches(&solved) {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             }
+            if let Some(switch) = self.overdue(&slope.switches) {
+                self.happens(switch.of, switch.cause)?;
+                continue;
+            }
             let nearest = self.rests_in(&solved)?;
             if let Some((slider, None)) = nearest {
-                self.happens(slider, Cause::Stops, None)?;
+                self.happens(slider, Cause::Stops)?;
                 continue;
             }
             // What has just become zero may do so again soon.
@@ -245,6 +249,31 @@ impl<R: Number> Run<'_, R> {
         Ok(())
     }
 
+    /// What has passed its end as a step begins: a stop that another has made close, a limit that a force has jumped over, a table left by
+    /// rounding. What has gone away from a limit is open.
+    fn overdue(&mut self, switches: &[Switch<R>]) -> Option<Switch<R>> {
+        let zero = R::integer(0);
+        let beyond = |switch: &&Switch<R>| {
+            let slack = switch.scale * R::from_f64(crate::motion::equations::LEAVING * R::ROUNDING);
+            match switch.cause {
+                Cause::Meets(_) | Cause::Closes(_) => switch.value.less(zero),
+                Cause::Passes(_) => switch.value.less(-slack),
+                _ => false,
+            }
+        };
+        for switch in switches {
+            let slack = switch.scale * R::from_f64(2.0 * crate::motion::equations::LEAVING * R::ROUNDING);
+            if let Cause::Closes(side) = switch.cause
+                && let Some(touch) = self.modes.stops.get_mut(switch.of)
+                && *touch == Touch::Leaves(side)
+                && slack.less(switch.value)
+            {
+                *touch = Touch::Open;
+            }
+        }
+        switches.iter().find(beyond).copied()
+    }
+
     pub(crate) fn stuck_in_time(&self) -> Refusal {
         Refusal::of(
             "the solution",
@@ -258,14 +287,15 @@ impl<R: Number> Run<'_, R> {
     fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, Option<R>)>, Refusal> {
         let zero = R::integer(0);
         let mut found: Option<(usize, Option<R>)> = None;
-        let several =
-            |s: &usize| self.mechanism.sliders[*s].components.len() > 1 && !self.modes[*s].is_stuck();
-        if !(0..self.modes.len()).any(|s| several(&s)) {
+        let several = |s: &usize| {
+            self.mechanism.sliders[*s].components.len() > 1 && !self.modes.frictions[*s].is_stuck()
+        };
+        if !(0..self.modes.frictions.len()).any(|s| several(&s)) {
             return Ok(None);
         }
         let known = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let tolerance = 10.0_f64.powi(-(self.options.digits as i32)) * self.speed();
-        for s in (0..self.modes.len()).filter(several) {
+        for s in (0..self.modes.frictions.len()).filter(several) {
             let slider = &self.mechanism.sliders[s];
             let now = &known.joints[slider.joint];
             let Some(rate) = solved.slip_rates.get(s).copied() else { continue };
@@ -299,7 +329,7 @@ impl<R: Number> Run<'_, R> {
     /// Branches of magnitudes that were zero and are not any more.
     pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
         let mut changed = false;
-        for (mode, limit) in self.modes.iter_mut().zip(&solved.limits) {
+        for (mode, limit) in self.modes.frictions.iter_mut().zip(&solved.limits) {
             if mode.is_stuck() {
                 continue;
             }
@@ -386,7 +416,7 @@ impl<R: Number> Run<'_, R> {
                     });
                     if vanishes || !(resolution).less(high - low.0) {
                         let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
-                        return self.happens(switch.slider, switch.cause, switch.part);
+                        return self.happens(switch.of, switch.cause);
                     }
                 }
                 Some((index, switch)) => {
@@ -395,7 +425,7 @@ impl<R: Number> Run<'_, R> {
                     high_value = Some(switch.value);
                     if !resolution.less(guess) {
                         self.commit(&base, base.time + guess, &tried.end)?;
-                        return self.happens(switch.slider, switch.cause, switch.part);
+                        return self.happens(switch.of, switch.cause);
                     }
                     weight = R::integer(1);
                 }
@@ -450,7 +480,7 @@ impl<R: Number> Run<'_, R> {
             if iteration == 11 {
                 break;
             }
-            let change =
+            let (change, _) =
                 found.correction(&self.layout, |row| row.residual).map_err(|trouble| self.say(trouble))?;
             let mut turned = vec![[zero; 3]; self.state.poses.len()];
             for node in 0..self.state.poses.len() {
@@ -473,7 +503,8 @@ impl<R: Number> Run<'_, R> {
             }
         }
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let change = found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        let (change, _) =
+            found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
         for (dof, by) in change.iter().enumerate() {
             let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
             *rate = *rate + *by;
