@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `motion` | the mechanics at one instant |
 //! | `time` | steps, events, modes |
+//! | [`REFERENCES`] | decks to begin with |
 //! | `number` | doubles, or 237 bits |
 //!
 //! ```
@@ -34,10 +35,12 @@
 
 mod motion;
 mod number;
+mod references;
 mod refusal;
 mod time;
 
 pub use number::Number;
+pub use references::REFERENCES;
 pub use refusal::Refusal;
 pub use time::integrate::Method;
 pub use time::run::{Ended, Options, solve};

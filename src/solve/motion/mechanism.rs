@@ -5,7 +5,7 @@ use crate::motion::rows::{Assembled, Owner};
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
-use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::catalog::{COMPONENT, component_index};
 use pintle_kinematics::connector::{Connector, Mask};
 use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::node::Pair;
@@ -205,6 +205,8 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) bounds: Vec<Bound<R>>,
     pub(crate) springs: Vec<Spring<R>>,
     pub(crate) gravities: Vec<Vec<(usize, Drive)>>,
+    /// Velocities at the beginning: node, degree of freedom (from 0) along its axes, amount.
+    pub(crate) velocities: Vec<(usize, usize, R)>,
     pub(crate) schedule: Schedule,
     /// Degrees of freedom, 7 for each node, that boundary conditions keep at zero.
     pub(crate) held: Vec<bool>,
@@ -263,9 +265,16 @@ impl<R: Number> Mechanism<R> {
             bounds: Vec::new(),
             springs: Vec::new(),
             gravities: Vec::new(),
+            velocities: Vec::new(),
             schedule,
             length: model.length,
         };
+        for given in &scene.initial_velocities {
+            let nodes = labels(&given.target.value);
+            let Some(k) = component_index(given.degree_of_freedom) else { continue };
+            let places = nodes.into_iter().filter_map(|node| places.of(node));
+            mechanism.velocities.extend(places.map(|node| (node, k, R::from_f64(given.magnitude))));
+        }
         mechanism.weigh(scene, &places)?;
         mechanism.join(model, &places)?;
         mechanism.bind(scene, &on_nodes, &places, step);
@@ -609,6 +618,9 @@ impl<R: Number> Mechanism<R> {
             Owner::Relation(index, _) => {
                 self.relations.get(index).map_or_else(String::new, |(title, ..)| title.clone())
             }
+            Owner::Given(index) => self.velocities.get(index).map_or_else(String::new, |(node, k, _)| {
+                format!("initial velocity of node {} in {}", self.bodies[*node].label, k + 1)
+            }),
             Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
                 format!(
                     "boundary condition of node {} in {}",
@@ -630,6 +642,7 @@ impl<R: Number> Mechanism<R> {
                 self.relations.get(index).map_or(Vec::new(), |(.., nodes)| nodes.clone())
             }
             Owner::Bound(index) => self.bounds.get(index).map_or(Vec::new(), |bound| vec![bound.node]),
+            Owner::Given(index) => self.velocities.get(index).map_or(Vec::new(), |(node, ..)| vec![*node]),
         }
     }
 

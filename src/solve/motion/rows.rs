@@ -13,6 +13,8 @@ pub(crate) enum Owner {
     Mpc(usize, usize),
     Relation(usize, usize),
     Bound(usize),
+    /// A velocity given at the beginning.
+    Given(usize),
 }
 
 /// One equation.

@@ -197,8 +197,10 @@ impl<R: Number> Run<'_, R> {
                     "give an elasticity with a potential: symmetric, each force over its own displacement",
                 ));
             };
-            self.state.sums[1] = self.state.sums[1] + whole - rest;
-            self.state.sums[2] = self.state.sums[2] - whole + rest;
+            if !self.is_still {
+                self.state.sums[1] = self.state.sums[1] + whole - rest;
+                self.state.sums[2] = self.state.sums[2] - whole + rest;
+            }
             for k in (0..6).filter(|k| affected[*k]) {
                 self.modes.failed[joint][k] = true;
                 self.modes.locked[joint][k] = None;
@@ -215,8 +217,10 @@ impl<R: Number> Run<'_, R> {
             }
         }
         self.event_of((joint, vec![component]), what, None);
-        self.collide()?;
-        self.begin_modes()?;
+        if !self.is_still {
+            self.collide()?;
+            self.begin_modes()?;
+        }
         // Before anything is kept the first state is still to come.
         if self.solution.frames.is_empty() { Ok(()) } else { self.record(true) }
     }
@@ -361,28 +365,7 @@ impl<R: Number> Run<'_, R> {
     pub(crate) fn begin_modes(&mut self) -> Result<(), Refusal> {
         let free = self.modes.without_friction();
         let found = self.assembled(&free).map_err(|trouble| self.say(trouble))?;
-        self.modes.spans = self
-            .mechanism
-            .tables
-            .iter()
-            .map(|table| {
-                let now = self.mechanism.argument(table, &found);
-                let goes_up = match table.of {
-                    TableOf::Joint(joint, k) if !table.is_rate => {
-                        !found.joints[joint].velocity[k].less(R::integer(0))
-                    }
-                    TableOf::Spring(spring) if !table.is_rate => {
-                        !found.springs[spring][1].less(R::integer(0))
-                    }
-                    _ => true,
-                };
-                let is_below = |row: f64| {
-                    let row = R::from_f64(row);
-                    row.less(now) || goes_up && !now.less(row)
-                };
-                table.rows.iter().take_while(|row| is_below(**row)).count()
-            })
-            .collect();
+        self.modes.spans = self.spans(&found);
         let speed = self.speed();
         let before = std::mem::take(&mut self.modes.frictions);
         let mut open = Vec::new();
@@ -420,6 +403,31 @@ impl<R: Number> Run<'_, R> {
         self.choose(&open)
     }
 
+    /// Between which rows tables are, and at a row those ahead.
+    pub(crate) fn spans(&self, found: &Assembled<R>) -> Vec<usize> {
+        self.mechanism
+            .tables
+            .iter()
+            .map(|table| {
+                let now = self.mechanism.argument(table, found);
+                let goes_up = match table.of {
+                    TableOf::Joint(joint, k) if !table.is_rate => {
+                        !found.joints[joint].velocity[k].less(R::integer(0))
+                    }
+                    TableOf::Spring(spring) if !table.is_rate => {
+                        !found.springs[spring][1].less(R::integer(0))
+                    }
+                    _ => true,
+                };
+                let is_below = |row: f64| {
+                    let row = R::from_f64(row);
+                    row.less(now) || goes_up && !now.less(row)
+                };
+                table.rows.iter().take_while(|row| is_below(**row)).count()
+            })
+            .collect()
+    }
+
     /// Stops as positions have them at the beginning of a step.
     pub(crate) fn touch(&mut self) -> Result<(), Refusal> {
         /// How far states of files are rounded, relative to lengths.
@@ -450,7 +458,8 @@ impl<R: Number> Run<'_, R> {
             stops.push(touch);
         }
         self.modes.stops = stops;
-        if self.modes.stops.iter().any(|touch| touch.side().is_some()) { self.collide() } else { Ok(()) }
+        let touches = self.modes.stops.iter().any(|touch| touch.side().is_some());
+        if touches && !self.is_still { self.collide() } else { Ok(()) }
     }
 }
 

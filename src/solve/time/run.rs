@@ -3,7 +3,7 @@
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::{Modes, Side, Touch};
-use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
+use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
@@ -13,6 +13,8 @@ use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::vector::Vector;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 /// What is asked of a solution.
 #[derive(Clone, Debug)]
@@ -29,6 +31,8 @@ pub struct Options {
     pub from: Option<pintle_scene::State>,
     /// The most steps.
     pub most_steps: usize,
+    /// Where the time is kept that has been reached, as the bits of a double: for those who wait.
+    pub reached: Option<Arc<AtomicU64>>,
 }
 
 impl Default for Options {
@@ -40,6 +44,7 @@ impl Default for Options {
             times: Vec::new(),
             from: None,
             most_steps: 1_000_000,
+            reached: None,
         }
     }
 }
@@ -75,6 +80,10 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) fastest: f64,
     /// Whether the mode has just begun.
     pub(crate) is_new: bool,
+    /// Whether the step is static.
+    pub(crate) is_still: bool,
+    /// Whether the velocities at the beginning have been given.
+    is_launched: bool,
 }
 
 /// Solves a scene: every step that takes time, from its initial state or the one given.
@@ -170,6 +179,8 @@ impl<'a, R: Number> Run<'a, R> {
             h: 0.0,
             fastest: 0.0,
             is_new: false,
+            is_still: false,
+            is_launched: options.from.is_some(),
         };
         if options.from.is_some() {
             run.follow_given();
@@ -197,20 +208,14 @@ impl<'a, R: Number> Run<'a, R> {
             if to < from || to <= begin && begin > 0.0 {
                 break;
             }
-            if !is_dynamic {
-                return Err(Refusal::of(
-                    &format!("step {}", step + 1),
-                    "a static step is not solved yet",
-                    "use *DYNAMIC, with damping where rest is wanted",
-                ));
-            }
             if step > 0 {
                 let held = std::mem::take(&mut self.mechanism.held);
                 self.mechanism = Mechanism::new(self.scene, self.model, step)?;
                 drop(held);
             }
             self.step = step;
-            self.one(to)?;
+            self.is_still = !is_dynamic;
+            if is_dynamic { self.one(to)? } else { self.still(to)? }
         }
         Ok(())
     }
@@ -258,7 +263,12 @@ impl<'a, R: Number> Run<'a, R> {
 
     pub(crate) fn assembled(&self, modes: &Modes<R>) -> Result<Assembled<R>, Trouble> {
         let still = vec![[R::integer(0); 3]; self.state.poses.len()];
-        self.mechanism.assemble(&Instant::of(&self.state, self.step, &still), modes, &self.beginnings)
+        let instant = Instant::of(&self.state, self.step, &still);
+        let mut found = self.mechanism.assemble(&instant, modes, &self.beginnings)?;
+        if self.is_still {
+            found.rest(self.mechanism.length);
+        }
+        Ok(found)
     }
 
     /// One step of the scene, to a time.
@@ -320,6 +330,22 @@ impl<'a, R: Number> Run<'a, R> {
 
     /// The beginning of a step: where things are, what sticks, rates that fit.
     pub(crate) fn begin(&mut self) -> Result<(), Refusal> {
+        self.remember()?;
+        self.prepare()?;
+        if !std::mem::replace(&mut self.is_launched, true) {
+            self.launch()?;
+        }
+        self.touch()?;
+        self.begin_modes()?;
+        if self.solution.frames.is_empty() {
+            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+            self.kinetic = found.kinetic();
+        }
+        Ok(())
+    }
+
+    /// Keeps where things are as the step begins.
+    pub(crate) fn remember(&mut self) -> Result<(), Refusal> {
         let found = self.assembled(&Modes::none()).map_err(|trouble| self.say(trouble))?;
         let joints = found.joints.iter().map(|now| now.displacement.map(Number::to_f64)).collect();
         let nodes = self.state.poses.iter().map(|pose| {
@@ -331,7 +357,11 @@ impl<'a, R: Number> Run<'a, R> {
         self.beginnings.nodes.push(nodes.collect());
         self.beginnings.joints.resize(self.step, Vec::new());
         self.beginnings.joints.push(joints);
-        // Rates that fit, with nothing stuck; then what stands may stick. What is locked or has failed stays so.
+        Ok(())
+    }
+
+    /// Nothing sticks, and rates fit; what is locked or has failed stays so.
+    pub(crate) fn prepare(&mut self) -> Result<(), Refusal> {
         let count = self.mechanism.joints.len();
         self.modes.locked.resize(count, [None; 6]);
         self.modes.failed.resize(count, [false; 6]);
@@ -341,11 +371,50 @@ impl<'a, R: Number> Run<'a, R> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
         self.project()?;
-        self.touch()?;
-        self.begin_modes()?;
-        if self.solution.frames.is_empty() {
-            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-            self.kinetic = found.kinetic();
+        Ok(())
+    }
+
+    /// The rates at the beginning: those given, and of all others the ones of least energy that fit the equations.
+    fn launch(&mut self) -> Result<(), Refusal> {
+        if self.mechanism.velocities.is_empty() {
+            return Ok(());
+        }
+        let mut found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let zero = R::integer(0);
+        for (given, (node, k, amount)) in self.mechanism.velocities.iter().enumerate() {
+            let axis = self.mechanism.bodies[*node].axes[*k % 3];
+            let entries = (0..3).map(|i| (DOFS * node + k / 3 * 3 + i, axis[i]));
+            let coefficients: Vec<(usize, R)> =
+                entries.filter(|(_, entry)| zero.less(entry.magnitude())).collect();
+            let rates = &self.state.rates[*node];
+            let now = coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof % DOFS]);
+            found.rows.push(Row {
+                owner: Owner::Given(given),
+                force: coefficients.clone(),
+                coefficients,
+                residual: None,
+                rate: Some(now - *amount),
+                bias: zero,
+                driven: zero,
+            });
+        }
+        let layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+        let (change, _) = found.correction(&layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        for row in &found.rows {
+            let moved = row.coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
+            let gap = (row.rate.unwrap_or(zero) + moved).to_f64().abs();
+            let size = row.rate.map_or(0.0, |rate| rate.to_f64().abs()).max(moved.to_f64().abs());
+            if row.rate.is_some() && gap > 1e-9 * size {
+                return Err(Refusal::of(
+                    &self.mechanism.named(row.owner),
+                    "the velocities given at the beginning do not fit the constraints",
+                    "give those of one node of each rigid body, or make them agree",
+                ));
+            }
+        }
+        for (dof, by) in change.iter().enumerate() {
+            let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
+            *rate = *rate + *by;
         }
         Ok(())
     }
@@ -378,7 +447,7 @@ impl<'a, R: Number> Run<'a, R> {
             displacement: pose.displacement,
             rotation: pose.vector,
             velocity: six(&self.state.rates[node]),
-            acceleration: six(&solved.accelerations[node]),
+            acceleration: if self.is_still { [R::integer(0); 6] } else { six(&solved.accelerations[node]) },
         });
         let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
             let now = &found.joints[index];

@@ -10,6 +10,7 @@ use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule, Slope, Tried};
 use crate::time::run::Run;
 use pintle_kinematics::vector::Vector;
+use std::sync::atomic::Ordering;
 
 /// The part of the usual length of a step that the first one in a mode has.
 const CAREFUL: f64 = 0.02;
@@ -452,6 +453,9 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         self.state = next;
+        if let Some(reached) = &self.options.reached {
+            reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
+        }
         self.project()?;
         self.fastest = self.speed();
         Ok(())
@@ -501,6 +505,9 @@ impl<R: Number> Run<'_, R> {
             if !R::from_f64(1e3 * R::ROUNDING).less(gap) {
                 break;
             }
+        }
+        if self.is_still {
+            return Ok(());
         }
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let (change, _) =

@@ -1,0 +1,189 @@
+"""Closed forms of problems in references/, by mpmath with 50 digits: when what happens, and the state at the end. Writes
+references/NAME/solution.json; with --check compares with it.
+
+Each form is typed from mechanics, not from the solver: quadratures, elliptic functions, roots of polynomials and oscillations.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from mpmath import (
+    asin, atan, atan2, cos, diff, ellipfun, exp, eye, floor, matrix, mp, mpf, pi, polyroots, quad, sin, sqrt,
+)
+
+mp.dps = 50
+FOLDER = Path(__file__).resolve().parents[2] / "references"
+DIGITS = 30
+
+
+def first_root(coefficients, after=0):
+    """The first real root of a polynomial, highest power first, beyond `after`."""
+    roots = polyroots(coefficients, maxsteps=200, extraprec=200)
+    return min(root.real for root in roots if abs(root.imag) < mpf(10) ** -30 and root.real > after)
+
+
+def component(label, number, displacement, velocity, force):
+    return {label: {str(number): {"CU": displacement, "CV": velocity, "CTF": force}}}
+
+
+def stop_rigid():
+    # 2 a = 4 − 2 t: x = t² − t³/6.
+    meets = first_root([mpf(-1) / 6, 1, 0, mpf(-1) / 2])
+    other = 2 + mpf(6) ** (mpf(1) / 3)
+    return [(meets, "closes"), (mpf(2), "opens"), (other, "closes")], component("101", 1, mpf(-1) / 2, 0, -4)
+
+
+def stop_elastic():
+    # Between the stop at 1/2 and x = 0 the mass falls with 2; in the stop it swings with 20/s about 1/2 + 4/800.
+    falls, w = sqrt(mpf(1) / 2), mpf(20)
+    v = sqrt(mpf(2))
+    inside = 2 * (pi - atan(v / w / mpf("0.005"))) / w
+    period = inside + v
+    left = mpf(4) - falls
+    left -= period * floor(left / period)
+    if left < inside:
+        x = mpf("0.505") - mpf("0.005") * cos(w * left) + v / w * sin(w * left)
+        u = mpf("0.1") * sin(w * left) + v * cos(w * left)
+    else:
+        s = left - inside
+        x, u = mpf("0.5") - v * s + s * s, -v + 2 * s
+    return [], component("101", 1, x, u, 800 * max(x - mpf("0.5"), 0))
+
+
+def stop_friction():
+    # 2 a = 9 − 5 t − 5 until 0.3; the stop carries 9 − 5 t; friction holds to −5; then 2 a = 14 − 5 t.
+    meets = first_root([mpf("-2.5") / 6, 1, 0, mpf("-0.3")])
+    s = 4 - mpf("2.8")
+    end = component("101", 1, mpf("0.3") - mpf("2.5") * s**3 / 6, mpf("-1.25") * s**2, -5)
+    return [(meets, "closes"), (meets, "sticks"), (mpf("1.8"), "opens"), (mpf("2.8"), "slips")], end
+
+
+def stop_pendulum():
+    # ½ 2.5 ω² = 20 sin θ; θ = s².
+    meets = quad(lambda s: 2 * s / (4 * sqrt(sin(s * s))), [0, 1])
+    return [(meets, "closes")], component("101", 4, -1, 0, -20 * cos(mpf(1)))
+
+
+def lock():
+    # x = 0.2 (1 − cos 5 t) until 0.3.
+    return [(2 * pi / 15, "locks")], component("101", 1, mpf("0.3"), 0, 10)
+
+
+def lock_slide():
+    # v = 2 − 2.5 t until 0.5.
+    meets = (2 - sqrt(mpf("1.5"))) / mpf("2.5")
+    return [(meets, "locks")], component("101", 1, mpf("0.5"), 0, 0)
+
+
+def failure():
+    meets = 2 * pi / 15
+    v, s = sin(2 * pi / 3), 1 - meets
+    return [(meets, "fails")], component("101", 1, mpf("0.3") + v * s + mpf("2.5") * s * s, v + 5 * s, 0)
+
+
+def collision():
+    # 2 of 3 m/s with 3 at rest go on with 1.2 m/s, swing with √(80/5), and part when the spring is slack again.
+    parts = mpf("0.25") + pi / 4
+    s, w = 2 - parts, sqrt(mpf(80) / 3)
+    u1, u2 = mpf("0.75") - mpf("1.2") * s, mpf("-1.2") / w * sin(w * s)
+    v1, v2 = mpf("-1.2"), mpf("-1.2") * cos(w * s)
+    end = component("101", 1, u2 - u1, v2 - v1, 0)
+    end.update(component("102", 1, u2, v2, 80 * u2))
+    return [(mpf("0.25"), "closes"), (parts, "opens")], end
+
+
+def turned(axis, angle):
+    x, y, z = axis
+    k = matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return eye(3) + sin(angle) * k + (1 - cos(angle)) * k * k
+
+
+def free_top():
+    # I = (2, 2, 3), ω = (1, 0, 4): ω = L/2 − 2 e3, with e3 carried by the steady turn about L/2 = (1, 0, 6).
+    rate = sqrt(mpf(37))
+    carried = turned([1 / rate, 0, 6 / rate], 3 * rate)
+    spin = [mpf(base) - 2 * carried[i, 2] for i, base in enumerate([1, 0, 6])]
+    return [], {"nodes": {"1": [mpf(0)] * 3 + spin}}
+
+
+def block():
+    # The end of the spring (100 N/m) moves with 1 m/s to 0.2, friction is 5 N: stick, one slip, a turn, rest.
+    w, tau = sqrt(mpf(50)), mpf("0.15")
+    x, v = tau - sin(w * tau) / w, 1 - cos(w * tau)
+    phase = atan2(v * w, 50 * (x - tau))
+    turns = mpf("0.2") + (phase + pi if phase < 0 else phase) / w
+    reach = tau + sqrt((x - tau) ** 2 + v * v / 50)
+    rest = mpf("0.5") - reach
+    events = [(mpf("0.05"), "slips"), (turns, "reverses"), (turns + pi / w, "sticks")]
+    return events, component("101", 1, rest, 0, 100 * (mpf("0.2") - rest))
+
+
+def oscillator():
+    t, decay = mpf(5), mpf("0.2")
+    w = sqrt(25 - decay**2)
+    x = mpf("0.2") * (1 - exp(-decay * t) * (cos(w * t) + decay / w * sin(w * t)))
+    v = mpf("0.2") * exp(-decay * t) * (w + decay**2 / w) * sin(w * t)
+    return [], component("101", 1, x, v, 50 * x + mpf("0.8") * v)
+
+
+def pendulum():
+    # sin(φ/2) = k cd(ω t), φ from below, released level.
+    w, m = sqrt(mpf(10)), mpf(1) / 2
+    angle = lambda t: 2 * asin(sqrt(m) * ellipfun("cd", w * t, m=m))
+    return [], component("101", 4, angle(mpf(4)) - pi / 2, diff(angle, mpf(4)), 0)
+
+
+def spin_down():
+    # 0.05 ω̇ = M(t) − 0.17: the moment 2 ends on a ramp of 1e-7 s.
+    ramp, inertia, rubs = mpf("1e-7"), mpf("0.05"), mpf("0.17")
+    begins = mpf("0.5")
+    w = (2 - rubs) / inertia * begins
+    angle = w * begins / 2
+    angle += w * ramp + ((2 - rubs) / 2 - mpf(2) / 6) * ramp**2 / inertia
+    w += (1 - rubs) * ramp / inertia
+    stops = begins + ramp + w * inertia / rubs
+    angle += w**2 * inertia / rubs / 2
+    return [(stops, "sticks")], component("101", 4, angle, 0, 0)
+
+
+PROBLEMS = [
+    block, collision, failure, free_top, lock, lock_slide, oscillator, pendulum, spin_down, stop_elastic, stop_friction,
+    stop_pendulum, stop_rigid,
+]
+
+
+def text(x):
+    return mp.nstr(mpf(x), DIGITS)
+
+
+def written(problem):
+    events, last = problem()
+    nodes = {label: [text(x) for x in rates] for label, rates in last.pop("nodes", {}).items()}
+    connectors = {
+        label: {k: {name: text(x) for name, x in of.items()} for k, of in components.items()}
+        for label, components in last.items()
+    }
+    return {
+        "from": "closed form: scripts/reference/reference_solve.py",
+        "events": [[text(time), what] for time, what in events],
+        "last": {"connectors": connectors, "velocities": nodes},
+    }
+
+
+def main():
+    wrong = []
+    for problem in PROBLEMS:
+        path = FOLDER / problem.__name__ / "solution.json"
+        found = written(problem)
+        if "--check" not in sys.argv:
+            path.write_text(json.dumps(found, indent=1) + "\n")
+        elif not path.exists() or json.loads(path.read_text()) != found:
+            wrong.append(problem.__name__)
+    if wrong:
+        sys.exit(f"references/NAME/solution.json differs from its closed form: {', '.join(wrong)}")
+    print(f"closed forms: {len(PROBLEMS)}")
+
+
+if __name__ == "__main__":
+    main()
