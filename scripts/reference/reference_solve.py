@@ -131,7 +131,7 @@ def pendulum():
     # sin(φ/2) = k cd(ω t), φ from below, released level.
     w, m = sqrt(mpf(10)), mpf(1) / 2
     angle = lambda t: 2 * asin(sqrt(m) * ellipfun("cd", w * t, m=m))
-    return [], component("101", 4, angle(mpf(4)) - pi / 2, diff(angle, mpf(4)), 0)
+    return [], {"nodes": {"1": [mpf(0)] * 5 + [diff(angle, mpf(4))]}}
 
 
 def spin_down():
@@ -147,8 +147,23 @@ def spin_down():
     return [(stops, "sticks")], component("101", 4, angle, 0, 0)
 
 
+def static_drawer():
+    # F = 40 (e − x) pulls 0.1 aside: |F − 30 x| = 0.2 (4 + 10 · 0.1 |F|) in slip, e = 0.5 of the amplitude.
+    there = (mpf(16) - mpf("0.8")) / 62
+    back = (30 * there - mpf("0.8")) / 48 + there
+    delay = (mpf("0.5") - back) / mpf("0.5")
+    events = [(mpf("0.05"), "slips"), (mpf(1), "sticks"), (1 + delay, "slips"), (mpf(3), "sticks"), (3 + delay, "slips")]
+    x = mpf("-0.8") / 62
+    return events, component("101", 1, x, 0, -40 * x - 30 * x)
+
+
+def static_lever():
+    # 10 t cos θ = 10 θ until 0.8.
+    return [(mpf("0.8") / cos(mpf("0.8")), "closes")], component("101", 4, mpf("-0.8"), 0, -20 * cos(mpf("0.8")))
+
+
 PROBLEMS = [
-    block, collision, failure, free_top, lock, lock_slide, oscillator, pendulum, spin_down, stop_elastic, stop_friction,
+    block, collision, failure, free_top, lock, lock_slide, oscillator, pendulum, spin_down, static_drawer, static_lever, stop_elastic, stop_friction,
     stop_pendulum, stop_rigid,
 ]
 

@@ -10,10 +10,11 @@ use pintle_kinematics::force::Want;
 use pintle_kinematics::mpc;
 use pintle_kinematics::node::{DOFS as PAIR, Node, Pair};
 use pintle_kinematics::relation::{Point, place_of};
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
-use pintle_kinematics::vector::{add, apply, cross, dot, sub};
+use pintle_kinematics::vector::{Vector, add, apply, cross, dot, sub};
 use pintle_model::behavior::drive::{Drive, Prescribed};
 use pintle_model::behavior::{Conditions, Motion, Unknown};
 
@@ -164,8 +165,11 @@ impl<R: Number> Mechanism<R> {
         };
         let turned =
             |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
-        let increment =
-            Increment { rotation: [turned(0), turned(1)], whole_turns: [[zero; 3]; 2], flow: [zero; 2] };
+        let increment = Increment {
+            rotation: [0, 1].map(turned),
+            whole_turns: [0, 1].map(|end| whole(turned(end))),
+            flow: [zero; 2],
+        };
         let mut tally = Tally::default();
         let branch =
             joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
@@ -486,6 +490,17 @@ impl<R: Number> Mechanism<R> {
         }
         Ok(())
     }
+}
+
+/// The whole turns in a rotation vector: less than half a turn is left.
+fn whole<R: Number>(turned: Vector<R>) -> Vector<R> {
+    let turn = R::pi() + R::pi();
+    let count = (norm(turned) / turn).to_f64().round();
+    if count == 0.0 {
+        return [R::integer(0); 3];
+    }
+    let (unit, _) = R::direction_and_norm(turned);
+    vector::scale(unit, turn * R::from_f64(count))
 }
 
 fn point<R: Number>(at: &Instant<'_, R>, node: usize) -> Point<R> {
