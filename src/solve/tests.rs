@@ -202,8 +202,7 @@ const EXPECTED: [(&str, f64, usize); 27] = [
     ("pendulum", 1e-11, 0),
     ("planar_spin", 1e-12, 2),
     ("puck", 1e-12, 0),
-    // A kink of its friction is met to six digits only; its motion is driven.
-    ("slider_crank", 1e-5, 9),
+    ("slider_crank", 1e-11, 9),
     ("slot", 1e-12, 1),
     ("spherical_pendulum", 1e-11, 0),
     ("spin_down", 1e-12, 1),
@@ -334,23 +333,6 @@ fn a_flywheel_comes_to_rest_by_hand() {
     let by_hand = 0.5 + (2.0 - 0.17) * 0.5 / 0.05 / 3.4;
     assert_eq!(solution.events[0].what, What::Sticks);
     assert!((solution.events[0].time - by_hand).abs() < 2e-6, "{} {by_hand}", solution.events[0].time);
-}
-
-#[test]
-fn probe() {
-    let times: Vec<f64> = (0..25).map(|i| 1.47 + 0.0004 * f64::from(i)).collect();
-    let deck = reference("slider_crank");
-    let one: Solution<f64> =
-        solved(deck, &Options { until: Some(1.4801), times: times.clone(), ..Options::default() });
-    for f in &one.frames {
-        let of = &f.connectors[2];
-        if f.time > 1.46 {
-            println!(
-                "{:.5} {:?} {:?} {:?} {:e}",
-                f.time, &of.total, of.friction[0], of.velocity[0], f.energies.dissipated
-            );
-        }
-    }
 }
 
 #[test]

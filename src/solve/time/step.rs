@@ -330,7 +330,9 @@ impl<R: Number> Run<'_, R> {
     /// Branches of magnitudes that were zero and are not any more.
     pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
         let mut changed = false;
-        for (mode, limit) in self.modes.frictions.iter_mut().zip(&solved.limits) {
+        let zero = R::integer(0);
+        let tiny = largest(solved.forces.iter().copied()) * R::from_f64(1e7 * R::ROUNDING);
+        for (s, (mode, limit)) in self.modes.frictions.iter_mut().zip(&solved.limits).enumerate() {
             if mode.is_stuck() {
                 continue;
             }
@@ -339,10 +341,16 @@ impl<R: Number> Run<'_, R> {
                 changed = true;
                 continue;
             }
-            for (known, now) in mode.branches.magnitudes.iter_mut().zip(&limit.branches.magnitudes) {
+            let magnitudes = mode.branches.magnitudes.iter_mut().zip(&limit.branches.magnitudes);
+            for (part, (known, now)) in magnitudes.enumerate() {
                 // Directions turn with the forces; what counts is which there are.
                 changed |= known.is_some() != now.is_some();
-                *known = now.clone();
+                // To the opposite one they turn by an event alone: just after it rounding may have them on the other side.
+                let turn = |switch: &&Switch<R>| switch.of == s && switch.cause == Cause::Turns(Some(part));
+                let along = solved.switches.iter().find(turn).map(|switch| switch.value);
+                if !along.is_some_and(|along| along.less(zero) && along.magnitude().less(tiny)) {
+                    known.clone_from(now);
+                }
             }
             let normal = limit.branches.normal.or(mode.branches.normal);
             changed |= normal.is_some() != mode.branches.normal.is_some();
@@ -578,15 +586,20 @@ fn dips<R: Number>(first: &[Switch<R>], inner: &[(f64, Vec<Switch<R>>)], last: &
         let scale = first[i].scale.to_f64();
         for three in points.windows(3) {
             let [(t0, g0), (t1, g1), (t2, g2)] = [three[0], three[1], three[2]];
-            if !(g1 < g0 && g1 < g2 && g0.min(g2) > 1e-9 * scale) {
+            if g0.min(g2) <= 1e-9 * scale {
                 continue;
             }
             // The vertex of the parabola through the three.
             let (s0, s1) = ((g1 - g0) / (t1 - t0), (g2 - g1) / (t2 - t1));
             let bend = (s1 - s0) / (t2 - t0);
             let at = (t0 + t1) / 2.0 - s0 / (2.0 * bend);
+            if !(bend > 0.0 && t0 < at && at < t2) {
+                continue;
+            }
             let lowest = g0 + s0 * (at - t0) + bend * (at - t0) * (at - t1);
-            if lowest < LOW * g0.min(g2) && at > 1e-3 && at < 1.0 - 1e-3 {
+            // Points are too far apart to tell where it bends as much between them as it is high.
+            let unsure = bend * (t1 - t0).max(t2 - t1).powi(2);
+            if lowest < unsure.max(LOW * g0.min(g2)) && at > 1e-3 && at < 1.0 - 1e-3 {
                 earliest = Some(earliest.map_or(at, |known: f64| known.min(at)));
             }
         }
