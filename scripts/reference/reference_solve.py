@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from mpmath import (
-    asin, atan, atan2, cos, diff, ellipfun, exp, eye, floor, matrix, mp, mpf, pi, polyroots, quad, sin, sqrt,
+    acos, asin, atan, atan2, cos, diff, ellipf, ellipfun, exp, eye, findroot, floor, log, matrix, mp, mpf, pi, polyroots, quad, sin, sqrt,
 )
 
 mp.dps = 50
@@ -162,9 +162,108 @@ def static_lever():
     return [(mpf("0.8") / cos(mpf("0.8")), "closes")], component("101", 4, mpf("-0.8"), 0, -20 * cos(mpf("0.8")))
 
 
+def projectile():
+    end = component("101", 1, 3, 3, 0)
+    end["101"].update(component("101", 2, -1, -6, 0)["101"])
+    return [], end
+
+
+def damped_coast():
+    fall = exp(mpf(-3))
+    return [], component("101", 1, mpf(4) / 3 * (1 - fall), 2 * fall, 6 * fall)
+
+
+def damper_oneway():
+    # 2 v̇ = −4 − 6 v while v > 0, then 2 v̇ = −4.
+    turns = log(mpf("5.5")) / 3
+    x = -mpf(2) / 3 * turns + mpf(11) / 9 * (1 - 1 / mpf("5.5"))
+    s = 2 - turns
+    return [], component("101", 1, x - s * s, -2 * s, 0)
+
+
+def stop_between():
+    # Half a swing with 20/s in each stop, and one length in between at 2 m/s; it begins in the middle.
+    inside = pi / 20
+    left = mpf(3) - mpf("0.25")
+    whole = floor(left / (inside + mpf("0.5")))
+    side = -1 if int(whole) % 2 else 1
+    left -= whole * (inside + mpf("0.5"))
+    if left < inside:
+        x, v = mpf("0.5") + sin(20 * left) / 10, 2 * cos(20 * left)
+    else:
+        x, v = mpf("0.5") - 2 * (left - inside), mpf(-2)
+    force = 800 * max(x - mpf("0.5"), 0)
+    return [], component("101", 1, side * x, side * v, side * force)
+
+
+def failure_hang():
+    # 2 ẍ = −20 − 100 x until −0.15, then it falls.
+    w = sqrt(mpf(50))
+    fails = acos(mpf("0.25")) / w
+    v, s = mpf("-0.2") * w * sin(w * fails), mpf("0.5") - fails
+    return [(fails, "fails")], component("101", 2, mpf("-0.15") + v * s - 5 * s * s, v - 10 * s, 0)
+
+
+def two_masses():
+    # About their middle, which goes on with 1 m/s: √(12/0.75) = 4/s.
+    end = component("101", 1, -sin(mpf(12)), -4 * cos(mpf(12)), -12 * sin(mpf(12)))
+    rates = lambda v: [v] + [mpf(0)] * 5
+    end["nodes"] = {"1": rates(1 + 3 * cos(mpf(12))), "2": rates(1 - cos(mpf(12)))}
+    return [], end
+
+
+def self_locking():
+    return [], component("101", 1, 0, 0, mpf("4.9"))
+
+
+def load_reversal():
+    return [], component("101", 1, 0, 0, mpf("-4.9"))
+
+
+def friction_decay():
+    # 10/s about ±0.025: each half swing loses 0.05.
+    size = sqrt(mpf("0.3") ** 2 + mpf("0.025") ** 2)
+    turns, at = atan2(mpf("0.3"), mpf("0.025")) / 10, size - mpf("0.025")
+    events = []
+    while at > mpf("0.025"):
+        events.append((turns, "reverses"))
+        turns, at = turns + pi / 10, at - mpf("0.05")
+    events.append((turns, "sticks"))
+    # The first turn is above; the last half swing ends on the side where it began, 0.05 nearer and beyond the middle.
+    return events, component("101", 1, at if len(events) % 2 else -at, 0, 0)
+
+
+def translator_moment():
+    # 2 v̇ = 6 − 0.2 · 10 · 2 t.
+    return [(mpf(3), "sticks")], component("101", 1, mpf("4.5"), 0, 6)
+
+
+def lock_flywheel():
+    return [(mpf(2) / 3, "locks")], component("101", 4, 2, 0, 0)
+
+
+def pendulum_turns():
+    # φ̇² = 64 − 40 sin²(φ/2): φ/2 is the amplitude of 4 t at m = 40/64.
+    m = mpf(40) / 64
+    half = findroot(lambda x: ellipf(x, m) - 16, mpf(13))
+    return [], component("101", 4, 2 * half, sqrt(64 - 40 * sin(half) ** 2), 0)
+
+
+def static_axial():
+    # 2 · 100 (ℓ − √2) (1 + d)/ℓ = 30.
+    length = lambda d: sqrt(1 + (1 + d) ** 2)
+    d = findroot(lambda d: 200 * (length(d) - sqrt(mpf(2))) * (1 + d) / length(d) - 30, mpf("0.2"))
+    stretch = length(d) - sqrt(mpf(2))
+    end = component("101", 1, stretch, 0, 100 * stretch)
+    end.update(component("102", 1, stretch, 0, 100 * stretch))
+    return [], end
+
+
 PROBLEMS = [
-    block, collision, failure, free_top, lock, lock_slide, oscillator, pendulum, spin_down, static_drawer, static_lever, stop_elastic, stop_friction,
-    stop_pendulum, stop_rigid,
+    block, collision, damped_coast, damper_oneway, failure, failure_hang, free_top, friction_decay, load_reversal,
+    lock, lock_flywheel, lock_slide, oscillator, pendulum, pendulum_turns, projectile, self_locking, spin_down,
+    static_axial, static_drawer, static_lever, stop_between, stop_elastic, stop_friction, stop_pendulum, stop_rigid,
+    translator_moment, two_masses,
 ]
 
 

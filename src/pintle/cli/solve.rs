@@ -7,7 +7,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pintle_kinematics::scalar::Wide;
 use pintle_report::solve as report;
 use pintle_scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
-use pintle_solve::{Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, solve};
+use pintle_solve::{
+    Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, Stick, solve,
+};
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -60,6 +62,9 @@ pub(crate) struct Solve {
     /// Which method, or both for their difference
     #[arg(long, value_enum, default_value_t)]
     method: Which,
+    /// What stick is: rigid, or a spring of the stick stiffness
+    #[arg(long, value_enum, default_value_t)]
+    stick: How,
     /// Begin at the last state of this file (.csv or .json)
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
@@ -69,6 +74,15 @@ pub(crate) struct Solve {
     /// How to write the results
     #[arg(long, value_enum, default_value_t)]
     format: super::PageFormat,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum How {
+    /// What sticks stands still
+    #[default]
+    Rigid,
+    /// A spring holds it, as in finite-element programs
+    Elastic,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -98,6 +112,10 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
         until: arguments.until,
         times: arguments.times.clone(),
         from,
+        stick: match arguments.stick {
+            How::Rigid => Stick::Rigid,
+            How::Elastic => Stick::Elastic,
+        },
         method: match arguments.method {
             Which::Both | Which::Extrapolation => Method::Extrapolation,
             Which::Collocation => Method::Collocation,

@@ -1,7 +1,8 @@
 //! What holds at an instant: inertia, loads, the forces that follow from motions, and every equation.
 
+use crate::fault::{Fault, has};
 use crate::motion::mechanism::{Hold, Mechanism, TableOf};
-use crate::motion::mode::Modes;
+use crate::motion::mode::{Does, Modes};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Now, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, WORKS};
 use crate::number::Number;
@@ -217,6 +218,7 @@ impl<R: Number> Mechanism<R> {
             elastic: [zero; 6],
             viscous: [zero; 6],
             load: [zero; 6],
+            held: [zero; 6],
             columns: std::array::from_fn(column),
             rows,
             branch,
@@ -247,6 +249,15 @@ impl<R: Number> Mechanism<R> {
             let line = forces.value[k].map(|force| force.real() + force.gradient()[0] * (x - inside));
             if table.is_rate { viscous.value[k] = line } else { elastic.value[k] = line }
         }
+        for (s, (slider, mode)) in self.sliders.iter().zip(&modes.frictions).enumerate() {
+            let (Does::Stretches(slack), Some(stiffness)) = (&mode.does, self.stiffness.get(s)) else {
+                continue;
+            };
+            for (k, radius) in slider.components.iter().filter(|_| slider.joint == index) {
+                let radius = R::from_f64(*radius);
+                now.held[*k] = now.held[*k] + *stiffness * radius * radius * (now.position[*k] - slack[*k]);
+            }
+        }
         let when = (at.step, at.time);
         for k in (0..6).filter(|k| !modes.has_failed(index, *k)) {
             let why = elastic.unknown[k].filter(|_| !joint.rigid[k]).or(viscous.unknown[k]);
@@ -258,13 +269,13 @@ impl<R: Number> Mechanism<R> {
             if let Some(drive) = &joint.behavior.drives.loads[k] {
                 now.load[k] = self.load(drive, when, || joint.title.clone())?;
             }
-            let known = now.elastic[k] + now.viscous[k] - now.load[k];
+            let known = now.elastic[k] + now.viscous[k] + now.held[k] - now.load[k];
             for (dof, entry) in &now.columns[k] {
                 all.applied[*dof] = all.applied[*dof] - known * *entry;
             }
             all.powers[0] = all.powers[0] + now.load[k] * now.velocity[k];
             all.powers[1] = all.powers[1] + now.viscous[k] * now.velocity[k];
-            all.powers[2] = all.powers[2] + now.elastic[k] * now.velocity[k];
+            all.powers[2] = all.powers[2] + (now.elastic[k] + now.held[k]) * now.velocity[k];
         }
         for k in (0..6).filter(|k| joint.wanted[*k]) {
             let hold = self.hold(modes, index, k);
@@ -496,7 +507,7 @@ impl<R: Number> Mechanism<R> {
 fn whole<R: Number>(turned: Vector<R>) -> Vector<R> {
     let turn = R::pi() + R::pi();
     let count = (norm(turned) / turn).to_f64().round();
-    if count == 0.0 {
+    if count == 0.0 || has(Fault::TurnLost) {
         return [R::integer(0); 3];
     }
     let (unit, _) = R::direction_and_norm(turned);

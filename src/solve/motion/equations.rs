@@ -1,5 +1,6 @@
 //! The equations of motion at one instant: M a + Σ f G + h = 0, J a + b = 0, and the limit of each friction that slips.
 
+use crate::fault::{Fault, has};
 use crate::motion::dense::{Dense, NoPivot};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
 use crate::motion::mode::{Cause, Does, Modes, Side, Switch, Touch};
@@ -105,7 +106,7 @@ impl<R: Number> Assembled<R> {
     ) -> ([R; 6], [R; 6]) {
         let now = &self.joints[joint];
         let mut pressing: [R; 6] = std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k]);
-        let mut friction = *slipping;
+        let mut friction: [R; 6] = std::array::from_fn(|k| slipping[k] + now.held[k]);
         for (force, index) in forces.iter().zip(&layout.kept) {
             if let Owner::Joint(of, k) = self.rows[*index].owner
                 && of == joint
@@ -135,7 +136,7 @@ impl<R: Number> Assembled<R> {
             .enumerate()
             .filter_map(|(s, mode)| match &mode.does {
                 Does::Slips(along) => Some((s, *along)),
-                Does::Sticks(_) => None,
+                Does::Sticks(_) | Does::Stretches(_) => None,
             })
             .collect();
         let directions: Vec<[R; 6]> =
@@ -201,6 +202,7 @@ impl<R: Number> Assembled<R> {
                     if let Owner::Joint(of, k) = self.rows[*index].owner
                         && of == slider.joint
                         && !stuck(k)
+                        && !has(Fault::CouplingLeftOut)
                     {
                         matrix.add(n + m + i, n + r, -found.gradient[k]);
                         right = right - found.gradient[k] * forces[r];
@@ -220,7 +222,8 @@ impl<R: Number> Assembled<R> {
             forces.copy_from_slice(&found[n..n + m]);
             tensions.copy_from_slice(&found[n + m..]);
             let is_done = !(size * R::from_f64(1e3 * R::ROUNDING)).less(change);
-            if slipping.is_empty() || is_done {
+            let is_faulty = has(Fault::CouplingLeftOut) && iteration > 0;
+            if slipping.is_empty() || is_done || is_faulty {
                 break;
             }
             if iteration >= ITERATIONS {
@@ -287,7 +290,7 @@ impl<R: Number> Assembled<R> {
                 true => push(Cause::Breaks, found.value - tangential, larger(found.value, tangential)),
                 false => {
                     push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
-                    for (part, [value, scale]) in &found.turns {
+                    for (part, [value, scale]) in found.turns.iter().filter(|_| !has(Fault::KinkPassed)) {
                         push(Cause::Turns(*part), *value, *scale);
                     }
                     if let Some([value, scale]) = found.caps {
@@ -322,7 +325,9 @@ impl<R: Number> Assembled<R> {
             }
             let mut push = |cause, value, scale| solved.switches.push(Switch { of, cause, value, scale });
             if let Touch::Closed(side) = touch {
-                if let Some(force) = self.row_force(layout, &solved.forces, joint, k) {
+                if let Some(force) = self.row_force(layout, &solved.forces, joint, k)
+                    && !has(Fault::StopPulls)
+                {
                     push(Cause::Opens, side.sign::<R>() * force, size);
                 }
                 continue;
@@ -361,7 +366,7 @@ impl<R: Number> Assembled<R> {
                 continue;
             }
             let now = mechanism.argument(table, self);
-            for side in Side::BOTH {
+            for side in Side::BOTH.into_iter().filter(|_| !has(Fault::RowPassed)) {
                 let Some(row) = table.end(*span, side).map(R::from_f64) else { continue };
                 let value = side.sign::<R>() * (row - now);
                 let scale = larger(larger(row.magnitude(), now.magnitude()), length);

@@ -197,6 +197,8 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) bodies: Vec<Body<R>>,
     pub(crate) joints: Vec<Joint<R>>,
     pub(crate) sliders: Vec<Slider>,
+    /// K of each friction, where stick is elastic.
+    pub(crate) stiffness: Vec<R>,
     pub(crate) stops: Vec<Stop<R>>,
     pub(crate) criteria: Vec<Threshold<R>>,
     pub(crate) tables: Vec<Table>,
@@ -257,6 +259,7 @@ impl<R: Number> Mechanism<R> {
             bodies,
             joints: Vec::new(),
             sliders: Vec::new(),
+            stiffness: Vec::new(),
             stops: Vec::new(),
             criteria: Vec::new(),
             tables: Vec::new(),

@@ -8,6 +8,8 @@ use pintle_kinematics::connector::Mask;
 pub(crate) enum Does<R> {
     /// Its components stand where they are: their positions.
     Sticks([R; 6]),
+    /// It is held by a spring: the positions at which that is slack.
+    Stretches([R; 6]),
     /// It slips along n, Σ n_k² = 1 over its components; one component keeps the sign of its n.
     Slips([R; 6]),
 }
@@ -152,7 +154,7 @@ impl<R: Number> Mode<R> {
     }
 
     pub(crate) fn is_stuck(&self) -> bool {
-        matches!(self.does, Does::Sticks(_))
+        !matches!(self.does, Does::Slips(_))
     }
 }
 

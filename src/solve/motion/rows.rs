@@ -47,6 +47,8 @@ pub(crate) struct Now<R> {
     pub(crate) elastic: [R; 6],
     pub(crate) viscous: [R; 6],
     pub(crate) load: [R; 6],
+    /// The forces of frictions that springs hold.
+    pub(crate) held: [R; 6],
     /// The nodal forces of a unit of each component's force.
     pub(crate) columns: [Vec<(usize, R)>; 6],
     /// The derivatives of each position.

@@ -135,8 +135,8 @@ impl<R: Number> Run<'_, R> {
             for s in open {
                 let was_stuck = before.frictions[*s].is_stuck();
                 let what = match (&modes.frictions[*s].does, was_stuck) {
-                    (Does::Sticks(_), true) => continue,
-                    (Does::Sticks(_), false) => What::Sticks,
+                    (Does::Sticks(_) | Does::Stretches(_), true) => continue,
+                    (Does::Sticks(_) | Does::Stretches(_), false) => What::Sticks,
                     (Does::Slips(_), true) => What::Slips,
                     (Does::Slips(along), false) => {
                         let Does::Slips(old) = &before.frictions[*s].does else { continue };
@@ -255,7 +255,7 @@ impl<R: Number> Run<'_, R> {
 
     fn told(&self, modes: &Modes<R>, open: &[usize], touching: &[(usize, Side)]) -> String {
         let each = open.iter().map(|s| match &modes.frictions[*s].does {
-            Does::Sticks(_) => format!("{} sticks", self.title(*s)),
+            Does::Sticks(_) | Does::Stretches(_) => format!("{} sticks", self.title(*s)),
             Does::Slips(along) => {
                 let sum: f64 = along.iter().map(|x| x.to_f64()).sum();
                 format!("{} slips {}", self.title(*s), if sum < 0.0 { "backwards" } else { "forwards" })
@@ -328,7 +328,7 @@ impl<R: Number> Run<'_, R> {
                 return -1.0;
             };
             let margin = match &modes.frictions[*s].does {
-                Does::Sticks(_) => {
+                Does::Sticks(_) | Does::Stretches(_) => {
                     let size = larger(limit.value, *tangential);
                     match R::integer(0).less(size) {
                         true => ((limit.value - *tangential) / size).to_f64(),

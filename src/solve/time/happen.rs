@@ -4,8 +4,9 @@
 //! ½ P v. Stops only push, P ≥ 0 and v ≥ 0 away from them, one of the two zero. Friction of finite forces has no impulse. Where the impulse
 //! presses a friction that moves, the rule does not decide what friction takes, and the impact is refused.
 
+use crate::fault::{Fault, has};
 use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
-use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
+use crate::motion::mode::{Branches, Cause, Does, Mode, Side, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::slide::length;
 use crate::motion::state::DOFS;
@@ -70,7 +71,13 @@ impl<R: Number> Run<'_, R> {
         let going: Vec<usize> = std::iter::once(slider).chain(also.map(|switch| switch.of)).collect();
         for s in going {
             let of = &self.mechanism.sliders[s];
-            let along = of.against(&solved.friction[of.joint]);
+            let mut along = of.against(&solved.friction[of.joint]);
+            if has(Fault::SlipReversed) {
+                along = along.map(|x| -x);
+            }
+            if has(Fault::OnsetByDefault) {
+                along = of.against(&[R::integer(0); 6]);
+            }
             let joint = of.joint;
             let ahead = self.mechanism.stops.iter().zip(&modes.stops).position(|(stop, touch)| {
                 let side = touch.side();
@@ -84,6 +91,11 @@ impl<R: Number> Run<'_, R> {
                     self.event_of_stop(stop, What::Closes, None);
                 }
                 None => {
+                    if let (Some(stiffness), Some(limit)) =
+                        (self.mechanism.stiffness.get(s), solved.limits.get(s))
+                    {
+                        self.stretched[s] = limit.value * limit.value / *stiffness * R::ratio(1, 2);
+                    }
                     modes.frictions[s] = Mode::slips(along);
                     self.event(s, What::Slips, None);
                 }
@@ -96,6 +108,9 @@ impl<R: Number> Run<'_, R> {
 
     /// Slip ends: at rest exactly, by the equations of stick; then all that stands is decided anew.
     fn rests(&mut self, slider: usize) -> Result<(), Refusal> {
+        if let Some(stiffness) = self.mechanism.stiffness.get(slider).copied() {
+            return self.rests_on_spring(slider, stiffness);
+        }
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let joint = self.mechanism.sliders[slider].joint;
         let position = found.joints[joint].position;
@@ -109,10 +124,30 @@ impl<R: Number> Run<'_, R> {
             self.layout = layout;
             self.project()?;
         }
-        let frictions = &self.modes.frictions;
-        let open: Vec<usize> = (0..frictions.len()).filter(|s| frictions[*s].is_stuck()).collect();
+        let open = self.standing();
         self.modes = before;
         self.choose(&open)?;
+        self.record(true)
+    }
+
+    /// Slip ends in elastic stick: the spring goes on with the force that friction has.
+    fn rests_on_spring(&mut self, slider: usize, stiffness: R) -> Result<(), Refusal> {
+        let mut modes = self.modes.clone();
+        let (found, _, solved) = self.instant(&modes)?;
+        let of = &self.mechanism.sliders[slider];
+        let mut slack = found.joints[of.joint].position;
+        for (k, radius) in &of.components {
+            let radius = R::from_f64(*radius);
+            slack[*k] = slack[*k] - solved.friction[of.joint][*k] / (stiffness * radius * radius);
+        }
+        let limit = solved.limits[slider].value;
+        let more = limit * limit / stiffness * R::ratio(1, 2) - self.stretched[slider];
+        self.state.sums[1] = self.state.sums[1] - more;
+        self.state.sums[2] = self.state.sums[2] + more;
+        modes.frictions[slider] = Mode { does: Does::Stretches(slack), branches: Branches::none() };
+        self.event(slider, What::Sticks, None);
+        let (found, layout, solved) = self.instant(&modes)?;
+        self.settle(modes, &found, layout, &solved)?;
         self.record(true)
     }
 
@@ -218,7 +253,9 @@ impl<R: Number> Run<'_, R> {
         }
         self.event_of((joint, vec![component]), what, None);
         if !self.is_still {
-            self.collide()?;
+            if !has(Fault::LockSlips) {
+                self.collide()?;
+            }
             self.begin_modes()?;
         }
         // Before anything is kept the first state is still to come.
@@ -301,7 +338,8 @@ impl<R: Number> Run<'_, R> {
                 };
                 let sums = &mut self.state.sums;
                 if ends {
-                    sums[1] = sums[1] + *impulse * half;
+                    let lost = *impulse * half;
+                    sums[1] = if has(Fault::ImpactForgotten) { sums[1] } else { sums[1] + lost };
                 } else {
                     sums[0] = sums[0] - *impulse * (row.driven + half);
                 }
@@ -366,6 +404,14 @@ impl<R: Number> Run<'_, R> {
         let free = self.modes.without_friction();
         let found = self.assembled(&free).map_err(|trouble| self.say(trouble))?;
         self.modes.spans = self.spans(&found);
+        if !self.mechanism.stiffness.is_empty() {
+            // Springs go on through impacts, and so do slips until their plastic part has ended.
+            for slider in self.mechanism.sliders.iter().skip(self.modes.frictions.len()) {
+                let slack = found.joints[slider.joint].position;
+                self.modes.frictions.push(Mode { does: Does::Stretches(slack), branches: Branches::none() });
+            }
+            return self.choose(&[]);
+        }
         let speed = self.speed();
         let before = std::mem::take(&mut self.modes.frictions);
         let mut open = Vec::new();
@@ -386,7 +432,7 @@ impl<R: Number> Run<'_, R> {
             }
             let along = along.map(|x| x / size);
             match before.get(s).map(|mode| &mode.does) {
-                Some(Does::Sticks(_)) => events.push((s, What::Slips)),
+                Some(Does::Sticks(_) | Does::Stretches(_)) => events.push((s, What::Slips)),
                 Some(Does::Slips(old)) => {
                     let same = along.iter().zip(old).fold(R::integer(0), |sum, (x, y)| sum + *x * *y);
                     if same.less(R::integer(0)) {

@@ -2,7 +2,7 @@
 
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
-use crate::motion::mode::{Modes, Side, Touch};
+use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
@@ -11,10 +11,23 @@ use crate::time::integrate::{Method, Rule};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
 use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::vector::Vector;
+use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
+
+/// What stick is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stick {
+    /// What sticks stands still.
+    #[default]
+    Rigid,
+    /// A spring of the stick stiffness holds it (`STICK STIFFNESS`, or the limit at the beginning over the elastic slip), as in finite-element
+    /// programs: slip begins where P reaches μ F_N, and ends where its plastic part n·v − (μ F_N)˙/K does.
+    Elastic,
+}
 
 /// What is asked of a solution.
 #[derive(Clone, Debug)]
@@ -29,6 +42,8 @@ pub struct Options {
     pub times: Vec<f64>,
     /// Where it begins.
     pub from: Option<pintle_scene::State>,
+    /// What stick is.
+    pub stick: Stick,
     /// The most steps.
     pub most_steps: usize,
     /// Where the time is kept that has been reached, as the bits of a double: for those who wait.
@@ -43,6 +58,7 @@ impl Default for Options {
             until: None,
             times: Vec::new(),
             from: None,
+            stick: Stick::default(),
             most_steps: 1_000_000,
             reached: None,
         }
@@ -80,6 +96,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) fastest: f64,
     /// Whether the mode has just begun.
     pub(crate) is_new: bool,
+    /// The energy in the spring of each friction as slip began, where stick is elastic.
+    pub(crate) stretched: Vec<R>,
     /// Whether the step is static.
     pub(crate) is_still: bool,
     /// Whether the velocities at the beginning have been given.
@@ -179,6 +197,7 @@ impl<'a, R: Number> Run<'a, R> {
             h: 0.0,
             fastest: 0.0,
             is_new: false,
+            stretched: Vec::new(),
             is_still: false,
             is_launched: options.from.is_some(),
         };
@@ -210,11 +229,20 @@ impl<'a, R: Number> Run<'a, R> {
             }
             if step > 0 {
                 let held = std::mem::take(&mut self.mechanism.held);
+                let stiffness = std::mem::take(&mut self.mechanism.stiffness);
                 self.mechanism = Mechanism::new(self.scene, self.model, step)?;
+                self.mechanism.stiffness = stiffness;
                 drop(held);
             }
             self.step = step;
             self.is_still = !is_dynamic;
+            if !is_dynamic && self.options.stick == Stick::Elastic {
+                return Err(Refusal::of(
+                    &format!("step {}", step + 1),
+                    "elastic stick is not solved in static steps",
+                    "ask for rigid stick",
+                ));
+            }
             if is_dynamic { self.one(to)? } else { self.still(to)? }
         }
         Ok(())
@@ -306,9 +334,14 @@ impl<'a, R: Number> Run<'a, R> {
         self.state.time =
             time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
         self.project()?;
-        let frictions = &self.modes.frictions;
-        let open: Vec<usize> = (0..frictions.len()).filter(|s| frictions[*s].is_stuck()).collect();
+        let open = self.standing();
         self.choose(&open)
+    }
+
+    /// The frictions that stick rigidly.
+    pub(crate) fn standing(&self) -> Vec<usize> {
+        let stands = |s: &usize| matches!(self.modes.frictions[*s].does, Does::Sticks(_));
+        (0..self.modes.frictions.len()).filter(stands).collect()
     }
 
     /// The times at which something that acts is not smooth.
@@ -336,6 +369,7 @@ impl<'a, R: Number> Run<'a, R> {
             self.launch()?;
         }
         self.touch()?;
+        self.stiffen()?;
         self.begin_modes()?;
         if self.solution.frames.is_empty() {
             let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
@@ -419,6 +453,58 @@ impl<'a, R: Number> Run<'a, R> {
         Ok(())
     }
 
+    /// The stick stiffness of each friction, where stick is elastic: once, at the beginning.
+    fn stiffen(&mut self) -> Result<(), Refusal> {
+        if self.options.stick == Stick::Rigid || !self.mechanism.stiffness.is_empty() {
+            return Ok(());
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let sliders = self.mechanism.sliders.iter();
+        let mut modes = self.modes.clone();
+        modes.spans = self.spans(&found);
+        modes.frictions = sliders
+            .map(|of| Mode {
+                does: Does::Stretches(found.joints[of.joint].position),
+                branches: Branches::none(),
+            })
+            .collect();
+        let (_, _, solved) = self.instant(&modes)?;
+        let mut stiffness = Vec::with_capacity(self.mechanism.sliders.len());
+        for (slider, limit) in self.mechanism.sliders.iter().zip(&solved.limits) {
+            let title = self.joint_title(slider.joint);
+            if slider.components.len() > 1 {
+                let why = "elastic stick of several components together is not solved";
+                return Err(Refusal::of(title, why, "ask for rigid stick"));
+            }
+            let given = self.mechanism.friction(slider).map(|friction| friction.stick_stiffness);
+            stiffness.push(match given {
+                Some(StickStiffness::Given(stiffness)) => R::from_f64(stiffness),
+                Some(StickStiffness::ElasticSlip(slip)) if R::integer(0).less(limit.value) => {
+                    limit.value / R::from_f64(slip)
+                }
+                _ => {
+                    let why = "nothing presses its friction at the beginning, which would give it a stick stiffness";
+                    return Err(Refusal::of(title, why, "give STICK STIFFNESS"));
+                }
+            });
+        }
+        self.stretched = vec![R::integer(0); stiffness.len()];
+        self.mechanism.stiffness = stiffness;
+        Ok(())
+    }
+
+    /// What the springs of frictions that slip hold more than as slip began: their force has changed with the limit.
+    fn restored(&self, solved: &Solved<R>) -> R {
+        let all = self.mechanism.stiffness.iter().zip(&self.stretched).zip(&self.modes.frictions).enumerate();
+        all.filter(|(_, (_, mode))| !mode.is_stuck()).fold(
+            R::integer(0),
+            |sum, (s, ((stiffness, before), _))| {
+                let limit = solved.limits.get(s).map_or(R::integer(0), |limit| limit.value);
+                sum + limit * limit / *stiffness * R::ratio(1, 2) - *before
+            },
+        )
+    }
+
     /// The equations that count in a mode, and its solution.
     pub(crate) fn instant(&mut self, modes: &Modes<R>) -> Result<(Assembled<R>, Layout, Solved<R>), Refusal> {
         self.solution.evaluations += 1;
@@ -479,7 +565,9 @@ impl<'a, R: Number> Run<'a, R> {
                 failed: self.modes.failed.get(index).copied().unwrap_or([false; 6]),
             }
         });
+        let taken = self.restored(&solved);
         let [external, dissipated, stored] = [0, 1, 2].map(|i| self.state.sums[i]);
+        let (dissipated, stored) = (dissipated - taken, stored + taken);
         let kinetic = found.kinetic();
         let balance = kinetic + stored + dissipated - external - self.kinetic;
         let frame = Frame {

@@ -1,5 +1,6 @@
 //! From a state to the next: one step, the event within it, and back to the constraints.
 
+use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::Slider;
 use crate::motion::mode::{Cause, Switch, Touch};
@@ -14,6 +15,9 @@ use std::sync::atomic::Ordering;
 
 /// The part of the usual length of a step that the first one in a mode has.
 const CAREFUL: f64 = 0.02;
+
+/// The part of a step by which the change of a limit is found.
+const DIFFERENCE: f64 = 1e-3;
 
 /// The part of the way to rest that one step goes.
 const APPROACH: f64 = 0.6;
@@ -44,7 +48,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// ẏ.
-    pub(crate) fn flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+    fn bare_flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
         let n = self.layout.columns.len();
         let (poses, rates, turned) = self.unpacked(base, y, self.mechanism.needs_vectors());
         let instant = Instant {
@@ -78,6 +82,44 @@ impl<R: Number> Run<'_, R> {
             slope.rates.push(solved.accelerations[dof / DOFS][dof % DOFS]);
         }
         slope.rates.extend(&solved.sums);
+        Ok((slope, solved))
+    }
+
+    /// The flow, where slip on springs ends with its plastic part: n·v − (μ F_N)˙/K.
+    pub(crate) fn flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+        let (mut slope, solved) = self.bare_flow(base, time, y)?;
+        if self.mechanism.stiffness.is_empty() || !slope.switches.iter().any(|of| of.cause == Cause::Stops) {
+            return Ok((slope, solved));
+        }
+        // Central differences along the motion, extrapolated twice.
+        let step = R::from_f64(self.h.max(1e-300) * DIFFERENCE * (R::ROUNDING / f64::ROUNDING).powf(0.15));
+        let mut table: Vec<Vec<R>> = Vec::new();
+        for level in 0..3 {
+            let h = step / R::integer(1 << level);
+            let limits = |by: R| -> Result<Vec<R>, Trouble> {
+                let moved: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
+                let (_, solved) = self.bare_flow(base, time + by, &moved)?;
+                Ok(solved.limits.iter().map(|limit| limit.value).collect())
+            };
+            let [above, below] = [limits(h)?, limits(-h)?];
+            let mut row: Vec<R> = above.iter().zip(&below).map(|(x, y)| (*x - *y) / (h + h)).collect();
+            let mut power = 1;
+            for known in &mut table {
+                power *= 4;
+                let pairs = row.iter().zip(known.iter());
+                let next = pairs.map(|(new, old)| *new + (*new - *old) / R::integer(power - 1)).collect();
+                *known = std::mem::replace(&mut row, next);
+            }
+            table.push(row);
+        }
+        let changes = table.pop().unwrap_or_default();
+        for switch in slope.switches.iter_mut().filter(|switch| switch.cause == Cause::Stops) {
+            if let (Some(change), Some(stiffness)) =
+                (changes.get(switch.of), self.mechanism.stiffness.get(switch.of))
+            {
+                switch.value = switch.value - *change / *stiffness;
+            }
+        }
         Ok((slope, solved))
     }
 
@@ -240,6 +282,22 @@ impl<R: Number> Run<'_, R> {
                         return Err(self.stuck_in_time());
                     }
                 }
+                Some(Crossing::AtEnd) if has(Fault::EventInterpolated) => {
+                    let pairs = ended.iter().zip(&slope.switches);
+                    let crossed = pairs.filter(|(then, now)| {
+                        then.value.less(R::integer(0)) && !now.value.less(R::integer(0))
+                    });
+                    let part = |(then, now): &(&Switch<R>, &Switch<R>)| {
+                        (now.value / (now.value - then.value)).to_f64()
+                    };
+                    let first = crossed.min_by(|one, two| part(one).total_cmp(&part(two)));
+                    if let Some((switch, now)) = first {
+                        let h = h * R::from_f64(part(&(switch, now)));
+                        let tried = self.tried(&base, &y, &slope, h).map_err(|trouble| self.say(trouble))?;
+                        self.commit(&base, base.time + h, &tried.end)?;
+                        self.happens(switch.of, switch.cause)?;
+                    }
+                }
                 Some(Crossing::AtEnd) => {
                     let usual = self.h;
                     self.locate(h, &slope.switches)?;
@@ -258,6 +316,7 @@ impl<R: Number> Run<'_, R> {
             let slack = switch.scale * R::from_f64(crate::motion::equations::LEAVING * R::ROUNDING);
             match switch.cause {
                 Cause::Meets(_) | Cause::Closes(_) => switch.value.less(zero),
+                Cause::Stops if !self.mechanism.stiffness.is_empty() => switch.value.less(-slack),
                 Cause::Passes(_) => switch.value.less(-slack),
                 _ => false,
             }
@@ -486,7 +545,7 @@ impl<R: Number> Run<'_, R> {
                 let gap = row.residual.unwrap_or(zero).magnitude() / size(row.owner);
                 larger(most, gap)
             });
-            if !small.less(gap) {
+            if !small.less(gap) || has(Fault::Drift) {
                 break;
             }
             if iteration == 11 {
