@@ -1,6 +1,6 @@
 use crate::fault::Fault;
 use crate::{Method, Number, Options, REFERENCES, Solution, Stick, What, solve};
-use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::scalar::{Real, Wide};
 use pintle_scene::Scene;
 
 fn solved<R: Number>(deck: &str, options: &Options) -> Solution<R> {
@@ -345,6 +345,71 @@ fn references_obey_their_laws() {
     println!("{frames} frames, {stuck} stuck, {events} events, {numbers} numbers, {closed} closed forms");
     assert!(frames > 100 && stuck > 20 && events > 70, "{frames} frames, {stuck} stuck, {events} events");
     assert!(numbers >= 140 && closed >= 28, "{numbers} numbers, {closed} problems in closed form");
+}
+
+/// A decimal number, on 237 bits.
+fn exact(text: &str) -> Wide {
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    let (whole, part) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let ten = Wide::from_f64(10.0);
+    let mut value = Wide::from_f64(0.0);
+    for digit in whole.trim_start_matches('-').bytes().chain(part.bytes()) {
+        value = value * ten + Wide::from_f64(f64::from(digit - b'0'));
+    }
+    let shift = exponent.parse::<i32>().unwrap() - part.len() as i32;
+    for _ in 0..shift.abs() {
+        value = if shift < 0 { value / ten } else { value * ten };
+    }
+    if mantissa.starts_with('-') { Wide::from_f64(0.0) - value } else { value }
+}
+
+/// On 237 bits events and last states are those of the closed forms to 25 digits, on numbers that doubles hold exactly in the deck.
+#[test]
+fn closed_forms_are_met_on_237_bits() {
+    let mut compared = 0;
+    for name in ["collision", "stop_rigid", "static_lever"] {
+        let path = format!("{}/../../references/{name}/solution.json", env!("CARGO_MANIFEST_DIR"));
+        let stored: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        // 0.8 is no double: its digits are those of the deck's.
+        let deck = reference(name).replace("-0.8,", "-0.75,");
+        let solution: Solution<Wide> = solved(&deck, &Options { digits: 30, ..Options::default() });
+        let mut meet = |found: Wide, wanted: Wide| {
+            assert!((found - wanted).abs() < Wide::from_f64(1e-25), "{name}: {found:.30e} {wanted:.30e}");
+            compared += 1;
+        };
+        if name == "static_lever" {
+            // 10 t cos 0.75 = 7.5.
+            let angle = Wide::from_f64(0.75);
+            meet(solution.events[0].time * angle.sine_cosine().1, angle);
+            continue;
+        }
+        for (event, stored) in solution.events.iter().zip(stored["events"].as_array().unwrap()) {
+            meet(event.time, exact(stored[0].as_str().unwrap()));
+        }
+        let last = solution.frames.last().unwrap();
+        let of = &stored["last"]["connectors"]["101"]["1"];
+        meet(last.connectors[0].displacement[0], exact(of["CU"].as_str().unwrap()));
+        meet(last.connectors[0].velocity[0], exact(of["CV"].as_str().unwrap()));
+    }
+    assert_eq!(compared, 10);
+}
+
+/// A motion in two steps is that in one: what a stop and friction hold goes on.
+#[test]
+fn steps_go_on() {
+    let whole: Solution<f64> = solved(reference("stop_friction"), &Options::default());
+    let deck = reference("stop_friction")
+        .replace("NAME=FALLS", "NAME=FALLS, TIME=TOTAL TIME")
+        .replace("0.01, 4.", "0.01, 1.")
+        .replace("*END STEP", "*END STEP\n*STEP\n*DYNAMIC\n0.01, 3.\n*END STEP");
+    let parts: Solution<f64> = solved(&deck, &Options::default());
+    let [one, two] = [&whole, &parts].map(|of| of.frames.last().unwrap());
+    assert_eq!(two.time, 4.0);
+    let [x, y] = [one, two].map(|of| of.connectors[0].displacement[0]);
+    assert!((x - y).abs() < 1e-13, "{x} {y}");
+    let told = |of: &Solution<f64>| of.events.iter().map(|event| event.what).collect::<Vec<_>>();
+    assert_eq!(told(&whole), told(&parts));
 }
 
 /// Each fault of the solver is noticed by one of these references.

@@ -24,8 +24,8 @@ pub enum Stick {
     /// What sticks stands still.
     #[default]
     Rigid,
-    /// A spring of the stick stiffness holds it (`STICK STIFFNESS`, or the limit at the beginning over the elastic slip), as in finite-element
-    /// programs: slip begins where P reaches μ F_N, and ends where its plastic part n·v − (μ F_N)˙/K does.
+    /// A spring of the stick stiffness K holds it, as in finite-element programs. K is `STICK STIFFNESS`, or the limit at the beginning over
+    /// the elastic slip. Slip begins where P reaches μ F_N. It ends where its plastic part n·v − (μ F_N)˙/K does.
     Elastic,
 }
 

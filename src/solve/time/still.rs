@@ -1,8 +1,8 @@
 //! Static steps: the quasi-static path. Each of its states is an equilibrium by itself, found by Newton's method; time is what loads and
 //! prescribed motions follow. The modes are those of dynamics: what sticks is held, what slips has the force μ F_N, stops push.
 //!
-//! *Equilibrium.* With unit masses in place of the real ones let a be the accelerations at rest, and c the least change of positions that
-//! satisfies the equations. a lies in the kernel of J, c across it, so that a + c = 0 says both: equations hold, and forces balance. Newton's
+//! *Equilibrium.* Unit masses stand in place of the real ones. Let a be the accelerations at rest, and c the least change of positions that
+//! satisfies the equations. a lies in the kernel of J, c across it. So a + c = 0 says both: equations hold, and forces balance. Newton's
 //! matrix is formed by differences; what decides is the residual.
 //!
 //! *Uniqueness* is lost where Newton's matrix is singular: its determinant changes sign, or no equilibrium follows. Both end the path by name.
