@@ -225,6 +225,8 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
                         "CTF": list(&of.total),
                         "CSF": list(&of.friction),
                         "sticks": of.sticks,
+                        "CSLST": of.held,
+                        "CFAILST": of.failed,
                     });
                     (label.to_string(), value)
                 })

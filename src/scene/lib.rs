@@ -94,9 +94,9 @@ pub use lexer::MAX_LINE;
 pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
     ConditionKind, ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude,
-    Dimension, Discrete, DistributedLoad, End, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind, Node, Operation,
-    OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped, SkippedConstraint,
-    SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,
+    Dimension, Discrete, DistributedLoad, End, InitialVelocity, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind,
+    Node, Operation, OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped,
+    SkippedConstraint, SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};

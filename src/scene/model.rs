@@ -76,6 +76,8 @@ pub struct Scene {
     pub transforms: Vec<Transform>,
     /// Amplitudes by name.
     pub amplitudes: IndexMap<String, Amplitude>,
+    /// `*INITIAL CONDITIONS, TYPE=VELOCITY`.
+    pub initial_velocities: Vec<InitialVelocity>,
     /// Boundary conditions given before the first step.
     pub boundaries: Vec<Boundary>,
     /// Connector motions given before the first step: components held fixed.
@@ -655,6 +657,17 @@ pub struct ConnectorLoad {
     pub magnitude: f64,
     /// How it is applied.
     pub applied: Application,
+}
+
+/// A line of `*INITIAL CONDITIONS, TYPE=VELOCITY`.
+#[derive(Debug, Clone, Serialize)]
+pub struct InitialVelocity {
+    /// The nodes.
+    pub target: Spanned<Target>,
+    /// 1 to 6.
+    pub degree_of_freedom: u8,
+    /// The velocity, or angular velocity in radians over time.
+    pub magnitude: f64,
 }
 
 /// A line of `*CLOAD`.

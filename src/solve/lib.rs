@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `motion` | the mechanics at one instant |
 //! | `time` | steps, events, modes |
+//! | [`REFERENCES`] | decks to begin with |
 //! | `number` | doubles, or 237 bits |
 //!
 //! ```
@@ -32,15 +33,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod fault;
 mod motion;
 mod number;
+mod references;
 mod refusal;
 mod time;
 
 pub use number::Number;
+pub use references::REFERENCES;
 pub use refusal::Refusal;
 pub use time::integrate::Method;
-pub use time::run::{Ended, Options, solve};
+pub use time::run::{Ended, Options, Stick, solve};
 pub use time::solution::{ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Solution, What};
 
 #[cfg(test)]

@@ -45,3 +45,19 @@ fn what_is_not_solved_is_refused_by_name() {
     let told = stderr(&done);
     assert!(told.contains("HINGE") && told.contains("help"), "{told}");
 }
+
+/// The decks of references/ by their names, those of the gallery before them; elastic stick is asked for.
+#[test]
+fn references_are_solved_by_name() {
+    let done = pintle(&["solve", "gallery:drawer"]).assert().success();
+    let told = stdout(&done);
+    assert!(told.contains("TRANSLATOR 101") && told.contains("sticks") && told.contains("CSF"), "{told}");
+    let done = pintle(&["solve", "gallery:stop_friction", "--format", "json"]).assert().success();
+    let found: serde_json::Value = serde_json::from_str(&stdout(&done)).unwrap();
+    let kinds: Vec<&str> =
+        found["events"].as_array().unwrap().iter().map(|event| event["event"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["closes", "sticks", "opens", "slips"]);
+    pintle(&["solve", "gallery:drawer", "--stick", "elastic"]).assert().success();
+    let done = pintle(&["solve", "gallery:no_such_thing"]).assert().failure();
+    assert!(stderr(&done).contains("no_such_thing"), "{}", stderr(&done));
+}

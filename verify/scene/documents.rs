@@ -349,6 +349,7 @@ impl Choices<'_> {
                      {"type": "SLIDER", "nodes": [1, 2, 3]}],
             "masses": [{"element_set": "M", "mass": self.positive()}],
             "rotary_inertias": [{"element_set": "I", "inertia": [1.0, 2.0, 3.0, -0.5, self.number(), 0.0], "orientation": "R"}],
+            "initial_velocities": [{"target": 1, "degree_of_freedom": self.one(&[1, 6]), "magnitude": self.number()}],
             "springs": [{"element_set": "K", "degrees_of_freedom": [1, 6], "complex": self.yes(), "rows": [[self.number(), self.item()]]}],
             "dashpots": [{"element_set": "D", "nonlinear": true, "dependencies": 7,
                           "rows": [[self.number(), 0.0, null, 1.0, self.item(), 2.0, 3.0, 4.0, self.item(), 5.0]]}],

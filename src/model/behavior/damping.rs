@@ -69,6 +69,11 @@ impl Damping {
         pairs.fold(S::zero(), |sum, (force, v)| sum + v * force.unwrap_or(S::zero()))
     }
 
+    /// The components whose force is a table over their own velocity, with the rows where its slope jumps.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> + '_ {
+        self.laws.iter().filter_map(Law::rows)
+    }
+
     /// The laws, each by itself.
     pub(super) fn laws(&self) -> &[Law] {
         &self.laws

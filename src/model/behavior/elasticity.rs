@@ -67,6 +67,11 @@ impl Elasticity {
         energies.into_iter().try_fold(S::zero(), |sum, energy| Some(sum + energy?))
     }
 
+    /// The components whose force is a table over their own displacement, with the rows where its slope jumps.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> + '_ {
+        self.laws.iter().filter_map(Law::rows)
+    }
+
     /// The laws, each by itself.
     pub(super) fn laws(&self) -> &[Law] {
         &self.laws

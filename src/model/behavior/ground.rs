@@ -108,6 +108,17 @@ impl Ground {
         self.springs.is_empty() && self.dashpots.is_empty()
     }
 
+    /// The displacements at which the slope of the spring force jumps, then the velocities of the dashpot force.
+    pub fn rows(&self) -> [Vec<f64>; 2] {
+        [&self.springs, &self.dashpots].map(|laws| {
+            let nonlinear = laws.iter().filter(|law| law.nonlinear);
+            let mut rows: Vec<f64> = nonlinear.flat_map(|law| law.table.rows(Variable::Column(0))).collect();
+            rows.sort_by(f64::total_cmp);
+            rows.dedup();
+            rows
+        })
+    }
+
     /// Whether there are dashpots.
     pub const fn has_dashpots(&self) -> bool {
         !self.dashpots.is_empty()

@@ -244,6 +244,16 @@ impl Law {
         }
     }
 
+    /// The component whose force is a table over its own displacement or velocity alone, with the rows where its slope jumps.
+    pub(super) fn rows(&self) -> Option<(usize, Vec<f64>)> {
+        match &self.kind {
+            Kind::Nonlinear { component, table, axes } if axes.as_slice() == [Axis::Own] => {
+                Some((*component, table.rows(Variable::Column(0))))
+            }
+            _ => None,
+        }
+    }
+
     /// The kinks at which the motion lies.
     pub(super) fn kinks<R: Real>(&self, motion: &Motion<R>, conditions: &Conditions) -> Vec<ForceKink<R>> {
         let Kind::Nonlinear { component, table, axes } = &self.kind else { return Vec::new() };

@@ -134,6 +134,22 @@ impl Criterion {
         self.limits[2].is_some() || self.limits[3].is_some()
     }
 
+    /// The limits in the order of a data line: positions, then forces, each lower and upper.
+    ///
+    /// # Errors
+    /// One depends on a temperature or field variable that is not given.
+    pub fn limits(&self, conditions: &Conditions) -> Result<[Option<f64>; 4], Unknown> {
+        let mut found = [None; 4];
+        for (limit, table) in found.iter_mut().zip(&self.limits) {
+            let Some(table) = table else { continue };
+            if let Some(unknown) = table.depends_on().find_map(|variable| conditions.lacks(variable)) {
+                return Err(unknown);
+            }
+            *limit = Some(table.evaluate(0, |variable| conditions.of(variable)));
+        }
+        Ok(found)
+    }
+
     /// Whether a position and a force lie beyond a limit. A force that is not known leaves limits of force undecided.
     pub fn check(
         &self,

@@ -285,6 +285,11 @@ impl Behavior {
         self.stops.iter().any(Option::is_some)
     }
 
+    /// The stops (CP: lengths, and angles in radians).
+    pub const fn stops(&self) -> &Components<Stop> {
+        &self.stops
+    }
+
     /// Whether the history matters: locks, failures, friction, and velocities from increments follow it.
     pub fn has_history(&self) -> bool {
         self.has_history_without_friction() || self.slips_at_all()

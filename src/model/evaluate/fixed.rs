@@ -206,7 +206,10 @@ pub fn keeps_zero(scene: &Scene, (kind, magnitude): (MotionType, f64), applied: 
         MotionType::Displacement => true,
         MotionType::Velocity => is_explicit,
         // At the velocity that there is.
-        MotionType::Acceleration => is_explicit && !scene.skipped.keywords.contains_key("INITIAL CONDITIONS"),
+        MotionType::Acceleration => {
+            let others = scene.skipped.keywords.contains_key("INITIAL CONDITIONS");
+            is_explicit && !others && scene.initial_velocities.is_empty()
+        }
     };
     applied.fixed || (stays && magnitude == 0.0 && is_factor(scene, applied))
 }

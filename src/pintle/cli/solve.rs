@@ -3,19 +3,27 @@
 use super::states::csv;
 use super::{Failure, Files, eval, tell};
 use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
 use pintle_kinematics::scalar::Wide;
 use pintle_report::solve as report;
-use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State, StateFile};
-use pintle_solve::{Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, solve};
-use std::io::{self, BufWriter, Write};
+use pintle_scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
+use pintle_solve::{
+    Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, Stick, solve,
+};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
 
 const HELP: &str = "\
 Solves the *DYNAMIC steps of a scene: rigid bodies from *MASS and *ROTARY INERTIA,
 joined by its connectors and constraints, under gravity (*DLOAD, GRAV), *CLOAD,
-*BOUNDARY with amplitudes, springs, dampers, connector motions and loads. Friction
-acts on the connector's own reaction, and sticks rigidly: what sticks does not
-creep. It is a reference for small mechanisms, no simulator: no contact search.
+*BOUNDARY with amplitudes, springs, dampers, connector motions and loads, from
+*INITIAL CONDITIONS, TYPE=VELOCITY. Friction acts on the connector's own reaction,
+and sticks rigidly: what sticks does not creep. Stops and locks are rigid, and what
+runs into them loses its velocity there (a plastic impact). It is a reference for small mechanisms, no simulator: no contact search.
 
 Two methods of high order solve it side by side, extrapolation and Gauss
 collocation. What they differ by is the error, and digits beyond it are not
@@ -28,7 +36,7 @@ are the only ones that fit.
 States go to a file that pintle eval, audit and solve --from read.
 
 Examples:
-  pintle solve drawer.inp
+  pintle solve gallery:drawer
   pintle solve drawer.inp --every 0.01 -o run.csv
   pintle solve drawer.inp --digits 30 --until 0.5
   pintle solve drawer.inp --from run.csv";
@@ -36,7 +44,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
 pub(crate) struct Solve {
-    /// A scene (.inp, .toml, .json) or gallery:NAME
+    /// A scene (.inp, .toml, .json) or gallery:NAME, also of references/
     #[arg(value_name = "SCENE")]
     scene: String,
     /// When to end [default: the end of the last step]
@@ -54,6 +62,9 @@ pub(crate) struct Solve {
     /// Which method, or both for their difference
     #[arg(long, value_enum, default_value_t)]
     method: Which,
+    /// What stick is: rigid, or a spring of the stick stiffness
+    #[arg(long, value_enum, default_value_t)]
+    stick: How,
     /// Begin at the last state of this file (.csv or .json)
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
@@ -63,6 +74,15 @@ pub(crate) struct Solve {
     /// How to write the results
     #[arg(long, value_enum, default_value_t)]
     format: super::PageFormat,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum How {
+    /// What sticks stands still
+    #[default]
+    Rigid,
+    /// A spring holds it, as in finite-element programs
+    Elastic,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -82,8 +102,7 @@ const MOST_TIMES: f64 = 1e6;
 /// Solves a scene and writes the results.
 pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
     files.check(&arguments.output)?;
-    let source = eval::source(&arguments.scene)?;
-    let (scene, _) = eval::read(source, None)?;
+    let scene = scene(&arguments.scene)?;
     let from = match &arguments.from {
         None => None,
         Some(file) => StateFile::read(file, &scene)?.states.pop(),
@@ -93,6 +112,10 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
         until: arguments.until,
         times: arguments.times.clone(),
         from,
+        stick: match arguments.stick {
+            How::Rigid => Stick::Rigid,
+            How::Elastic => Stick::Elastic,
+        },
         method: match arguments.method {
             Which::Both | Which::Extrapolation => Method::Extrapolation,
             Which::Collocation => Method::Collocation,
@@ -116,6 +139,69 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
     }
 }
 
+/// The scene of a file, of the gallery, or of `references/`.
+fn scene(name: &str) -> Result<Scene, Failure> {
+    let of_references = name.strip_prefix("gallery:").and_then(|name| {
+        let is_known = GALLERY.iter().any(|example| example.name == name);
+        REFERENCES.iter().find(|(known, _)| *known == name && !is_known)
+    });
+    match of_references {
+        Some((name, deck)) => Ok(Scene::parse(&format!("{name}.inp"), deck)?),
+        None => Ok(eval::read(eval::source(name)?, None)?.0),
+    }
+}
+
+/// A bar that shows the time reached, on a terminal, until it is dropped.
+struct Bar {
+    is_done: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Bar {
+    fn new(scene: &str, reached: Arc<AtomicU64>, end: f64) -> Self {
+        let is_done = Arc::new(AtomicBool::new(false));
+        let (scene, done) = (scene.to_string(), Arc::clone(&is_done));
+        let draw = move || {
+            // Nothing is drawn for what takes less than a second.
+            let mut waits = 10;
+            let mut bar: Option<ProgressBar> = None;
+            while !done.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(100));
+                waits -= 1;
+                let time = f64::from_bits(reached.load(Ordering::Relaxed));
+                if waits <= 0 && end > 0.0 {
+                    let bar = bar.get_or_insert_with(|| {
+                        let bar = ProgressBar::new(1000);
+                        if let Ok(style) =
+                            ProgressStyle::with_template("{prefix} {bar:30} t = {msg} {elapsed}")
+                        {
+                            bar.set_style(style);
+                        }
+                        bar.set_prefix(scene.clone());
+                        bar
+                    });
+                    bar.set_position((1000.0 * time / end) as u64);
+                    bar.set_message(format!("{time:.6} of {end}"));
+                }
+            }
+            if let Some(bar) = bar {
+                bar.finish_and_clear();
+            }
+        };
+        let thread = io::stderr().is_terminal().then(|| std::thread::spawn(draw));
+        Self { is_done, thread }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.is_done.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            _ = thread.join();
+        }
+    }
+}
+
 /// The time at which the steps of a scene end, as far as it is known.
 fn length(scene: &Scene) -> f64 {
     let schedule = pintle_model::behavior::drive::Schedule::new(scene);
@@ -129,6 +215,9 @@ fn solved<R: Number>(
     scene: &Scene,
     options: &Options,
 ) -> Result<(), Failure> {
+    let reached = Arc::new(AtomicU64::new(0));
+    let options = &Options { reached: Some(Arc::clone(&reached)), ..options.clone() };
+    let bar = Bar::new(&scene.name, reached, options.until.unwrap_or_else(|| length(scene)));
     let witness = Options { method: Method::Collocation, ..options.clone() };
     let (one, other) = match arguments.method {
         Which::Both => {
@@ -137,6 +226,7 @@ fn solved<R: Number>(
         }
         Which::Extrapolation | Which::Collocation => (solve::<R>(scene, options), None),
     };
+    drop(bar);
     let (solution, ended) = match one {
         Ok(solution) => (solution, None),
         Err(ended) => {

@@ -9,7 +9,8 @@ use crate::label::normal;
 use crate::lexer::{Item, Keyword};
 use crate::model::{
     Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
-    ConnectorMotion, DistributedLoad, MotionType, Operation, OutputRequest, Procedure, Solver, Step, Times,
+    ConnectorMotion, DistributedLoad, InitialVelocity, MotionType, Operation, OutputRequest, Procedure,
+    Solver, Step, Times,
 };
 use indexmap::IndexMap;
 
@@ -165,6 +166,25 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         }
     }
     warning.into_iter().for_each(|warning| deck.warn(warning));
+    Ok(())
+}
+
+/// Velocities; initial conditions of other types are skipped.
+pub(super) fn initial_conditions(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let is_velocity = keyword.get("TYPE").is_some_and(|value| normal(value.text()) == "VELOCITY");
+    if !is_velocity {
+        let lines = deck.lexer.skip()?;
+        deck.count_skipped(keyword, lines);
+        return Ok(());
+    }
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let target = target(&items.need("the node or node set")?, "the node number")?;
+        let degree_of_freedom = items.need("the degree of freedom")?.component()?;
+        let magnitude = items.need("the velocity")?.number()?;
+        items.end("a node or node set, a degree of freedom and a velocity")?;
+        deck.scene.initial_velocities.push(InitialVelocity { target, degree_of_freedom, magnitude });
+    }
     Ok(())
 }
 

@@ -687,6 +687,14 @@ pub(super) static RULES: &[Rule] = &[
     )
     .with_strange(Strange::ByNodes),
     rule(
+        "INITIAL CONDITIONS",
+        Model,
+        &[may("TYPE", Text)],
+        "each line is: node or node set, degree of freedom, velocity",
+        history::initial_conditions,
+    )
+    .with_strange(Strange::Skipped),
+    rule(
         "CLOAD",
         History,
         &[

@@ -505,6 +505,9 @@ fn actuation(deck: &Deck<'_>, errors: &mut Errors) {
         errors.value(known_node_target(scene, &boundary.target));
         errors.value(amplitude(&boundary.applied.amplitude));
     }
+    for velocity in &scene.initial_velocities {
+        errors.value(known_node_target(scene, &velocity.target));
+    }
     for step in &scene.steps {
         for load in &step.connector_loads {
             errors.value(connectors(&load.target));

@@ -178,13 +178,14 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
 
 /// Takes out what acts on a model that another deck has, and counts it.
 pub(super) fn drop_steps(deck: &mut Deck<'_>) {
-    let Scene { steps, boundaries, skipped, .. } = &mut deck.scene;
+    let Scene { steps, boundaries, initial_velocities, skipped, .. } = &mut deck.scene;
     let mut drop = |count: usize, line: u32| {
         for _ in 0..count {
             skipped.count("what acts on the model of another deck".to_owned(), line);
         }
     };
     drop(std::mem::take(boundaries).len(), 0);
+    drop(std::mem::take(initial_velocities).len(), 0);
     for step in steps {
         let line = step.span.line();
         drop(std::mem::take(&mut step.boundaries).len(), line);

@@ -138,6 +138,8 @@ form! {
         transforms: List<Transform>,
         /// Amplitudes by name.
         amplitudes: Entries<Spanned<Amplitude>>,
+        /// Velocities at the beginning.
+        initial_velocities: List<InitialVelocity>,
         /// Boundary conditions before the first step.
         boundaries: List<Boundary>,
         /// Components of connectors held fixed before the first step.
@@ -651,6 +653,18 @@ form! {
         complex: bool,
         /// The number of field variables in the rows.
         dependencies: Option<Spanned<u64>>,
+    }
+}
+
+form! {
+    /// A velocity of nodes at the beginning.
+    InitialVelocity {
+        /// A node or node set.
+        target: Spanned<Target>,
+        /// 1 to 6.
+        degree_of_freedom: Spanned<u64>,
+        /// The velocity, or angular velocity in radians over time.
+        magnitude: Spanned<f64>;
     }
 }
 

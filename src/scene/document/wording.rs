@@ -57,6 +57,7 @@ const WORDS: &[(&str, &str)] = &[
     ("*CONNECTOR LOAD", "connector_loads"),
     ("*DYNAMIC, EXPLICIT", "dynamic_explicit"),
     ("*ROTARY INERTIA", "rotary_inertias"),
+    ("*INITIAL CONDITIONS", "initial_velocities"),
     ("*ORIENTATION", "orientations"),
     ("*AMPLITUDE", "amplitudes"),
     ("*TRANSFORM", "transforms"),

@@ -1,7 +1,8 @@
 //! What holds at an instant: inertia, loads, the forces that follow from motions, and every equation.
 
-use crate::motion::mechanism::Mechanism;
-use crate::motion::mode::{Does, Mode};
+use crate::fault::{Fault, has};
+use crate::motion::mechanism::{Hold, Mechanism, TableOf};
+use crate::motion::mode::{Does, Modes};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Now, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, WORKS};
 use crate::number::Number;
@@ -10,9 +11,11 @@ use pintle_kinematics::force::Want;
 use pintle_kinematics::mpc;
 use pintle_kinematics::node::{DOFS as PAIR, Node, Pair};
 use pintle_kinematics::relation::{Point, place_of};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
-use pintle_kinematics::vector::{add, apply, cross, dot, sub};
+use pintle_kinematics::vector::{Vector, add, apply, cross, dot, sub};
 use pintle_model::behavior::drive::{Drive, Prescribed};
 use pintle_model::behavior::{Conditions, Motion, Unknown};
 
@@ -31,7 +34,7 @@ impl<R: Number> Mechanism<R> {
     ) -> Result<Option<[Option<R>; 3]>, Trouble> {
         let (zero, one) = (R::integer(0), R::integer(1));
         let moving = R::moving(time, one, zero);
-        let real = |x: R::Time| pintle_kinematics::scalar::Scalar::real(x);
+        let real = |x: R::Time| Scalar::real(x);
         Ok(match drive.within(&self.schedule, step, moving, beginning) {
             None => None,
             Some(Prescribed::Displacement(x)) => {
@@ -59,7 +62,7 @@ impl<R: Number> Mechanism<R> {
     pub(crate) fn assemble(
         &self,
         at: &Instant<'_, R>,
-        modes: &[Mode<R>],
+        modes: &Modes<R>,
         beginnings: &Beginnings,
     ) -> Result<Assembled<R>, Trouble> {
         let zero = R::integer(0);
@@ -72,6 +75,7 @@ impl<R: Number> Mechanism<R> {
             applied: vec![zero; DOFS * count],
             powers: [zero; WORKS],
             rates: at.rates.to_vec(),
+            springs: Vec::with_capacity(self.springs.len()),
             slips: at.sums.iter().skip(WORKS).copied().collect(),
         };
         self.loads(at, &mut all)?;
@@ -80,7 +84,7 @@ impl<R: Number> Mechanism<R> {
         }
         self.constraints(at, &mut all);
         self.bounds(at, beginnings, &mut all)?;
-        self.springs(at, &mut all)?;
+        self.springs(at, modes, &mut all)?;
         Ok(all)
     }
 
@@ -132,7 +136,7 @@ impl<R: Number> Mechanism<R> {
         &self,
         index: usize,
         at: &Instant<'_, R>,
-        modes: &[Mode<R>],
+        modes: &Modes<R>,
         beginnings: &Beginnings,
         all: &mut Assembled<R>,
     ) -> Result<(), Trouble> {
@@ -162,8 +166,11 @@ impl<R: Number> Mechanism<R> {
         };
         let turned =
             |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
-        let increment =
-            Increment { rotation: [turned(0), turned(1)], whole_turns: [[zero; 3]; 2], flow: [zero; 2] };
+        let increment = Increment {
+            rotation: [0, 1].map(turned),
+            whole_turns: [0, 1].map(|end| whole(turned(end))),
+            flow: [zero; 2],
+        };
         let mut tally = Tally::default();
         let branch =
             joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
@@ -211,6 +218,7 @@ impl<R: Number> Mechanism<R> {
             elastic: [zero; 6],
             viscous: [zero; 6],
             load: [zero; 6],
+            held: [zero; 6],
             columns: std::array::from_fn(column),
             rows,
             branch,
@@ -218,10 +226,40 @@ impl<R: Number> Mechanism<R> {
         let behavior = &joint.behavior.behavior;
         let motion = Motion { position: now.position, constitutive: now.motion, velocity: now.velocity };
         let conditions = Conditions::default();
-        let elastic = behavior.elasticity.forces(&motion, &conditions);
-        let viscous = behavior.damping.forces(&motion, &conditions);
+        let mut elastic = behavior.elasticity.forces(&motion, &conditions);
+        let mut viscous = behavior.damping.forces(&motion, &conditions);
+        for (table, span) in self.tables.iter().zip(&modes.spans) {
+            let TableOf::Joint(of, k) = table.of else { continue };
+            let x = if table.is_rate { now.velocity[k] } else { now.motion[k] };
+            let Some(inside) = table.inside(*span, x).filter(|_| of == index) else { continue };
+            // Beyond its span a table goes on along it, to the end of the step.
+            let mut moved = Motion {
+                position: motion.position.map(R::Gradient::<1>::from_real),
+                constitutive: motion.constitutive.map(R::Gradient::<1>::from_real),
+                velocity: motion.velocity.map(R::Gradient::<1>::from_real),
+            };
+            let seeded = R::Gradient::<1>::seed(inside, 0);
+            let forces = if table.is_rate {
+                moved.velocity[k] = seeded;
+                behavior.damping.forces(&moved, &conditions)
+            } else {
+                moved.constitutive[k] = seeded;
+                behavior.elasticity.forces(&moved, &conditions)
+            };
+            let line = forces.value[k].map(|force| force.real() + force.gradient()[0] * (x - inside));
+            if table.is_rate { viscous.value[k] = line } else { elastic.value[k] = line }
+        }
+        for (s, (slider, mode)) in self.sliders.iter().zip(&modes.frictions).enumerate() {
+            let (Does::Stretches(slack), Some(stiffness)) = (&mode.does, self.stiffness.get(s)) else {
+                continue;
+            };
+            for (k, radius) in slider.components.iter().filter(|_| slider.joint == index) {
+                let radius = R::from_f64(*radius);
+                now.held[*k] = now.held[*k] + *stiffness * radius * radius * (now.position[*k] - slack[*k]);
+            }
+        }
         let when = (at.step, at.time);
-        for k in 0..6 {
+        for k in (0..6).filter(|k| !modes.has_failed(index, *k)) {
             let why = elastic.unknown[k].filter(|_| !joint.rigid[k]).or(viscous.unknown[k]);
             if let Some(why) = why {
                 return Err(unknown(&joint.title, why));
@@ -231,24 +269,19 @@ impl<R: Number> Mechanism<R> {
             if let Some(drive) = &joint.behavior.drives.loads[k] {
                 now.load[k] = self.load(drive, when, || joint.title.clone())?;
             }
-            let known = now.elastic[k] + now.viscous[k] - now.load[k];
+            let known = now.elastic[k] + now.viscous[k] + now.held[k] - now.load[k];
             for (dof, entry) in &now.columns[k] {
                 all.applied[*dof] = all.applied[*dof] - known * *entry;
             }
             all.powers[0] = all.powers[0] + now.load[k] * now.velocity[k];
             all.powers[1] = all.powers[1] + now.viscous[k] * now.velocity[k];
-            all.powers[2] = all.powers[2] + now.elastic[k] * now.velocity[k];
+            all.powers[2] = all.powers[2] + (now.elastic[k] + now.held[k]) * now.velocity[k];
         }
-        let stuck = |k: usize| {
-            let mut sliders = self.sliders.iter().zip(modes);
-            sliders.find_map(|(slider, mode)| match &mode.does {
-                Does::Sticks(position) if slider.joint == index => {
-                    slider.components.iter().any(|(of, _)| *of == k).then(|| position[k])
-                }
-                _ => None,
-            })
-        };
         for k in (0..6).filter(|k| joint.wanted[*k]) {
+            let hold = self.hold(modes, index, k);
+            if matches!(hold, Hold::Failed) {
+                continue;
+            }
             let owner = Owner::Joint(index, k);
             let force = now.columns[k].clone();
             let coefficients = now.rows[k].clone();
@@ -266,20 +299,22 @@ impl<R: Number> Mechanism<R> {
                 });
                 continue;
             }
-            let [position, rate, acceleration] = if let Some(drive) = &joint.behavior.drives.motions[k] {
-                let beginning = beginnings.joint(index, k);
-                match self.prescribed(drive, when, beginning, || joint.title.clone())? {
-                    None => continue,
-                    Some([position, rate, acceleration]) => {
-                        [position.map(|p| now.displacement[k] - p), rate, acceleration]
-                    }
+            let given = match &joint.behavior.drives.motions[k] {
+                Some(drive) if !matches!(hold, Hold::Locked(_)) => {
+                    self.prescribed(drive, when, beginnings.joint(index, k), || joint.title.clone())?
                 }
-            } else if joint.rigid[k] {
-                [Some(now.motion[k]), Some(zero), Some(zero)]
-            } else if let Some(at) = stuck(k) {
-                [Some(now.position[k] - at), Some(zero), Some(zero)]
-            } else {
-                continue;
+                _ => None,
+            };
+            let [position, rate, acceleration] = match (given, hold) {
+                (Some([position, rate, acceleration]), _) => {
+                    [position.map(|p| now.displacement[k] - p), rate, acceleration]
+                }
+                (None, Hold::Locked(at)) => [Some(now.position[k] - at), Some(zero), Some(zero)],
+                (None, _) if joint.rigid[k] => [Some(now.motion[k]), Some(zero), Some(zero)],
+                (None, Hold::Stopped(at) | Hold::Stuck(at)) => {
+                    [Some(now.position[k] - at), Some(zero), Some(zero)]
+                }
+                (None, Hold::Nothing | Hold::Failed) => continue,
             };
             all.rows.push(Row {
                 owner,
@@ -404,10 +439,10 @@ impl<R: Number> Mechanism<R> {
     }
 
     /// Spring and dashpot elements.
-    fn springs(&self, at: &Instant<'_, R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
+    fn springs(&self, at: &Instant<'_, R>, modes: &Modes<R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
         let zero = R::integer(0);
         let conditions = Conditions::default();
-        for spring in &self.springs {
+        for (index, spring) in self.springs.iter().enumerate() {
             let mut row: Vec<(usize, R)> = Vec::new();
             let (mut stretch, mut rate) = (zero, zero);
             if let Some([i, j]) = spring.line {
@@ -437,8 +472,27 @@ impl<R: Number> Mechanism<R> {
                 rate = rate + *entry * at.rates[dof / DOFS][dof % DOFS];
             }
             let named = |why: Unknown| unknown("a spring", why);
-            let elastic = spring.law.spring(stretch, &conditions).map_err(named)?;
-            let viscous = spring.law.dashpot(rate, &conditions).map_err(named)?;
+            let inside = |is_rate: bool, x: R| {
+                let mut tables = self.tables.iter().zip(&modes.spans);
+                let (table, span) = tables
+                    .find(|(table, _)| table.of == TableOf::Spring(index) && table.is_rate == is_rate)?;
+                table.inside(*span, x)
+            };
+            let elastic = match inside(false, stretch) {
+                None => spring.law.spring(stretch, &conditions).map_err(named)?,
+                Some(inside) => {
+                    let line = spring.law.spring(R::Gradient::<1>::seed(inside, 0), &conditions);
+                    line.map(|line| line.real() + line.gradient()[0] * (stretch - inside)).map_err(named)?
+                }
+            };
+            let viscous = match inside(true, rate) {
+                None => spring.law.dashpot(rate, &conditions).map_err(named)?,
+                Some(inside) => {
+                    let line = spring.law.dashpot(R::Gradient::<1>::seed(inside, 0), &conditions);
+                    line.map(|line| line.real() + line.gradient()[0] * (rate - inside)).map_err(named)?
+                }
+            };
+            all.springs.push([stretch, rate]);
             for (dof, entry) in &row {
                 all.applied[*dof] = all.applied[*dof] - (elastic + viscous) * *entry;
             }
@@ -447,6 +501,17 @@ impl<R: Number> Mechanism<R> {
         }
         Ok(())
     }
+}
+
+/// The whole turns in a rotation vector: less than half a turn is left.
+fn whole<R: Number>(turned: Vector<R>) -> Vector<R> {
+    let turn = R::pi() + R::pi();
+    let count = (norm(turned) / turn).to_f64().round();
+    if count == 0.0 || has(Fault::TurnLost) {
+        return [R::integer(0); 3];
+    }
+    let (unit, _) = R::direction_and_norm(turned);
+    vector::scale(unit, turn * R::from_f64(count))
 }
 
 fn point<R: Number>(at: &Instant<'_, R>, node: usize) -> Point<R> {

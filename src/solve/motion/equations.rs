@@ -1,8 +1,9 @@
 //! The equations of motion at one instant: M a + Σ f G + h = 0, J a + b = 0, and the limit of each friction that slips.
 
+use crate::fault::{Fault, has};
 use crate::motion::dense::{Dense, NoPivot};
-use crate::motion::mechanism::{Mechanism, Slider};
-use crate::motion::mode::{Cause, Does, Mode, Switch};
+use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
+use crate::motion::mode::{Cause, Does, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::slide::{Limit, length, limit};
 use crate::motion::state::DOFS;
@@ -31,6 +32,9 @@ pub(crate) struct Solved<R> {
     /// The rates of [`State::sums`].
     pub(crate) sums: Vec<R>,
 }
+
+/// What goes away from a limit is open from this distance on, in rounding units of the size of lengths.
+pub(crate) const LEAVING: f64 = 1e5;
 
 /// How far Newton's method goes, for friction forces.
 const ITERATIONS: usize = 60;
@@ -70,12 +74,13 @@ impl<R: Number> Assembled<R> {
         matrix
     }
 
-    /// The change of the degrees of freedom, of least M-norm, that takes each row by −`gap`.
+    /// The change of the degrees of freedom, of least M-norm, that takes each row by −`gap`, and the impulse of each row that counts: M Δ +
+    /// Gᵀ P = 0.
     pub(crate) fn correction(
         &self,
         layout: &Layout,
         gap: impl Fn(&Row<R>) -> Option<R>,
-    ) -> Result<Vec<R>, Trouble> {
+    ) -> Result<(Vec<R>, Vec<R>), Trouble> {
         let n = layout.columns.len();
         let mut matrix = self.matrix(layout, (0, 1));
         let side = n + layout.kept.len();
@@ -83,11 +88,12 @@ impl<R: Number> Assembled<R> {
             matrix.add(n + r, side, -gap(&self.rows[*index]).unwrap_or(R::integer(0)));
         }
         let found = matrix.solve().map_err(|error| at(layout, error))?;
+        let found = found.into_iter().next().unwrap_or_default();
         let mut change = vec![R::integer(0); layout.place.len()];
-        for (x, dof) in found.into_iter().flatten().zip(&layout.columns) {
-            change[*dof] = x;
+        for (x, dof) in found.iter().zip(&layout.columns) {
+            change[*dof] = *x;
         }
-        Ok(change)
+        Ok((change, found.get(n..).unwrap_or_default().to_vec()))
     }
 
     /// The forces that press in a connector, and those of its friction.
@@ -100,7 +106,7 @@ impl<R: Number> Assembled<R> {
     ) -> ([R; 6], [R; 6]) {
         let now = &self.joints[joint];
         let mut pressing: [R; 6] = std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k]);
-        let mut friction = *slipping;
+        let mut friction: [R; 6] = std::array::from_fn(|k| slipping[k] + now.held[k]);
         for (force, index) in forces.iter().zip(&layout.kept) {
             if let Owner::Joint(of, k) = self.rows[*index].owner
                 && of == joint
@@ -120,16 +126,17 @@ impl<R: Number> Assembled<R> {
         &self,
         mechanism: &Mechanism<R>,
         layout: &Layout,
-        modes: &[Mode<R>],
+        modes: &Modes<R>,
     ) -> Result<Solved<R>, Trouble> {
         let zero = R::integer(0);
         let (n, m) = (layout.columns.len(), layout.kept.len());
         let slipping: Vec<(usize, [R; 6])> = modes
+            .frictions
             .iter()
             .enumerate()
             .filter_map(|(s, mode)| match &mode.does {
                 Does::Slips(along) => Some((s, *along)),
-                Does::Sticks(_) => None,
+                Does::Sticks(_) | Does::Stretches(_) => None,
             })
             .collect();
         let directions: Vec<[R; 6]> =
@@ -146,17 +153,11 @@ impl<R: Number> Assembled<R> {
             let now = &self.joints[slider.joint];
             let friction = mechanism.friction(slider)?;
             let slip = self.slips.get(s).copied().unwrap_or(zero);
-            let known = known.then_some(&modes[s].branches);
+            let known = known.then_some(&modes.frictions[s].branches);
             let places = (now.position, now.motion, slip);
             Some(limit(friction, pressing, rate, places, &Conditions::default(), known))
         };
-        let stuck_of = |s: usize, k: usize| {
-            let joint = mechanism.sliders[s].joint;
-            let mut others = mechanism.sliders.iter().zip(modes);
-            others.any(|(slider, mode)| {
-                slider.joint == joint && mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k)
-            })
-        };
+        let stuck_of = |s: usize, k: usize| mechanism.is_stuck(modes, mechanism.sliders[s].joint, k);
         let friction_of = |joint: usize, tensions: &[R]| {
             let mut friction = [zero; 6];
             for (i, (s, _)) in slipping.iter().enumerate() {
@@ -201,6 +202,7 @@ impl<R: Number> Assembled<R> {
                     if let Owner::Joint(of, k) = self.rows[*index].owner
                         && of == slider.joint
                         && !stuck(k)
+                        && !has(Fault::CouplingLeftOut)
                     {
                         matrix.add(n + m + i, n + r, -found.gradient[k]);
                         right = right - found.gradient[k] * forces[r];
@@ -220,7 +222,8 @@ impl<R: Number> Assembled<R> {
             forces.copy_from_slice(&found[n..n + m]);
             tensions.copy_from_slice(&found[n + m..]);
             let is_done = !(size * R::from_f64(1e3 * R::ROUNDING)).less(change);
-            if slipping.is_empty() || is_done {
+            let is_faulty = has(Fault::CouplingLeftOut) && iteration > 0;
+            if slipping.is_empty() || is_done || is_faulty {
                 break;
             }
             if iteration >= ITERATIONS {
@@ -237,9 +240,9 @@ impl<R: Number> Assembled<R> {
             accelerations: vec![[zero; DOFS]; self.masses.len()],
             total: Vec::with_capacity(self.joints.len()),
             friction: Vec::with_capacity(self.joints.len()),
-            limits: Vec::with_capacity(modes.len()),
-            tangential: Vec::with_capacity(modes.len()),
-            slip_rates: Vec::with_capacity(modes.len()),
+            limits: Vec::with_capacity(slipping.len()),
+            tangential: Vec::with_capacity(slipping.len()),
+            slip_rates: Vec::with_capacity(slipping.len()),
             switches: Vec::new(),
             sums: self.powers.to_vec(),
             forces,
@@ -249,14 +252,7 @@ impl<R: Number> Assembled<R> {
         }
         for (joint, _) in self.joints.iter().enumerate() {
             let slipping_friction = friction_of(joint, &tensions);
-            let stuck = |k: usize| {
-                let mut others = mechanism.sliders.iter().zip(modes);
-                others.any(|(slider, mode)| {
-                    slider.joint == joint
-                        && mode.is_stuck()
-                        && slider.components.iter().any(|(of, _)| *of == k)
-                })
-            };
+            let stuck = |k: usize| mechanism.is_stuck(modes, joint, k);
             let (pressing, friction) =
                 self.of_joint(joint, &solved.forces, layout, (&stuck, &slipping_friction));
             solved.total.push(std::array::from_fn(|k| pressing[k] + friction[k]));
@@ -270,7 +266,7 @@ impl<R: Number> Assembled<R> {
             let row = &self.rows[*index];
             solved.sums[0] = solved.sums[0] - *force * row.driven;
         }
-        for (s, (slider, mode)) in mechanism.sliders.iter().zip(modes).enumerate() {
+        for (s, (slider, mode)) in mechanism.sliders.iter().zip(&modes.frictions).enumerate() {
             let total = &solved.total[slider.joint];
             let friction = &solved.friction[slider.joint];
             let mut pressing: [R; 6] = std::array::from_fn(|k| total[k] - friction[k]);
@@ -288,18 +284,17 @@ impl<R: Number> Assembled<R> {
                 .map(|(k, radius)| friction[*k] * R::from_f64(*radius).reciprocal_or_zero())
                 .collect();
             let tangential = length(&tractions);
-            let mut push = |cause, part, value, scale| {
-                solved.switches.push(Switch { slider: s, cause, part, value, scale });
-            };
+            let mut push = |cause, value, scale| solved.switches.push(Switch { of: s, cause, value, scale });
             match mode.is_stuck() {
-                true => push(Cause::Breaks, None, found.value - tangential, larger(found.value, tangential)),
+                true if mechanism.is_idle(modes, slider) => {}
+                true => push(Cause::Breaks, found.value - tangential, larger(found.value, tangential)),
                 false => {
-                    push(Cause::Stops, None, rate, larger(rate.magnitude(), R::integer(1)));
-                    for (part, [value, scale]) in &found.turns {
-                        push(Cause::Turns, *part, *value, *scale);
+                    push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
+                    for (part, [value, scale]) in found.turns.iter().filter(|_| !has(Fault::KinkPassed)) {
+                        push(Cause::Turns(*part), *value, *scale);
                     }
                     if let Some([value, scale]) = found.caps {
-                        push(Cause::Caps, None, value, scale);
+                        push(Cause::Caps, value, scale);
                     }
                 }
             }
@@ -308,7 +303,76 @@ impl<R: Number> Assembled<R> {
             solved.tangential.push(tangential);
             solved.limits.push(found);
         }
+        self.watch(mechanism, layout, modes, &mut solved);
         Ok(solved)
+    }
+
+    /// The force of the row of a component, where it has one.
+    pub(crate) fn row_force(&self, layout: &Layout, forces: &[R], joint: usize, k: usize) -> Option<R> {
+        let mut rows = layout.kept.iter().zip(forces);
+        rows.find_map(|(row, force)| (self.rows[*row].owner == Owner::Joint(joint, k)).then_some(*force))
+    }
+
+    /// What may end the mode of stops, locks, failures and tables.
+    fn watch(&self, mechanism: &Mechanism<R>, layout: &Layout, modes: &Modes<R>, solved: &mut Solved<R>) {
+        let length = R::from_f64(mechanism.length);
+        let unit = |k: usize| if k < 3 { length } else { R::integer(1) };
+        let size = larger(largest(solved.forces.iter().copied()), R::from_f64(f64::MIN_POSITIVE));
+        for (of, (stop, touch)) in mechanism.stops.iter().zip(&modes.stops).enumerate() {
+            let Stop { joint, component: k, .. } = *stop;
+            if modes.has_failed(joint, k) {
+                continue;
+            }
+            let mut push = |cause, value, scale| solved.switches.push(Switch { of, cause, value, scale });
+            if let Touch::Closed(side) = touch {
+                if let Some(force) = self.row_force(layout, &solved.forces, joint, k)
+                    && !has(Fault::StopPulls)
+                {
+                    push(Cause::Opens, side.sign::<R>() * force, size);
+                }
+                continue;
+            }
+            for side in Side::BOTH {
+                let Some(gap) = stop.gap(side, self.joints[joint].position[k]) else { continue };
+                let scale = unit(k);
+                // What goes away from a limit has rounding on either side of it, and so has what something else holds there.
+                let leaves = *touch == Touch::Leaves(side)
+                    || self.row_force(layout, &solved.forces, joint, k).is_some();
+                let gap = if leaves { gap + scale * R::from_f64(LEAVING * R::ROUNDING) } else { gap };
+                push(Cause::Closes(side), gap, scale);
+            }
+        }
+        for (of, criterion) in mechanism.criteria.iter().enumerate() {
+            if !criterion.waits(modes) {
+                continue;
+            }
+            let k = criterion.component;
+            for (i, limit) in criterion.limits.iter().enumerate() {
+                let Some(limit) = *limit else { continue };
+                let is_force = i >= 2;
+                let now = match is_force {
+                    true => solved.total[criterion.joint][k],
+                    false => self.joints[criterion.joint].position[k],
+                };
+                let value = if i % 2 == 0 { now - limit } else { limit - now };
+                let scale = if is_force { larger(size, limit.magnitude()) } else { unit(k) };
+                solved.switches.push(Switch { of, cause: Cause::Meets(i), value, scale });
+            }
+        }
+        for (of, (table, span)) in mechanism.tables.iter().zip(&modes.spans).enumerate() {
+            if let TableOf::Joint(joint, k) = table.of
+                && modes.has_failed(joint, k)
+            {
+                continue;
+            }
+            let now = mechanism.argument(table, self);
+            for side in Side::BOTH.into_iter().filter(|_| !has(Fault::RowPassed)) {
+                let Some(row) = table.end(*span, side).map(R::from_f64) else { continue };
+                let value = side.sign::<R>() * (row - now);
+                let scale = larger(larger(row.magnitude(), now.magnitude()), length);
+                solved.switches.push(Switch { of, cause: Cause::Passes(side), value, scale });
+            }
+        }
     }
 
     fn is_available(&self, mechanism: &Mechanism<R>, joint: usize, k: usize) -> bool {
@@ -340,18 +404,19 @@ impl<R: Number> Assembled<R> {
         &self,
         mechanism: &Mechanism<R>,
         layout: &Layout,
-        (modes, solved): (&[Mode<R>], &Solved<R>),
+        (modes, solved): (&Modes<R>, &Solved<R>),
     ) -> Result<R, Trouble> {
         let zero = R::integer(0);
         let (n, m) = (layout.columns.len(), layout.kept.len());
-        let acting: Vec<usize> = (0..modes.len()).filter(|s| !modes[*s].is_stuck()).collect();
+        let acting: Vec<usize> =
+            (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
         if acting.is_empty() {
             return Ok(zero);
         }
         let mut matrix = self.matrix(layout, (0, acting.len()));
         for (i, s) in acting.iter().enumerate() {
             let slider = &mechanism.sliders[*s];
-            let Does::Slips(along) = &modes[*s].does else { continue };
+            let Does::Slips(along) = &modes.frictions[*s].does else { continue };
             let direction = self.direction(slider, along);
             for (k, radius) in &slider.components {
                 for (dof, entry) in &self.joints[slider.joint].columns[*k] {

@@ -1,7 +1,7 @@
 //! Which degrees of freedom are unknown, and which equations count.
 
-use crate::motion::mechanism::Mechanism;
-use crate::motion::mode::Mode;
+use crate::motion::mechanism::{Hold, Mechanism};
+use crate::motion::mode::Modes;
 use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::state::DOFS;
 use crate::number::Number;
@@ -15,7 +15,7 @@ impl Layout {
     pub(crate) fn new<R: Number>(
         mechanism: &Mechanism<R>,
         assembled: &Assembled<R>,
-        modes: &[Mode<R>],
+        modes: &Modes<R>,
     ) -> Result<Self, Refusal> {
         let count = DOFS * mechanism.bodies.len();
         let mut is_touched = vec![false; count];
@@ -44,7 +44,7 @@ impl Layout {
         &mut self,
         mechanism: &Mechanism<R>,
         assembled: &Assembled<R>,
-        modes: &[Mode<R>],
+        modes: &Modes<R>,
     ) -> Result<(), Refusal> {
         let n = self.columns.len();
         // Orthonormal directions, with the equations that each is made of.
@@ -129,15 +129,28 @@ impl Layout {
 fn needed<R: Number>(
     mechanism: &Mechanism<R>,
     assembled: &Assembled<R>,
-    modes: &[Mode<R>],
+    modes: &Modes<R>,
     involved: &[usize],
 ) -> Result<(), Refusal> {
     let owners: Vec<Owner> = involved.iter().map(|index| assembled.rows[*index].owner).collect();
-    for (slider, mode) in mechanism.sliders.iter().zip(modes) {
+    let stopped = owners.iter().find(|owner| match owner {
+        Owner::Joint(joint, k) => matches!(mechanism.hold(modes, *joint, *k), Hold::Stopped(_)),
+        _ => false,
+    });
+    if let Some(owner) = stopped {
+        return Err(Refusal::of(
+            &mechanism.named(*owner),
+            "the force of its stop is not determined, for other constraints hold it as well",
+            "take one of the two out, or give the stop a spring: *CONNECTOR ELASTICITY, NONLINEAR",
+        ));
+    }
+    for (slider, mode) in mechanism.sliders.iter().zip(&modes.frictions) {
         let Some(friction) = mechanism.friction(slider) else { continue };
         let presses = friction.criterion.pressing_components();
-        let needs =
-            |k: usize| presses[k] || mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k);
+        let needs = |k: usize| {
+            let slides = mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k);
+            presses[k] || slides && mechanism.is_stuck(modes, slider.joint, k)
+        };
         let found = owners
             .iter()
             .any(|owner| matches!(owner, Owner::Joint(joint, k) if *joint == slider.joint && needs(*k)));

@@ -1,16 +1,18 @@
 //! A scene as the bodies, joints, constraints and loads of a mechanism, on any number.
 
-use crate::motion::rows::Owner;
+use crate::motion::mode::{Does, Modes, Side, Touch};
+use crate::motion::rows::{Assembled, Owner};
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
-use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::catalog::{COMPONENT, component_index};
 use pintle_kinematics::connector::{Connector, Mask};
 use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::relation::{Form, Quantity, Relation};
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector};
+use pintle_model::behavior::Conditions;
 use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
 use pintle_model::behavior::friction::{Criterion, Friction, Tangential};
 use pintle_model::behavior::ground::Ground;
@@ -65,6 +67,109 @@ pub(crate) struct Slider {
     pub(crate) components: Vec<(usize, f64)>,
 }
 
+/// A stop of a connector: the range of the position of a component.
+#[derive(Clone, Debug)]
+pub(crate) struct Stop<R> {
+    pub(crate) joint: usize,
+    /// From 0.
+    pub(crate) component: usize,
+    /// Lower and upper.
+    pub(crate) limits: [Option<R>; 2],
+}
+
+impl<R: Number> Stop<R> {
+    /// The limit at an end.
+    pub(crate) fn limit(&self, side: Side) -> Option<R> {
+        self.limits[usize::from(side == Side::Upper)]
+    }
+
+    /// How far a position is from the limit at an end; negative beyond it.
+    pub(crate) fn gap(&self, side: Side, position: R) -> Option<R> {
+        Some(side.sign::<R>() * (self.limit(side)? - position))
+    }
+}
+
+/// A lock or a failure of a connector.
+#[derive(Clone, Debug)]
+pub(crate) struct Threshold<R> {
+    pub(crate) joint: usize,
+    /// Whose position or force decides (from 0).
+    pub(crate) component: usize,
+    /// What is locked, or released.
+    pub(crate) affected: Mask,
+    pub(crate) is_failure: bool,
+    /// Of its position, then of its total force, each lower and upper.
+    pub(crate) limits: [Option<R>; 4],
+}
+
+impl<R: Number> Threshold<R> {
+    /// Whether there is still something to lock, or to release.
+    pub(crate) fn waits(&self, modes: &Modes<R>) -> bool {
+        (0..6).any(|k| {
+            let is_held = !self.is_failure && modes.locked_at(self.joint, k).is_some();
+            self.affected[k] && !is_held && !modes.has_failed(self.joint, k)
+        })
+    }
+}
+
+/// A force that is a table over one motion.
+#[derive(Clone, Debug)]
+pub(crate) struct Table {
+    pub(crate) of: TableOf,
+    /// Over the velocity.
+    pub(crate) is_rate: bool,
+    /// Where its slope jumps, in increasing order.
+    pub(crate) rows: Vec<f64>,
+}
+
+/// Whose force a table is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TableOf {
+    /// A component of a connector (both from 0).
+    Joint(usize, usize),
+    /// A spring or dashpot.
+    Spring(usize),
+}
+
+impl Table {
+    /// The row at an end of a span.
+    pub(crate) fn end(&self, span: usize, side: Side) -> Option<f64> {
+        let row = if side == Side::Lower { span.checked_sub(1)? } else { span };
+        self.rows.get(row).copied()
+    }
+
+    /// A point within a span; none where x is within it.
+    pub(crate) fn inside<R: Number>(&self, span: usize, x: R) -> Option<R> {
+        let [low, high] = Side::BOTH.map(|side| self.end(span, side).map(R::from_f64));
+        let is_within = !low.is_some_and(|low| x.less(low)) && !high.is_some_and(|high| high.less(x));
+        if is_within {
+            return None;
+        }
+        let width = self.rows.last().zip(self.rows.first()).map_or(1.0, |(last, first)| last - first);
+        Some(match (low, high) {
+            (Some(low), Some(high)) => (low + high) * R::ratio(1, 2),
+            (Some(low), None) => low + R::from_f64(width),
+            (None, Some(high)) => high - R::from_f64(width),
+            (None, None) => x,
+        })
+    }
+}
+
+/// What holds a component, besides what its type constrains and what is prescribed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Hold<R> {
+    /// Nothing.
+    Nothing,
+    /// It has failed: nothing of it acts.
+    Failed,
+    /// A lock holds it here.
+    Locked(R),
+    /// A stop holds it here.
+    Stopped(R),
+    /// Friction holds it here.
+    Stuck(R),
+}
+
 /// A degree of freedom that a boundary condition prescribes along an axis of its node.
 #[derive(Clone, Debug)]
 pub(crate) struct Bound<R> {
@@ -92,11 +197,18 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) bodies: Vec<Body<R>>,
     pub(crate) joints: Vec<Joint<R>>,
     pub(crate) sliders: Vec<Slider>,
+    /// K of each friction, where stick is elastic.
+    pub(crate) stiffness: Vec<R>,
+    pub(crate) stops: Vec<Stop<R>>,
+    pub(crate) criteria: Vec<Threshold<R>>,
+    pub(crate) tables: Vec<Table>,
     pub(crate) mpcs: Vec<(String, Constraint<R>, Vec<usize>)>,
     pub(crate) relations: Vec<(String, Relation<R>, Vec<usize>)>,
     pub(crate) bounds: Vec<Bound<R>>,
     pub(crate) springs: Vec<Spring<R>>,
     pub(crate) gravities: Vec<Vec<(usize, Drive)>>,
+    /// Velocities at the beginning: node, degree of freedom (from 0) along its axes, amount.
+    pub(crate) velocities: Vec<(usize, usize, R)>,
     pub(crate) schedule: Schedule,
     /// Degrees of freedom, 7 for each node, that boundary conditions keep at zero.
     pub(crate) held: Vec<bool>,
@@ -147,14 +259,25 @@ impl<R: Number> Mechanism<R> {
             bodies,
             joints: Vec::new(),
             sliders: Vec::new(),
+            stiffness: Vec::new(),
+            stops: Vec::new(),
+            criteria: Vec::new(),
+            tables: Vec::new(),
             mpcs: Vec::new(),
             relations: Vec::new(),
             bounds: Vec::new(),
             springs: Vec::new(),
             gravities: Vec::new(),
+            velocities: Vec::new(),
             schedule,
             length: model.length,
         };
+        for given in &scene.initial_velocities {
+            let nodes = labels(&given.target.value);
+            let Some(k) = component_index(given.degree_of_freedom) else { continue };
+            let places = nodes.into_iter().filter_map(|node| places.of(node));
+            mechanism.velocities.extend(places.map(|node| (node, k, R::from_f64(given.magnitude))));
+        }
         mechanism.weigh(scene, &places)?;
         mechanism.join(model, &places)?;
         mechanism.bind(scene, &on_nodes, &places, step);
@@ -226,16 +349,30 @@ impl<R: Number> Mechanism<R> {
             let behavior = &element.behavior.behavior;
             let title = element.title();
             let refused = |what: &str, remedy: &str| Err(Refusal::of(&title, what, remedy));
-            if behavior.has_stops() {
-                return refused("stops are not solved yet", "take *CONNECTOR STOP out of its behaviour");
-            }
-            if !behavior.locks.is_empty() || !behavior.failures.is_empty() {
-                return refused("locks and failures are not solved yet", "take them out of its behaviour");
-            }
             if behavior.friction.belt.is_some() {
                 return refused("friction of a belt is not solved yet", "take it out of its behaviour");
             }
             let joint = self.joints.len();
+            let limit = |limit: Option<f64>| limit.map(R::from_f64);
+            for (component, stop) in behavior.stops().iter().enumerate() {
+                let Some(stop) = stop else { continue };
+                let limits = [stop.lower, stop.upper].map(limit);
+                self.stops.push(Stop { joint, component, limits });
+            }
+            let locks = behavior.locks.iter().map(|lock| (lock, false));
+            for (given, is_failure) in locks.chain(behavior.failures.iter().map(|failure| (failure, true))) {
+                let limits = match given.limits(&Conditions::default()) {
+                    Ok(limits) => limits.map(limit),
+                    Err(why) => return refused(why.in_words(), "give numbers for its locks and failures"),
+                };
+                let (component, affected) = (given.component, given.affected);
+                self.criteria.push(Threshold { joint, component, affected, is_failure, limits });
+            }
+            let tables = behavior.elasticity.rows().map(|rows| (rows, false));
+            for ((component, rows), is_rate) in tables.chain(behavior.damping.rows().map(|rows| (rows, true)))
+            {
+                self.tables.push(Table { of: TableOf::Joint(joint, component), is_rate, rows });
+            }
             for (index, friction) in behavior.friction.frictions.iter().enumerate() {
                 let Tangential::Norm(components) = &friction.criterion.tangential else {
                     return refused(
@@ -243,6 +380,16 @@ impl<R: Number> Mechanism<R> {
                         "give COMPONENT= or PREDEFINED",
                     );
                 };
+                let partly = behavior.failures.iter().any(|failure| {
+                    let mut failed = components.iter().map(|(k, _)| failure.affected[*k]);
+                    failed.clone().any(|is| is) && !failed.all(|is| is)
+                });
+                if partly {
+                    return refused(
+                        "a failure releases a part of the components of a friction",
+                        "release all of them, or none",
+                    );
+                }
                 self.sliders.push(Slider { joint, index, components: components.clone() });
             }
             let definition = element.definition();
@@ -254,9 +401,10 @@ impl<R: Number> Mechanism<R> {
                 let mut frictions = behavior.friction.frictions.iter();
                 frictions.any(|friction| depends_on(friction, k))
             };
+            let limited = behavior.limited();
             let wanted = [0, 1, 2, 3, 4, 5].map(|k| {
                 let is_there = element.connector.position_measure(k).is_some();
-                let acts = acting.iter().any(|mask| mask[k]) || driven(k) || slides(k);
+                let acts = acting.iter().any(|mask| mask[k]) || driven(k) || slides(k) || limited[k];
                 is_there && (constrained[k] || acts)
             });
             let initial = &definition.initial;
@@ -376,10 +524,74 @@ impl<R: Number> Mechanism<R> {
                         terms.push((node, vector::exact(axes[k % 3]), k >= 3, R::integer(factor)));
                     }
                 }
+                let of = TableOf::Spring(self.springs.len());
+                for (rows, is_rate) in law.rows().into_iter().zip([false, true]) {
+                    if !rows.is_empty() {
+                        self.tables.push(Table { of, is_rate, rows });
+                    }
+                }
                 self.springs.push(Spring { law, terms, line });
             }
         }
         Ok(())
+    }
+
+    /// What holds component k of a connector.
+    pub(crate) fn hold(&self, modes: &Modes<R>, joint: usize, k: usize) -> Hold<R> {
+        if modes.has_failed(joint, k) {
+            return Hold::Failed;
+        }
+        if let Some(at) = modes.locked_at(joint, k) {
+            return Hold::Locked(at);
+        }
+        let mut stops = self.stops.iter().zip(&modes.stops);
+        let closed = stops.find_map(|(stop, touch)| match touch {
+            Touch::Closed(side) if stop.joint == joint && stop.component == k => stop.limit(*side),
+            _ => None,
+        });
+        if let Some(at) = closed {
+            return Hold::Stopped(at);
+        }
+        let mut sliders = self.sliders.iter().zip(&modes.frictions);
+        let stuck = sliders.find_map(|(slider, mode)| match &mode.does {
+            Does::Sticks(position) if slider.joint == joint => {
+                slider.components.iter().any(|(of, _)| *of == k).then(|| position[k])
+            }
+            _ => None,
+        });
+        stuck.map_or(Hold::Nothing, Hold::Stuck)
+    }
+
+    /// Whether friction holds component k of a connector.
+    pub(crate) fn is_stuck(&self, modes: &Modes<R>, joint: usize, k: usize) -> bool {
+        matches!(self.hold(modes, joint, k), Hold::Stuck(_))
+    }
+
+    /// Whether a friction has nothing to do: all its components have failed, or are locked.
+    pub(crate) fn is_idle(&self, modes: &Modes<R>, slider: &Slider) -> bool {
+        let holds = |k: usize| self.hold(modes, slider.joint, k);
+        slider.components.iter().all(|(k, _)| matches!(holds(*k), Hold::Failed | Hold::Locked(_)))
+    }
+
+    /// Whether a motion is prescribed for component k of a connector, or a rigid elasticity keeps it.
+    pub(crate) fn is_given(&self, joint: usize, k: usize, step: usize) -> bool {
+        let Some(joint) = self.joints.get(joint) else { return false };
+        let drive = joint.behavior.drives.motions[k].as_ref();
+        joint.rigid[k] || drive.is_some_and(|drive| drive.acts_in(&self.schedule, step))
+    }
+
+    /// The motion that a table is over.
+    pub(crate) fn argument(&self, table: &Table, found: &Assembled<R>) -> R {
+        let zero = R::integer(0);
+        match table.of {
+            TableOf::Joint(joint, k) => found.joints.get(joint).map_or(zero, |now| match table.is_rate {
+                true => now.velocity[k],
+                false => now.motion[k],
+            }),
+            TableOf::Spring(spring) => {
+                found.springs.get(spring).map_or(zero, |at| at[usize::from(table.is_rate)])
+            }
+        }
     }
 
     /// Whether rotation vectors matter, with their turns.
@@ -409,6 +621,9 @@ impl<R: Number> Mechanism<R> {
             Owner::Relation(index, _) => {
                 self.relations.get(index).map_or_else(String::new, |(title, ..)| title.clone())
             }
+            Owner::Given(index) => self.velocities.get(index).map_or_else(String::new, |(node, k, _)| {
+                format!("initial velocity of node {} in {}", self.bodies[*node].label, k + 1)
+            }),
             Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
                 format!(
                     "boundary condition of node {} in {}",
@@ -430,6 +645,7 @@ impl<R: Number> Mechanism<R> {
                 self.relations.get(index).map_or(Vec::new(), |(.., nodes)| nodes.clone())
             }
             Owner::Bound(index) => self.bounds.get(index).map_or(Vec::new(), |bound| vec![bound.node]),
+            Owner::Given(index) => self.velocities.get(index).map_or(Vec::new(), |(node, ..)| vec![*node]),
         }
     }
 

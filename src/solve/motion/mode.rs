@@ -1,12 +1,15 @@
-//! What every friction does: it sticks, or it slips one way.
+//! What every friction, stop, lock and table does: a friction sticks or slips one way, a stop is open or closed.
 
 use crate::number::Number;
+use pintle_kinematics::connector::Mask;
 
 /// What one friction does.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Does<R> {
     /// Its components stand where they are: their positions.
     Sticks([R; 6]),
+    /// It is held by a spring: the positions at which that is slack.
+    Stretches([R; 6]),
     /// It slips along n, Σ n_k² = 1 over its components; one component keeps the sign of its n.
     Slips([R; 6]),
 }
@@ -29,6 +32,86 @@ pub(crate) struct Mode<R> {
     pub(crate) branches: Branches<R>,
 }
 
+/// An end of a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Lower,
+    Upper,
+}
+
+impl Side {
+    pub(crate) const BOTH: [Self; 2] = [Self::Lower, Self::Upper];
+
+    /// −1 at the lower end, 1 at the upper one: the sign of a force that resists going beyond it.
+    pub(crate) fn sign<R: Number>(self) -> R {
+        R::integer(if self == Self::Lower { -1 } else { 1 })
+    }
+}
+
+/// What a stop does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Touch {
+    /// Its component is between the limits.
+    Open,
+    /// It is at a limit, and going away from it.
+    Leaves(Side),
+    /// It is held at a limit.
+    Closed(Side),
+}
+
+impl Touch {
+    /// The limit at which it is.
+    pub(crate) const fn side(self) -> Option<Side> {
+        match self {
+            Self::Open => None,
+            Self::Leaves(side) | Self::Closed(side) => Some(side),
+        }
+    }
+}
+
+/// What a mechanism does: all that may be one way or another, and stays so for a while.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Modes<R> {
+    /// Frictions.
+    pub(crate) frictions: Vec<Mode<R>>,
+    /// Stops.
+    pub(crate) stops: Vec<Touch>,
+    /// Where locks hold the components of each connector.
+    pub(crate) locked: Vec<[Option<R>; 6]>,
+    /// The components of each connector that have failed.
+    pub(crate) failed: Vec<Mask>,
+    /// Between which rows each table is: the number of rows below.
+    pub(crate) spans: Vec<usize>,
+}
+
+impl<R: Number> Modes<R> {
+    /// Nothing sticks, no stop is closed, nothing is locked.
+    pub(crate) const fn none() -> Self {
+        Self {
+            frictions: Vec::new(),
+            stops: Vec::new(),
+            locked: Vec::new(),
+            failed: Vec::new(),
+            spans: Vec::new(),
+        }
+    }
+
+    /// The same with no friction at all.
+    pub(crate) fn without_friction(&self) -> Self {
+        Self { frictions: Vec::new(), ..self.clone() }
+    }
+
+    /// The position at which a lock holds component k of a connector.
+    pub(crate) fn locked_at(&self, joint: usize, k: usize) -> Option<R> {
+        self.locked.get(joint).and_then(|locked| locked[k])
+    }
+
+    /// Whether component k of a connector has failed.
+    pub(crate) fn has_failed(&self, joint: usize, k: usize) -> bool {
+        self.failed.get(joint).is_some_and(|failed| failed[k])
+    }
+}
+
 /// What becomes negative when a mode ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cause {
@@ -36,19 +119,26 @@ pub(crate) enum Cause {
     Breaks,
     /// The slip rate reaches zero.
     Stops,
-    /// A magnitude passes zero: its formula goes on in another branch.
-    Turns,
+    /// A magnitude passes zero: its formula goes on in another branch. `None` is F_C + F_C^int.
+    Turns(Option<usize>),
     /// The limit reaches the largest friction force, or leaves it.
     Caps,
+    /// A component reaches this end of its range.
+    Closes(Side),
+    /// The force of a stop reaches zero.
+    Opens,
+    /// A lock or failure meets one of its four limits.
+    Meets(usize),
+    /// A table reaches the row at this end of its span.
+    Passes(Side),
 }
 
-/// A quantity that is positive while a friction stays in its mode.
+/// A quantity that is positive while a mode lasts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Switch<R> {
-    pub(crate) slider: usize,
+    /// Of which friction, stop, criterion or table, as the cause says.
+    pub(crate) of: usize,
     pub(crate) cause: Cause,
-    /// Which magnitude turns; `None` for F_C + F_C^int.
-    pub(crate) part: Option<usize>,
     pub(crate) value: R,
     /// The size against which it counts as zero.
     pub(crate) scale: R,
@@ -64,7 +154,7 @@ impl<R: Number> Mode<R> {
     }
 
     pub(crate) fn is_stuck(&self) -> bool {
-        matches!(self.does, Does::Sticks(_))
+        !matches!(self.does, Does::Slips(_))
     }
 }
 

@@ -13,6 +13,8 @@ pub(crate) enum Owner {
     Mpc(usize, usize),
     Relation(usize, usize),
     Bound(usize),
+    /// A velocity given at the beginning.
+    Given(usize),
 }
 
 /// One equation.
@@ -45,6 +47,8 @@ pub(crate) struct Now<R> {
     pub(crate) elastic: [R; 6],
     pub(crate) viscous: [R; 6],
     pub(crate) load: [R; 6],
+    /// The forces of frictions that springs hold.
+    pub(crate) held: [R; 6],
     /// The nodal forces of a unit of each component's force.
     pub(crate) columns: [Vec<(usize, R)>; 6],
     /// The derivatives of each position.
@@ -65,6 +69,8 @@ pub(crate) struct Assembled<R> {
     pub(crate) powers: [R; WORKS],
     pub(crate) rates: Vec<[R; DOFS]>,
     pub(crate) slips: Vec<R>,
+    /// The stretch of each spring or dashpot, and its rate.
+    pub(crate) springs: Vec<[R; 2]>,
 }
 
 /// Why an instant has no solution.

@@ -1,5 +1,6 @@
 //! The limit of a friction on its own reaction, with the derivatives by which it is solved for.
 
+use crate::motion::mechanism::Slider;
 use crate::motion::mode::Branches;
 use crate::number::{Number, larger, largest};
 use pintle_kinematics::scalar::elementary::norm;
@@ -138,6 +139,33 @@ pub(crate) fn limit<R: Number>(
 
 fn dot<R: Number>(row: &[R; 6], f: &[R; 6]) -> R {
     row.iter().zip(f).fold(R::integer(0), |sum, (x, y)| sum + *x * *y)
+}
+
+impl Slider {
+    /// The direction in which slip resists friction forces f, n_k ~ f_k/R_k; without forces that of the first component.
+    pub(crate) fn against<R: Number>(&self, friction: &[R; 6]) -> [R; 6] {
+        let mut along = [R::integer(0); 6];
+        for (k, radius) in &self.components {
+            along[*k] = friction[*k] * R::from_f64(*radius).reciprocal_or_zero();
+        }
+        let size = length(&along);
+        if R::integer(0).less(size) {
+            return along.map(|x| x / size);
+        }
+        if let Some((k, _)) = self.components.first() {
+            along[*k] = R::integer(1);
+        }
+        along
+    }
+
+    /// R_k v_k of each component.
+    pub(crate) fn rates<R: Number>(&self, velocity: &[R; 6]) -> [R; 6] {
+        let mut along = [R::integer(0); 6];
+        for (k, radius) in &self.components {
+            along[*k] = R::from_f64(*radius) * velocity[*k];
+        }
+        along
+    }
 }
 
 /// The length of at most six numbers.

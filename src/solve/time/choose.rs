@@ -1,7 +1,8 @@
 //! At an event: which frictions stick and which slip, by trying all that is consistent.
 
 use crate::motion::equations::Solved;
-use crate::motion::mode::{Branches, Cause, Does, Mode};
+use crate::motion::mechanism::{Hold, Stop};
+use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Layout};
 use crate::motion::state::DOFS;
 use crate::number::{Number, larger, largest};
@@ -10,74 +11,83 @@ use crate::time::run::Run;
 use crate::time::solution::{Event, What};
 
 /// Margins below this count as ties.
-const TIE: f64 = 1e-9;
+pub(crate) const TIE: f64 = 1e-9;
 
 impl<R: Number> Run<'_, R> {
-    /// What frictions do that have no slip rate: all that is consistent is tried, the neighbours of now first. `stopping` has just come to
-    /// rest, from the direction that its mode has.
-    pub(crate) fn choose(&mut self, open: &[usize], stopping: Option<usize>) -> Result<(), Refusal> {
-        /// The most frictions whose combinations are all tried.
+    /// What frictions do that have no slip rate (`open`, which may still have the modes in which they came to rest), and stops that are
+    /// closed or at their limit without a rate: all that is consistent is tried.
+    pub(crate) fn choose(&mut self, open: &[usize]) -> Result<(), Refusal> {
+        /// The most frictions, and stops, whose combinations are all tried.
         const ALL: usize = 6;
         let zero = R::integer(0);
-        if open.is_empty() {
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let touching = self.touching(&found);
+        if open.is_empty() && touching.is_empty() {
             let modes = self.modes.clone();
             let (found, layout, solved) = self.instant(&modes)?;
             return self.settle(modes, &found, layout, &solved);
         }
-        let positions: Vec<[R; 6]> = {
-            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-            self.mechanism.sliders.iter().map(|slider| found.joints[slider.joint].position).collect()
-        };
         let before = self.modes.clone();
-        let mut all_stuck = before.clone();
+        let mut all_held = before.clone();
         for s in open {
-            all_stuck[*s] = Mode::sticks(positions[*s]);
+            let position = found.joints[self.mechanism.sliders[*s].joint].position;
+            all_held.frictions[*s] = Mode::sticks(position);
         }
         // Where slip would go: against the friction of stick.
-        let stuck = self.instant(&all_stuck).ok().map(|(_, _, stuck)| stuck);
+        let stuck = self.instant(&all_held).ok().map(|(_, _, stuck)| stuck);
         let directions: Vec<[R; 6]> = open
             .iter()
             .map(|s| {
                 let slider = &self.mechanism.sliders[*s];
-                let mut along = [zero; 6];
-                if let Some(force) = stuck.as_ref().and_then(|stuck| stuck.friction.get(slider.joint)) {
-                    for (k, radius) in &slider.components {
-                        along[*k] = force[*k] * R::from_f64(*radius).reciprocal_or_zero();
-                    }
-                }
-                let size = crate::motion::slide::length(&along);
-                if zero.less(size) {
-                    along.map(|x| x / size)
-                } else {
-                    let mut unit = [zero; 6];
-                    if let Some((k, _)) = slider.components.first() {
-                        unit[*k] = R::integer(1);
-                    }
-                    unit
-                }
+                let force = stuck.as_ref().and_then(|stuck| stuck.friction.get(slider.joint));
+                slider.against(force.unwrap_or(&[zero; 6]))
             })
             .collect();
-        let count = open.len();
-        let combinations: usize = 3_usize.pow(count.min(ALL) as u32);
-        let mut consistent: Vec<(Vec<Mode<R>>, f64)> = Vec::new();
-        'combinations: for number in 0..combinations {
-            let mut modes = all_stuck.clone();
-            let mut rest = number;
+        let slips = 3_usize.pow(open.len().min(ALL) as u32);
+        let stops = 2_usize.pow(touching.len().min(ALL) as u32);
+        let mut consistent: Vec<(Modes<R>, f64)> = Vec::new();
+        let mut why_not = None;
+        'combinations: for number in 0..slips * stops {
+            let mut modes = all_held.clone();
+            let mut rest = number % slips;
             for (i, s) in open.iter().enumerate().take(ALL) {
                 match rest % 3 {
                     0 => {}
-                    1 => modes[*s] = Mode::slips(directions[i]),
+                    1 => modes.frictions[*s] = Mode::slips(directions[i]),
                     // Of several components there is one direction, which is sought.
                     _ if self.mechanism.sliders[*s].components.len() > 1 => continue 'combinations,
-                    _ => modes[*s] = Mode::slips(directions[i].map(|x| -x)),
+                    _ => modes.frictions[*s] = Mode::slips(directions[i].map(|x| -x)),
                 }
                 rest /= 3;
             }
-            let Ok((mut found, mut layout, mut solved)) = self.instant(&modes) else { continue };
+            let mut rest = number / slips;
+            for (stop, side) in touching.iter().take(ALL) {
+                modes.stops[*stop] =
+                    if rest.is_multiple_of(2) { Touch::Closed(*side) } else { Touch::Leaves(*side) };
+                rest /= 2;
+            }
+            // What stops hold does not slip.
+            let is_held = |s: &usize| {
+                let slider = &self.mechanism.sliders[*s];
+                let held =
+                    |k: usize| matches!(self.mechanism.hold(&modes, slider.joint, k), Hold::Stopped(_));
+                !modes.frictions[*s].is_stuck() && slider.components.iter().all(|(k, _)| held(*k))
+            };
+            if open.iter().any(is_held) {
+                continue;
+            }
+            let (mut found, mut layout, mut solved) = match self.instant(&modes) {
+                Ok(all) => all,
+                Err(why) => {
+                    why_not = Some(why);
+                    continue;
+                }
+            };
             if self.turn(&mut modes, open, (&mut found, &mut layout, &mut solved)).is_err() {
                 continue;
             }
             let margin = self.margin(&found, (&layout, &solved), &modes, open);
+            let margin = margin.min(self.margin_of_stops(&found, (&layout, &solved), &modes, &touching));
             if margin >= 0.0 {
                 consistent.push((modes, margin));
             }
@@ -87,7 +97,14 @@ impl<R: Number> Run<'_, R> {
         let chosen = match (real.as_slice(), consistent.len()) {
             ([one], _) => *one,
             ([], 0) => {
-                let names: Vec<&str> = open.iter().map(|s| self.title(*s)).collect();
+                if let Some(why) = why_not.filter(|_| open.is_empty()) {
+                    return Err(why);
+                }
+                let mut names: Vec<&str> = open.iter().map(|s| self.title(*s)).collect();
+                names.extend(
+                    touching.iter().map(|(stop, _)| self.joint_title(self.mechanism.stops[*stop].joint)),
+                );
+                names.dedup();
                 return Err(Refusal::of(
                     &names.join(", "),
                     &format!(
@@ -99,9 +116,10 @@ impl<R: Number> Run<'_, R> {
             }
             ([], _) => 0,
             (several, _) => {
-                let told: Vec<String> = several.iter().map(|i| self.told(&consistent[*i].0, open)).collect();
+                let told: Vec<String> =
+                    several.iter().map(|i| self.told(&consistent[*i].0, open, &touching)).collect();
                 return Err(Refusal::of(
-                    "friction",
+                    if open.is_empty() { "stops" } else { "friction" },
                     &format!(
                         "{} solutions are consistent at time {}: {}",
                         several.len(),
@@ -113,64 +131,148 @@ impl<R: Number> Run<'_, R> {
             }
         };
         let Some((modes, margin)) = consistent.into_iter().nth(chosen) else { return Ok(()) };
-        let time = self.state.time;
-        for (i, s) in open.iter().enumerate() {
-            let was_stuck = before[*s].is_stuck() && stopping != Some(*s);
-            let what = match (&modes[*s].does, was_stuck) {
-                (Does::Sticks(_), true) => continue,
-                (Does::Sticks(_), false) => What::Sticks,
-                (Does::Slips(_), true) => What::Slips,
-                (Does::Slips(along), false) => {
-                    let Does::Slips(old) = &before[*s].does else { continue };
-                    let same = along.iter().zip(old).fold(zero, |sum, (x, y)| sum + *x * *y);
-                    if zero.less(same) {
-                        continue;
+        if !self.solution.frames.is_empty() {
+            for s in open {
+                let was_stuck = before.frictions[*s].is_stuck();
+                let what = match (&modes.frictions[*s].does, was_stuck) {
+                    (Does::Sticks(_) | Does::Stretches(_), true) => continue,
+                    (Does::Sticks(_) | Does::Stretches(_), false) => What::Sticks,
+                    (Does::Slips(_), true) => What::Slips,
+                    (Does::Slips(along), false) => {
+                        let Does::Slips(old) = &before.frictions[*s].does else { continue };
+                        let same = along.iter().zip(old).fold(zero, |sum, (x, y)| sum + *x * *y);
+                        if zero.less(same) {
+                            continue;
+                        }
+                        What::Reverses
                     }
-                    What::Reverses
-                }
-            };
-            if self.solution.frames.is_empty() {
-                continue;
+                };
+                self.event(*s, what, Some(margin));
             }
-            let _ = i;
-            self.event(*s, what, Some(margin), time);
+            for (stop, _) in &touching {
+                let [was, is] = [&before, &modes].map(|modes| matches!(modes.stops[*stop], Touch::Closed(_)));
+                if was != is {
+                    let what = if is { What::Closes } else { What::Opens };
+                    self.event_of_stop(*stop, what, Some(margin));
+                }
+            }
         }
         let (found, layout, solved) = self.instant(&modes)?;
         self.settle(modes, &found, layout, &solved)
     }
 
-    pub(crate) fn event(&mut self, slider: usize, what: What, margin: Option<f64>, time: R) {
-        let of = &self.mechanism.sliders[slider];
-        self.solution.events.push(Event {
-            time,
-            connector: of.joint,
-            components: of.components.iter().map(|(k, _)| *k).collect(),
-            what,
-            margin,
-            lipschitz: 0.0,
+    /// The stops at a limit that need not stay as they are: closed ones, and those that have no rate.
+    fn touching(&self, found: &Assembled<R>) -> Vec<(usize, Side)> {
+        let speed = 1e-12 * self.speed();
+        let all = self.mechanism.stops.iter().zip(&self.modes.stops).enumerate();
+        let touching = all.filter_map(|(i, (stop, touch))| {
+            let side = touch.side().filter(|_| !self.modes.has_failed(stop.joint, stop.component))?;
+            let unit = if stop.component < 3 { self.mechanism.length } else { 1.0 };
+            let rate = found.joints[stop.joint].velocity[stop.component].to_f64().abs() / unit;
+            (matches!(touch, Touch::Closed(_)) || rate <= speed).then_some((i, side))
         });
+        touching.collect()
+    }
+
+    /// The rate at which component k of a connector grows faster, and the sum of what that consists of.
+    pub(crate) fn second_rate(
+        &self,
+        found: &Assembled<R>,
+        solved: &Solved<R>,
+        (joint, k): (usize, usize),
+    ) -> [R; 2] {
+        let now = &found.joints[joint];
+        let mut sum = [now.bias[k], now.bias[k].magnitude()];
+        for (dof, entry) in &now.rows[k] {
+            let part = *entry * solved.accelerations[dof / DOFS][dof % DOFS];
+            sum = [sum[0] + part, sum[1] + part.magnitude()];
+        }
+        sum
+    }
+
+    /// By how much the stops at limits are consistent: a closed one pushes, an open one goes away.
+    fn margin_of_stops(
+        &self,
+        found: &Assembled<R>,
+        (layout, solved): (&Layout, &Solved<R>),
+        modes: &Modes<R>,
+        touching: &[(usize, Side)],
+    ) -> f64 {
+        let mut least = f64::INFINITY;
+        let tiny = R::from_f64(f64::MIN_POSITIVE);
+        let forces = larger(largest(solved.forces.iter().copied()), tiny);
+        for (of, side) in touching {
+            let Stop { joint, component: k, .. } = self.mechanism.stops[*of];
+            let sign = side.sign::<R>();
+            let margin = match modes.stops[*of] {
+                Touch::Closed(_) => match found.row_force(layout, &solved.forces, joint, k) {
+                    Some(force) => (sign * force / forces).to_f64(),
+                    None => -1.0,
+                },
+                // What friction holds at a limit would else go away from it: a push is the stop's.
+                _ if self.mechanism.is_stuck(modes, joint, k) => {
+                    let pushes = TIE < (sign * solved.friction[joint][k] / forces).to_f64();
+                    if pushes { -1.0 } else { 1.0 }
+                }
+                _ => {
+                    let [growth, parts] = self.second_rate(found, solved, (joint, k));
+                    (-sign * growth / larger(parts, tiny)).to_f64()
+                }
+            };
+            least = least.min(if margin.abs() <= TIE { 0.0 } else { margin });
+        }
+        least
+    }
+
+    pub(crate) fn event(&mut self, slider: usize, what: What, margin: Option<f64>) {
+        let of = &self.mechanism.sliders[slider];
+        let components = of.components.iter().map(|(k, _)| *k).collect();
+        self.event_of((of.joint, components), what, margin);
+    }
+
+    pub(crate) fn event_of_stop(&mut self, stop: usize, what: What, margin: Option<f64>) {
+        let of = &self.mechanism.stops[stop];
+        self.event_of((of.joint, vec![of.component]), what, margin);
+    }
+
+    pub(crate) fn event_of(
+        &mut self,
+        (connector, components): (usize, Vec<usize>),
+        what: What,
+        margin: Option<f64>,
+    ) {
+        let time = self.state.time;
+        self.solution.events.push(Event { time, connector, components, what, margin, lipschitz: 0.0 });
+    }
+
+    pub(crate) fn joint_title(&self, joint: usize) -> &str {
+        self.mechanism.joints.get(joint).map_or("", |joint| joint.title.as_str())
     }
 
     pub(crate) fn title(&self, slider: usize) -> &str {
-        let joint = self.mechanism.sliders.get(slider).and_then(|of| self.mechanism.joints.get(of.joint));
-        joint.map_or("", |joint| joint.title.as_str())
+        self.mechanism.sliders.get(slider).map_or("", |of| self.joint_title(of.joint))
     }
 
-    pub(crate) fn told(&self, modes: &[Mode<R>], open: &[usize]) -> String {
-        let each = open.iter().map(|s| match &modes[*s].does {
-            Does::Sticks(_) => format!("{} sticks", self.title(*s)),
+    fn told(&self, modes: &Modes<R>, open: &[usize], touching: &[(usize, Side)]) -> String {
+        let each = open.iter().map(|s| match &modes.frictions[*s].does {
+            Does::Sticks(_) | Does::Stretches(_) => format!("{} sticks", self.title(*s)),
             Does::Slips(along) => {
                 let sum: f64 = along.iter().map(|x| x.to_f64()).sum();
                 format!("{} slips {}", self.title(*s), if sum < 0.0 { "backwards" } else { "forwards" })
             }
         });
-        each.collect::<Vec<_>>().join(" and ")
+        let stops = touching.iter().map(|(stop, _)| {
+            let is_closed = matches!(modes.stops[*stop], Touch::Closed(_));
+            let does = if is_closed { "stays at" } else { "leaves" };
+            format!("{} {does} its stop", self.joint_title(self.mechanism.stops[*stop].joint))
+        });
+        each.chain(stops).collect::<Vec<_>>().join(" and ")
     }
 
     /// Turns frictions of several components that begin to slip to where they go: n along R_k times the acceleration of component k.
     fn turn(
         &mut self,
-        modes: &mut [Mode<R>],
+        modes: &mut Modes<R>,
         open: &[usize],
         (found, layout, solved): (&mut Assembled<R>, &mut Layout, &mut Solved<R>),
     ) -> Result<(), Refusal> {
@@ -178,7 +280,7 @@ impl<R: Number> Run<'_, R> {
         let slipping: Vec<usize> = open
             .iter()
             .copied()
-            .filter(|s| !modes[*s].is_stuck() && self.mechanism.sliders[*s].components.len() > 1)
+            .filter(|s| !modes.frictions[*s].is_stuck() && self.mechanism.sliders[*s].components.len() > 1)
             .collect();
         if slipping.is_empty() {
             return Ok(());
@@ -188,12 +290,9 @@ impl<R: Number> Run<'_, R> {
             let mut change = R::integer(0);
             for s in &slipping {
                 let slider = &self.mechanism.sliders[*s];
-                let now = &found.joints[slider.joint];
                 let mut along = [R::integer(0); 6];
                 for (k, radius) in &slider.components {
-                    let acceleration = now.rows[*k].iter().fold(now.bias[*k], |sum, (dof, entry)| {
-                        sum + *entry * solved.accelerations[dof / DOFS][dof % DOFS]
-                    });
+                    let [acceleration, _] = self.second_rate(found, solved, (slider.joint, *k));
                     along[*k] = R::from_f64(*radius) * acceleration;
                 }
                 let size = crate::motion::slide::length(&along);
@@ -201,10 +300,10 @@ impl<R: Number> Run<'_, R> {
                     return Ok(());
                 }
                 let along = along.map(|x| x / size);
-                if let Does::Slips(old) = &modes[*s].does {
+                if let Does::Slips(old) = &modes.frictions[*s].does {
                     change = larger(change, largest(along.iter().zip(old).map(|(new, old)| *new - *old)));
                 }
-                modes[*s] = Mode::slips(along);
+                modes.frictions[*s] = Mode::slips(along);
             }
             (*found, *layout, *solved) = self.instant(modes)?;
             if !enough.less(change) {
@@ -219,7 +318,7 @@ impl<R: Number> Run<'_, R> {
         &self,
         found: &Assembled<R>,
         (_, solved): (&Layout, &Solved<R>),
-        modes: &[Mode<R>],
+        modes: &Modes<R>,
         open: &[usize],
     ) -> f64 {
         let mut least = f64::INFINITY;
@@ -228,8 +327,8 @@ impl<R: Number> Run<'_, R> {
             let (Some(limit), Some(tangential)) = (solved.limits.get(*s), solved.tangential.get(*s)) else {
                 return -1.0;
             };
-            let margin = match &modes[*s].does {
-                Does::Sticks(_) => {
+            let margin = match &modes.frictions[*s].does {
+                Does::Sticks(_) | Does::Stretches(_) => {
                     let size = larger(limit.value, *tangential);
                     match R::integer(0).less(size) {
                         true => ((limit.value - *tangential) / size).to_f64(),
@@ -239,18 +338,11 @@ impl<R: Number> Run<'_, R> {
                 }
                 Does::Slips(along) => {
                     // The acceleration along n, relative to what the frictionless parts of it are.
-                    let now = &found.joints[slider.joint];
                     let mut sum = R::integer(0);
                     let mut size = R::from_f64(f64::MIN_POSITIVE);
                     for (k, radius) in &slider.components {
                         let factor = R::from_f64(*radius) * along[*k];
-                        let mut acceleration = now.bias[*k];
-                        let mut parts = now.bias[*k].magnitude();
-                        for (dof, entry) in &now.rows[*k] {
-                            let part = *entry * solved.accelerations[dof / DOFS][dof % DOFS];
-                            acceleration = acceleration + part;
-                            parts = parts + part.magnitude();
-                        }
+                        let [acceleration, parts] = self.second_rate(found, solved, (slider.joint, *k));
                         sum = sum + factor * acceleration;
                         size = size + (factor * parts).magnitude();
                     }
@@ -268,7 +360,7 @@ impl<R: Number> Run<'_, R> {
     /// Takes a mode, with the branches of its frictions and its certificate.
     pub(crate) fn settle(
         &mut self,
-        modes: Vec<Mode<R>>,
+        modes: Modes<R>,
         found: &Assembled<R>,
         layout: Layout,
         solved: &Solved<R>,
@@ -285,110 +377,17 @@ impl<R: Number> Run<'_, R> {
             }
             event.lipschitz = kappa;
         }
-        self.is_new = !modes.is_empty();
+        self.is_new = !(modes.frictions.is_empty() && modes.stops.is_empty());
         self.modes = modes;
         self.layout = layout;
-        self.branch(solved, None);
+        self.branch(solved);
         self.project()
     }
 
-    /// Fixes the branches of frictions to those of a solution; that of a magnitude which has just passed zero is open.
-    pub(crate) fn branch(&mut self, solved: &Solved<R>, _turned: Option<usize>) {
-        for (mode, limit) in self.modes.iter_mut().zip(&solved.limits) {
+    /// Fixes the branches of frictions to those of a solution.
+    fn branch(&mut self, solved: &Solved<R>) {
+        for (mode, limit) in self.modes.frictions.iter_mut().zip(&solved.limits) {
             mode.branches = if mode.is_stuck() { Branches::none() } else { limit.branches.clone() };
-        }
-    }
-
-    /// An event at this state.
-    pub(crate) fn happens(
-        &mut self,
-        slider: usize,
-        cause: Cause,
-        part: Option<usize>,
-    ) -> Result<(), Refusal> {
-        let zero = R::integer(0);
-        match cause {
-            Cause::Turns => {
-                self.is_new = true;
-                // On the other side of zero the direction is the opposite one.
-                if let Some(mode) = self.modes.get_mut(slider) {
-                    let branches = &mut mode.branches;
-                    match part {
-                        None => branches.normal = branches.normal.map(|sign| -sign),
-                        Some(part) => {
-                            if let Some(Some(unit)) = branches.magnitudes.get_mut(part) {
-                                unit.iter_mut().for_each(|x| *x = -*x);
-                            }
-                        }
-                    }
-                }
-                Ok(())
-            }
-            Cause::Caps => {
-                if let Some(mode) = self.modes.get_mut(slider) {
-                    mode.branches.is_capped = !mode.branches.is_capped;
-                }
-                Ok(())
-            }
-            Cause::Breaks => {
-                let modes = self.modes.clone();
-                let (_, _, solved) = self.instant(&modes)?;
-                let of = &self.mechanism.sliders[slider];
-                let force = &solved.friction[of.joint];
-                let mut along = [zero; 6];
-                for (k, radius) in &of.components {
-                    along[*k] = force[*k] * R::from_f64(*radius).reciprocal_or_zero();
-                }
-                let size = crate::motion::slide::length(&along);
-                // Others that reach their limit at the same time go with it.
-                let mut modes = modes;
-                let mut going = vec![(slider, along.map(|x| x / size))];
-                for switch in &solved.switches {
-                    let is_at_limit = switch.cause == Cause::Breaks
-                        && switch.slider != slider
-                        && switch.value.to_f64() <= switch.scale.to_f64() * TIE;
-                    if is_at_limit {
-                        let of = &self.mechanism.sliders[switch.slider];
-                        let force = &solved.friction[of.joint];
-                        let mut along = [zero; 6];
-                        for (k, radius) in &of.components {
-                            along[*k] = force[*k] * R::from_f64(*radius).reciprocal_or_zero();
-                        }
-                        let size = crate::motion::slide::length(&along);
-                        going.push((switch.slider, along.map(|x| x / size)));
-                    }
-                }
-                let time = self.state.time;
-                for (s, along) in going {
-                    modes[s] = Mode::slips(along);
-                    self.event(s, What::Slips, None, time);
-                }
-                let (found, layout, solved) = self.instant(&modes)?;
-                self.settle(modes, &found, layout, &solved)?;
-                self.record(true)
-            }
-            Cause::Stops => {
-                // At rest exactly, by the equations of stick; then all that stands is decided anew.
-                let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-                let joint = self.mechanism.sliders[slider].joint;
-                let position = found.joints[joint].position;
-                let before = self.modes.clone();
-                if let Some(mode) = self.modes.get_mut(slider) {
-                    *mode = Mode::sticks(position);
-                }
-                let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-                // What is driven cannot stick.
-                if let Ok(layout) = Layout::new(&self.mechanism, &found, &self.modes) {
-                    self.layout = layout;
-                    self.project()?;
-                }
-                let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
-                if let (Some(mode), Some(old)) = (self.modes.get_mut(slider), before.get(slider)) {
-                    *mode = old.clone();
-                }
-                self.choose(&open, Some(slider))?;
-                self.record(true)
-            }
         }
     }
 }

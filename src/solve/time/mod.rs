@@ -4,12 +4,16 @@
 //! |---|---|
 //! | `integrate` | two methods of high order |
 //! | `step` | from a state to the next: one step, the event within it, back to the constraints |
+//! | `happen` | what changes at an event, and which impulses? |
 //! | `choose` | what sticks and what slips after an event? |
+//! | `still` | the path of a static step |
 //! | `run` | from the first time to the last |
 //! | `solution` | what is kept |
 
 pub(crate) mod choose;
+pub(crate) mod happen;
 pub(crate) mod integrate;
 pub(crate) mod run;
 pub(crate) mod solution;
 pub(crate) mod step;
+pub(crate) mod still;

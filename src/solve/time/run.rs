@@ -1,17 +1,33 @@
 //! From time to time: steps, events, modes.
 
 use crate::motion::equations::Solved;
-use crate::motion::mechanism::Mechanism;
-use crate::motion::mode::Mode;
-use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
+use crate::motion::mechanism::{Hold, Mechanism};
+use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
+use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
+use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::vector::Vector;
+use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+/// What stick is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stick {
+    /// What sticks stands still.
+    #[default]
+    Rigid,
+    /// A spring of the stick stiffness K holds it, as in finite-element programs. K is `STICK STIFFNESS`, or the limit at the beginning over
+    /// the elastic slip. Slip begins where P reaches μ F_N. It ends where its plastic part n·v − (μ F_N)˙/K does.
+    Elastic,
+}
 
 /// What is asked of a solution.
 #[derive(Clone, Debug)]
@@ -26,8 +42,12 @@ pub struct Options {
     pub times: Vec<f64>,
     /// Where it begins.
     pub from: Option<pintle_scene::State>,
+    /// What stick is.
+    pub stick: Stick,
     /// The most steps.
     pub most_steps: usize,
+    /// Where the time is kept that has been reached, as the bits of a double: for those who wait.
+    pub reached: Option<Arc<AtomicU64>>,
 }
 
 impl Default for Options {
@@ -38,7 +58,9 @@ impl Default for Options {
             until: None,
             times: Vec::new(),
             from: None,
+            stick: Stick::default(),
             most_steps: 1_000_000,
+            reached: None,
         }
     }
 }
@@ -64,7 +86,7 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) beginnings: Beginnings,
     pub(crate) step: usize,
     pub(crate) state: State<R>,
-    pub(crate) modes: Vec<Mode<R>>,
+    pub(crate) modes: Modes<R>,
     pub(crate) layout: Layout,
     pub(crate) kinetic: R,
     pub(crate) solution: Solution<R>,
@@ -74,6 +96,12 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) fastest: f64,
     /// Whether the mode has just begun.
     pub(crate) is_new: bool,
+    /// The energy in the spring of each friction as slip began, where stick is elastic.
+    pub(crate) stretched: Vec<R>,
+    /// Whether the step is static.
+    pub(crate) is_still: bool,
+    /// Whether the velocities at the beginning have been given.
+    is_launched: bool,
 }
 
 /// Solves a scene: every step that takes time, from its initial state or the one given.
@@ -160,7 +188,7 @@ impl<'a, R: Number> Run<'a, R> {
             rule,
             beginnings: Beginnings::default(),
             step: 0,
-            modes: Vec::new(),
+            modes: Modes::none(),
             layout: Layout::default(),
             kinetic: zero,
             state,
@@ -169,6 +197,9 @@ impl<'a, R: Number> Run<'a, R> {
             h: 0.0,
             fastest: 0.0,
             is_new: false,
+            stretched: Vec::new(),
+            is_still: false,
+            is_launched: options.from.is_some(),
         };
         if options.from.is_some() {
             run.follow_given();
@@ -180,7 +211,7 @@ impl<'a, R: Number> Run<'a, R> {
     pub(crate) fn follow_given(&mut self) {
         let turned: Vec<Vector<R>> = self.state.poses.iter().map(|pose| pose.vector).collect();
         let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
-        if let Ok(found) = self.mechanism.assemble(&instant, &[], &self.beginnings) {
+        if let Ok(found) = self.mechanism.assemble(&instant, &Modes::none(), &self.beginnings) {
             self.state.branches = found.joints.iter().map(|now| now.branch).collect();
         }
     }
@@ -196,20 +227,23 @@ impl<'a, R: Number> Run<'a, R> {
             if to < from || to <= begin && begin > 0.0 {
                 break;
             }
-            if !is_dynamic {
-                return Err(Refusal::of(
-                    &format!("step {}", step + 1),
-                    "a static step is not solved yet",
-                    "use *DYNAMIC, with damping where rest is wanted",
-                ));
-            }
             if step > 0 {
                 let held = std::mem::take(&mut self.mechanism.held);
+                let stiffness = std::mem::take(&mut self.mechanism.stiffness);
                 self.mechanism = Mechanism::new(self.scene, self.model, step)?;
+                self.mechanism.stiffness = stiffness;
                 drop(held);
             }
             self.step = step;
-            self.one(to)?;
+            self.is_still = !is_dynamic;
+            if !is_dynamic && self.options.stick == Stick::Elastic {
+                return Err(Refusal::of(
+                    &format!("step {}", step + 1),
+                    "elastic stick is not solved in static steps",
+                    "ask for rigid stick",
+                ));
+            }
+            if is_dynamic { self.one(to)? } else { self.still(to)? }
         }
         Ok(())
     }
@@ -255,9 +289,14 @@ impl<'a, R: Number> Run<'a, R> {
         found.map_or(Vec::new(), |found| found.rows.iter().map(|row| row.owner).collect())
     }
 
-    pub(crate) fn assembled(&self, modes: &[Mode<R>]) -> Result<Assembled<R>, Trouble> {
+    pub(crate) fn assembled(&self, modes: &Modes<R>) -> Result<Assembled<R>, Trouble> {
         let still = vec![[R::integer(0); 3]; self.state.poses.len()];
-        self.mechanism.assemble(&Instant::of(&self.state, self.step, &still), modes, &self.beginnings)
+        let instant = Instant::of(&self.state, self.step, &still);
+        let mut found = self.mechanism.assemble(&instant, modes, &self.beginnings)?;
+        if self.is_still {
+            found.rest(self.mechanism.length);
+        }
+        Ok(found)
     }
 
     /// One step of the scene, to a time.
@@ -295,8 +334,14 @@ impl<'a, R: Number> Run<'a, R> {
         self.state.time =
             time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
         self.project()?;
-        let open: Vec<usize> = (0..self.modes.len()).filter(|s| self.modes[*s].is_stuck()).collect();
-        self.choose(&open, None)
+        let open = self.standing();
+        self.choose(&open)
+    }
+
+    /// The frictions that stick rigidly.
+    pub(crate) fn standing(&self) -> Vec<usize> {
+        let stands = |s: &usize| matches!(self.modes.frictions[*s].does, Does::Sticks(_));
+        (0..self.modes.frictions.len()).filter(stands).collect()
     }
 
     /// The times at which something that acts is not smooth.
@@ -318,8 +363,24 @@ impl<'a, R: Number> Run<'a, R> {
 
     /// The beginning of a step: where things are, what sticks, rates that fit.
     pub(crate) fn begin(&mut self) -> Result<(), Refusal> {
-        let none: Vec<Mode<R>> = Vec::new();
-        let found = self.assembled(&none).map_err(|trouble| self.say(trouble))?;
+        self.remember()?;
+        self.prepare()?;
+        if !std::mem::replace(&mut self.is_launched, true) {
+            self.launch()?;
+        }
+        self.touch()?;
+        self.stiffen()?;
+        self.begin_modes()?;
+        if self.solution.frames.is_empty() {
+            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+            self.kinetic = found.kinetic();
+        }
+        Ok(())
+    }
+
+    /// Keeps where things are as the step begins.
+    pub(crate) fn remember(&mut self) -> Result<(), Refusal> {
+        let found = self.assembled(&Modes::none()).map_err(|trouble| self.say(trouble))?;
         let joints = found.joints.iter().map(|now| now.displacement.map(Number::to_f64)).collect();
         let nodes = self.state.poses.iter().map(|pose| {
             let [a, b, c] = pose.displacement.map(Number::to_f64);
@@ -330,46 +391,122 @@ impl<'a, R: Number> Run<'a, R> {
         self.beginnings.nodes.push(nodes.collect());
         self.beginnings.joints.resize(self.step, Vec::new());
         self.beginnings.joints.push(joints);
-        // Rates that fit, with nothing stuck; then what stands may stick.
-        self.modes = none;
-        let found = self.assembled(&[]).map_err(|trouble| self.say(trouble))?;
-        self.layout = Layout::new(&self.mechanism, &found, &[])?;
+        Ok(())
+    }
+
+    /// Nothing sticks, and rates fit; what is locked or has failed stays so.
+    pub(crate) fn prepare(&mut self) -> Result<(), Refusal> {
+        let count = self.mechanism.joints.len();
+        self.modes.locked.resize(count, [None; 6]);
+        self.modes.failed.resize(count, [false; 6]);
+        self.modes.frictions.clear();
+        self.modes.spans.clear();
+        self.modes.stops = vec![Touch::Open; self.mechanism.stops.len()];
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
         self.project()?;
-        let found = self.assembled(&[]).map_err(|trouble| self.say(trouble))?;
-        let speed = self.speed();
-        let mut open = Vec::new();
-        self.modes = self
-            .mechanism
-            .sliders
-            .iter()
-            .enumerate()
-            .map(|(s, slider)| {
-                let now = &found.joints[slider.joint];
-                let mut along = [R::integer(0); 6];
-                for (k, radius) in &slider.components {
-                    along[*k] = R::from_f64(*radius) * now.velocity[*k];
-                }
-                let size = crate::motion::slide::length(&along);
-                if size.to_f64() <= 1e-12 * speed {
-                    open.push(s);
-                    return Mode::sticks(now.position);
-                }
-                Mode::slips(along.map(|x| x / size))
-            })
-            .collect();
-        self.choose(&open, None)?;
-        if self.solution.frames.is_empty() {
-            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-            self.kinetic = found.kinetic();
+        Ok(())
+    }
+
+    /// The rates at the beginning: those given, and of all others the ones of least energy that fit the equations.
+    fn launch(&mut self) -> Result<(), Refusal> {
+        if self.mechanism.velocities.is_empty() {
+            return Ok(());
+        }
+        let mut found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let zero = R::integer(0);
+        for (given, (node, k, amount)) in self.mechanism.velocities.iter().enumerate() {
+            let axis = self.mechanism.bodies[*node].axes[*k % 3];
+            let entries = (0..3).map(|i| (DOFS * node + k / 3 * 3 + i, axis[i]));
+            let coefficients: Vec<(usize, R)> =
+                entries.filter(|(_, entry)| zero.less(entry.magnitude())).collect();
+            let rates = &self.state.rates[*node];
+            let now = coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof % DOFS]);
+            found.rows.push(Row {
+                owner: Owner::Given(given),
+                force: coefficients.clone(),
+                coefficients,
+                residual: None,
+                rate: Some(now - *amount),
+                bias: zero,
+                driven: zero,
+            });
+        }
+        let layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+        let (change, _) = found.correction(&layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        for row in &found.rows {
+            let moved = row.coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
+            let gap = (row.rate.unwrap_or(zero) + moved).to_f64().abs();
+            let size = row.rate.map_or(0.0, |rate| rate.to_f64().abs()).max(moved.to_f64().abs());
+            if row.rate.is_some() && gap > 1e-9 * size {
+                return Err(Refusal::of(
+                    &self.mechanism.named(row.owner),
+                    "the velocities given at the beginning do not fit the constraints",
+                    "give those of one node of each rigid body, or make them agree",
+                ));
+            }
+        }
+        for (dof, by) in change.iter().enumerate() {
+            let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
+            *rate = *rate + *by;
         }
         Ok(())
     }
 
+    /// The stick stiffness of each friction, where stick is elastic: once, at the beginning.
+    fn stiffen(&mut self) -> Result<(), Refusal> {
+        if self.options.stick == Stick::Rigid || !self.mechanism.stiffness.is_empty() {
+            return Ok(());
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let sliders = self.mechanism.sliders.iter();
+        let mut modes = self.modes.clone();
+        modes.spans = self.spans(&found);
+        modes.frictions = sliders
+            .map(|of| Mode {
+                does: Does::Stretches(found.joints[of.joint].position),
+                branches: Branches::none(),
+            })
+            .collect();
+        let (_, _, solved) = self.instant(&modes)?;
+        let mut stiffness = Vec::with_capacity(self.mechanism.sliders.len());
+        for (slider, limit) in self.mechanism.sliders.iter().zip(&solved.limits) {
+            let title = self.joint_title(slider.joint);
+            if slider.components.len() > 1 {
+                let why = "elastic stick of several components together is not solved";
+                return Err(Refusal::of(title, why, "ask for rigid stick"));
+            }
+            let given = self.mechanism.friction(slider).map(|friction| friction.stick_stiffness);
+            stiffness.push(match given {
+                Some(StickStiffness::Given(stiffness)) => R::from_f64(stiffness),
+                Some(StickStiffness::ElasticSlip(slip)) if R::integer(0).less(limit.value) => {
+                    limit.value / R::from_f64(slip)
+                }
+                _ => {
+                    let why = "nothing presses its friction at the beginning, which would give it a stick stiffness";
+                    return Err(Refusal::of(title, why, "give STICK STIFFNESS"));
+                }
+            });
+        }
+        self.stretched = vec![R::integer(0); stiffness.len()];
+        self.mechanism.stiffness = stiffness;
+        Ok(())
+    }
+
+    /// What the springs of frictions that slip hold more than as slip began: their force has changed with the limit.
+    fn restored(&self, solved: &Solved<R>) -> R {
+        let all = self.mechanism.stiffness.iter().zip(&self.stretched).zip(&self.modes.frictions).enumerate();
+        all.filter(|(_, (_, mode))| !mode.is_stuck()).fold(
+            R::integer(0),
+            |sum, (s, ((stiffness, before), _))| {
+                let limit = solved.limits.get(s).map_or(R::integer(0), |limit| limit.value);
+                sum + limit * limit / *stiffness * R::ratio(1, 2) - *before
+            },
+        )
+    }
+
     /// The equations that count in a mode, and its solution.
-    pub(crate) fn instant(
-        &mut self,
-        modes: &[Mode<R>],
-    ) -> Result<(Assembled<R>, Layout, Solved<R>), Refusal> {
+    pub(crate) fn instant(&mut self, modes: &Modes<R>) -> Result<(Assembled<R>, Layout, Solved<R>), Refusal> {
         self.solution.evaluations += 1;
         let found = self.assembled(modes).map_err(|trouble| self.say(trouble))?;
         let layout = Layout::new(&self.mechanism, &found, modes)?;
@@ -396,11 +533,23 @@ impl<'a, R: Number> Run<'a, R> {
             displacement: pose.displacement,
             rotation: pose.vector,
             velocity: six(&self.state.rates[node]),
-            acceleration: six(&solved.accelerations[node]),
+            acceleration: if self.is_still { [R::integer(0); 6] } else { six(&solved.accelerations[node]) },
         });
         let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
             let now = &found.joints[index];
-            let of = self.mechanism.sliders.iter().zip(&self.modes);
+            let of = self.mechanism.sliders.iter().zip(&self.modes.frictions);
+            let held = |k: usize| {
+                if let Hold::Locked(_) = self.mechanism.hold(&self.modes, index, k) {
+                    return Some(StopStatus::Locked);
+                }
+                let mut stops = self.mechanism.stops.iter().zip(&self.modes.stops);
+                let (_, touch) = stops.find(|(stop, _)| stop.joint == index && stop.component == k)?;
+                Some(match touch {
+                    Touch::Closed(Side::Lower) => StopStatus::AtLower,
+                    Touch::Closed(Side::Upper) => StopStatus::AtUpper,
+                    Touch::Open | Touch::Leaves(_) => StopStatus::Free,
+                })
+            };
             ConnectorFrame {
                 position: now.position,
                 displacement: now.displacement,
@@ -412,9 +561,13 @@ impl<'a, R: Number> Run<'a, R> {
                     .filter(|(slider, _)| slider.joint == index)
                     .map(|(_, mode)| mode.is_stuck())
                     .collect(),
+                held: [0, 1, 2, 3, 4, 5].map(held),
+                failed: self.modes.failed.get(index).copied().unwrap_or([false; 6]),
             }
         });
+        let taken = self.restored(&solved);
         let [external, dissipated, stored] = [0, 1, 2].map(|i| self.state.sums[i]);
+        let (dissipated, stored) = (dissipated - taken, stored + taken);
         let kinetic = found.kinetic();
         let balance = kinetic + stored + dissipated - external - self.kinetic;
         let frame = Frame {

@@ -2,6 +2,7 @@
 
 use crate::number::Number;
 use crate::time::integrate::Method;
+use pintle_kinematics::connector::{Components, Mask, StopStatus};
 use pintle_scene::Label;
 use serde::Serialize;
 
@@ -35,6 +36,10 @@ pub struct ConnectorFrame<R> {
     pub wanted: [bool; 6],
     /// Whether each of its frictions sticks.
     pub sticks: Vec<bool>,
+    /// CSLST: a stop that holds, or a lock.
+    pub held: Components<StopStatus>,
+    /// CFAILST.
+    pub failed: Mask,
 }
 
 /// Energies since the beginning.
@@ -44,7 +49,7 @@ pub struct Energies<R> {
     pub kinetic: R,
     /// Work of loads, gravity and what is prescribed.
     pub external: R,
-    /// What friction and dampers took.
+    /// What friction, dampers and impacts took.
     pub dissipated: R,
     /// What springs hold.
     pub stored: R,
@@ -67,7 +72,7 @@ pub struct Frame<R> {
     pub is_event: bool,
 }
 
-/// What happened to a friction.
+/// What happened to a connector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum What {
@@ -77,6 +82,14 @@ pub enum What {
     Sticks,
     /// Slip turned to the other direction at once.
     Reverses,
+    /// A stop is reached: what runs into it loses its velocity there.
+    Closes,
+    /// A stop is left.
+    Opens,
+    /// A lock holds.
+    Locks,
+    /// A failure releases.
+    Fails,
 }
 
 impl What {
@@ -86,6 +99,10 @@ impl What {
             Self::Slips => "slips",
             Self::Sticks => "sticks",
             Self::Reverses => "reverses",
+            Self::Closes => "stop closes",
+            Self::Opens => "stop opens",
+            Self::Locks => "locks",
+            Self::Fails => "fails",
         }
     }
 }
@@ -97,12 +114,12 @@ pub struct Event<R> {
     pub time: R,
     /// The place of the connector in [`Solution::connectors`].
     pub connector: usize,
-    /// Its components (from 0) that slide.
+    /// The components (from 0) that slide, or that of the stop, lock or failure.
     pub components: Vec<usize>,
     /// What.
     pub what: What,
-    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign. 0 is a tie. An onset of slip has none: it is where P reaches
-    /// μ F_N.
+    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign, of a stop its push or its gap's growth. 0 is a tie. What
+    /// is met where a quantity passes zero has none: an onset of slip, a stop that closes or opens, a lock, a failure.
     pub margin: Option<f64>,
     /// κ after it: below 1 the friction forces are the only ones.
     pub lipschitz: f64,

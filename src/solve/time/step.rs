@@ -1,8 +1,9 @@
 //! From a state to the next: one step, the event within it, and back to the constraints.
 
+use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::Slider;
-use crate::motion::mode::{Cause, Switch};
+use crate::motion::mode::{Cause, Switch, Touch};
 use crate::motion::rows::{Instant, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
@@ -10,9 +11,13 @@ use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule, Slope, Tried};
 use crate::time::run::Run;
 use pintle_kinematics::vector::Vector;
+use std::sync::atomic::Ordering;
 
 /// The part of the usual length of a step that the first one in a mode has.
 const CAREFUL: f64 = 0.02;
+
+/// The part of a step by which the change of a limit is found.
+const DIFFERENCE: f64 = 1e-3;
 
 /// The part of the way to rest that one step goes.
 const APPROACH: f64 = 0.6;
@@ -43,7 +48,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// ẏ.
-    pub(crate) fn flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+    fn bare_flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
         let n = self.layout.columns.len();
         let (poses, rates, turned) = self.unpacked(base, y, self.mechanism.needs_vectors());
         let instant = Instant {
@@ -77,6 +82,44 @@ impl<R: Number> Run<'_, R> {
             slope.rates.push(solved.accelerations[dof / DOFS][dof % DOFS]);
         }
         slope.rates.extend(&solved.sums);
+        Ok((slope, solved))
+    }
+
+    /// The flow, where slip on springs ends with its plastic part: n·v − (μ F_N)˙/K.
+    pub(crate) fn flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+        let (mut slope, solved) = self.bare_flow(base, time, y)?;
+        if self.mechanism.stiffness.is_empty() || !slope.switches.iter().any(|of| of.cause == Cause::Stops) {
+            return Ok((slope, solved));
+        }
+        // Central differences along the motion, extrapolated twice.
+        let step = R::from_f64(self.h.max(1e-300) * DIFFERENCE * (R::ROUNDING / f64::ROUNDING).powf(0.15));
+        let mut table: Vec<Vec<R>> = Vec::new();
+        for level in 0..3 {
+            let h = step / R::integer(1 << level);
+            let limits = |by: R| -> Result<Vec<R>, Trouble> {
+                let moved: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
+                let (_, solved) = self.bare_flow(base, time + by, &moved)?;
+                Ok(solved.limits.iter().map(|limit| limit.value).collect())
+            };
+            let [above, below] = [limits(h)?, limits(-h)?];
+            let mut row: Vec<R> = above.iter().zip(&below).map(|(x, y)| (*x - *y) / (h + h)).collect();
+            let mut power = 1;
+            for known in &mut table {
+                power *= 4;
+                let pairs = row.iter().zip(known.iter());
+                let next = pairs.map(|(new, old)| *new + (*new - *old) / R::integer(power - 1)).collect();
+                *known = std::mem::replace(&mut row, next);
+            }
+            table.push(row);
+        }
+        let changes = table.pop().unwrap_or_default();
+        for switch in slope.switches.iter_mut().filter(|switch| switch.cause == Cause::Stops) {
+            if let (Some(change), Some(stiffness)) =
+                (changes.get(switch.of), self.mechanism.stiffness.get(switch.of))
+            {
+                switch.value = switch.value - *change / *stiffness;
+            }
+        }
         Ok((slope, solved))
     }
 
@@ -182,9 +225,13 @@ impl<R: Number> Run<'_, R> {
             if self.keep_branches(&solved) {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             }
+            if let Some(switch) = self.overdue(&slope.switches) {
+                self.happens(switch.of, switch.cause)?;
+                continue;
+            }
             let nearest = self.rests_in(&solved)?;
             if let Some((slider, None)) = nearest {
-                self.happens(slider, Cause::Stops, None)?;
+                self.happens(slider, Cause::Stops)?;
                 continue;
             }
             // What has just become zero may do so again soon.
@@ -235,6 +282,22 @@ impl<R: Number> Run<'_, R> {
                         return Err(self.stuck_in_time());
                     }
                 }
+                Some(Crossing::AtEnd) if has(Fault::EventInterpolated) => {
+                    let pairs = ended.iter().zip(&slope.switches);
+                    let crossed = pairs.filter(|(then, now)| {
+                        then.value.less(R::integer(0)) && !now.value.less(R::integer(0))
+                    });
+                    let part = |(then, now): &(&Switch<R>, &Switch<R>)| {
+                        (now.value / (now.value - then.value)).to_f64()
+                    };
+                    let first = crossed.min_by(|one, two| part(one).total_cmp(&part(two)));
+                    if let Some((switch, now)) = first {
+                        let h = h * R::from_f64(part(&(switch, now)));
+                        let tried = self.tried(&base, &y, &slope, h).map_err(|trouble| self.say(trouble))?;
+                        self.commit(&base, base.time + h, &tried.end)?;
+                        self.happens(switch.of, switch.cause)?;
+                    }
+                }
                 Some(Crossing::AtEnd) => {
                     let usual = self.h;
                     self.locate(h, &slope.switches)?;
@@ -243,6 +306,32 @@ impl<R: Number> Run<'_, R> {
             }
         }
         Ok(())
+    }
+
+    /// What has passed its end as a step begins: a stop that another has made close, a limit that a force has jumped over, a table left by
+    /// rounding. What has gone away from a limit is open.
+    fn overdue(&mut self, switches: &[Switch<R>]) -> Option<Switch<R>> {
+        let zero = R::integer(0);
+        let beyond = |switch: &&Switch<R>| {
+            let slack = switch.scale * R::from_f64(crate::motion::equations::LEAVING * R::ROUNDING);
+            match switch.cause {
+                Cause::Meets(_) | Cause::Closes(_) => switch.value.less(zero),
+                Cause::Stops if !self.mechanism.stiffness.is_empty() => switch.value.less(-slack),
+                Cause::Passes(_) => switch.value.less(-slack),
+                _ => false,
+            }
+        };
+        for switch in switches {
+            let slack = switch.scale * R::from_f64(2.0 * crate::motion::equations::LEAVING * R::ROUNDING);
+            if let Cause::Closes(side) = switch.cause
+                && let Some(touch) = self.modes.stops.get_mut(switch.of)
+                && *touch == Touch::Leaves(side)
+                && slack.less(switch.value)
+            {
+                *touch = Touch::Open;
+            }
+        }
+        switches.iter().find(beyond).copied()
     }
 
     pub(crate) fn stuck_in_time(&self) -> Refusal {
@@ -258,14 +347,15 @@ impl<R: Number> Run<'_, R> {
     fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, Option<R>)>, Refusal> {
         let zero = R::integer(0);
         let mut found: Option<(usize, Option<R>)> = None;
-        let several =
-            |s: &usize| self.mechanism.sliders[*s].components.len() > 1 && !self.modes[*s].is_stuck();
-        if !(0..self.modes.len()).any(|s| several(&s)) {
+        let several = |s: &usize| {
+            self.mechanism.sliders[*s].components.len() > 1 && !self.modes.frictions[*s].is_stuck()
+        };
+        if !(0..self.modes.frictions.len()).any(|s| several(&s)) {
             return Ok(None);
         }
         let known = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let tolerance = 10.0_f64.powi(-(self.options.digits as i32)) * self.speed();
-        for s in (0..self.modes.len()).filter(several) {
+        for s in (0..self.modes.frictions.len()).filter(several) {
             let slider = &self.mechanism.sliders[s];
             let now = &known.joints[slider.joint];
             let Some(rate) = solved.slip_rates.get(s).copied() else { continue };
@@ -299,7 +389,9 @@ impl<R: Number> Run<'_, R> {
     /// Branches of magnitudes that were zero and are not any more.
     pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
         let mut changed = false;
-        for (mode, limit) in self.modes.iter_mut().zip(&solved.limits) {
+        let zero = R::integer(0);
+        let tiny = largest(solved.forces.iter().copied()) * R::from_f64(1e7 * R::ROUNDING);
+        for (s, (mode, limit)) in self.modes.frictions.iter_mut().zip(&solved.limits).enumerate() {
             if mode.is_stuck() {
                 continue;
             }
@@ -308,10 +400,16 @@ impl<R: Number> Run<'_, R> {
                 changed = true;
                 continue;
             }
-            for (known, now) in mode.branches.magnitudes.iter_mut().zip(&limit.branches.magnitudes) {
+            let magnitudes = mode.branches.magnitudes.iter_mut().zip(&limit.branches.magnitudes);
+            for (part, (known, now)) in magnitudes.enumerate() {
                 // Directions turn with the forces; what counts is which there are.
                 changed |= known.is_some() != now.is_some();
-                *known = now.clone();
+                // To the opposite one they turn by an event alone: just after it rounding may have them on the other side.
+                let turn = |switch: &&Switch<R>| switch.of == s && switch.cause == Cause::Turns(Some(part));
+                let along = solved.switches.iter().find(turn).map(|switch| switch.value);
+                if !along.is_some_and(|along| along.less(zero) && along.magnitude().less(tiny)) {
+                    known.clone_from(now);
+                }
             }
             let normal = limit.branches.normal.or(mode.branches.normal);
             changed |= normal.is_some() != mode.branches.normal.is_some();
@@ -386,7 +484,7 @@ impl<R: Number> Run<'_, R> {
                     });
                     if vanishes || !(resolution).less(high - low.0) {
                         let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
-                        return self.happens(switch.slider, switch.cause, switch.part);
+                        return self.happens(switch.of, switch.cause);
                     }
                 }
                 Some((index, switch)) => {
@@ -395,7 +493,7 @@ impl<R: Number> Run<'_, R> {
                     high_value = Some(switch.value);
                     if !resolution.less(guess) {
                         self.commit(&base, base.time + guess, &tried.end)?;
-                        return self.happens(switch.slider, switch.cause, switch.part);
+                        return self.happens(switch.of, switch.cause);
                     }
                     weight = R::integer(1);
                 }
@@ -422,6 +520,9 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         self.state = next;
+        if let Some(reached) = &self.options.reached {
+            reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
+        }
         self.project()?;
         self.fastest = self.speed();
         Ok(())
@@ -444,13 +545,13 @@ impl<R: Number> Run<'_, R> {
                 let gap = row.residual.unwrap_or(zero).magnitude() / size(row.owner);
                 larger(most, gap)
             });
-            if !small.less(gap) {
+            if !small.less(gap) || has(Fault::Drift) {
                 break;
             }
             if iteration == 11 {
                 break;
             }
-            let change =
+            let (change, _) =
                 found.correction(&self.layout, |row| row.residual).map_err(|trouble| self.say(trouble))?;
             let mut turned = vec![[zero; 3]; self.state.poses.len()];
             for node in 0..self.state.poses.len() {
@@ -472,8 +573,12 @@ impl<R: Number> Run<'_, R> {
                 break;
             }
         }
+        if self.is_still {
+            return Ok(());
+        }
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let change = found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        let (change, _) =
+            found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
         for (dof, by) in change.iter().enumerate() {
             let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
             *rate = *rate + *by;
@@ -540,15 +645,20 @@ fn dips<R: Number>(first: &[Switch<R>], inner: &[(f64, Vec<Switch<R>>)], last: &
         let scale = first[i].scale.to_f64();
         for three in points.windows(3) {
             let [(t0, g0), (t1, g1), (t2, g2)] = [three[0], three[1], three[2]];
-            if !(g1 < g0 && g1 < g2 && g0.min(g2) > 1e-9 * scale) {
+            if g0.min(g2) <= 1e-9 * scale {
                 continue;
             }
             // The vertex of the parabola through the three.
             let (s0, s1) = ((g1 - g0) / (t1 - t0), (g2 - g1) / (t2 - t1));
             let bend = (s1 - s0) / (t2 - t0);
             let at = (t0 + t1) / 2.0 - s0 / (2.0 * bend);
+            if !(bend > 0.0 && t0 < at && at < t2) {
+                continue;
+            }
             let lowest = g0 + s0 * (at - t0) + bend * (at - t0) * (at - t1);
-            if lowest < LOW * g0.min(g2) && at > 1e-3 && at < 1.0 - 1e-3 {
+            // Points are too far apart to tell where it bends as much between them as it is high.
+            let unsure = bend * (t1 - t0).max(t2 - t1).powi(2);
+            if lowest < unsure.max(LOW * g0.min(g2)) && at > 1e-3 && at < 1.0 - 1e-3 {
                 earliest = Some(earliest.map_or(at, |known: f64| known.min(at)));
             }
         }

@@ -13,6 +13,21 @@ use crate::model::{MotionType, Operation};
 use crate::span::{Span, Spanned};
 
 impl Deck {
+    pub(super) fn velocities(&mut self, given: &[Spanned<form::InitialVelocity>]) -> Result<()> {
+        for velocity in given {
+            let (span, value) = (velocity.span, &velocity.value);
+            self.keyword("INITIAL CONDITIONS", span);
+            self.parameter("TYPE", "VELOCITY", span);
+            self.go();
+            self.begin(span);
+            self.target(&value.target)?;
+            self.item(&value.degree_of_freedom.value.to_string(), value.degree_of_freedom.span);
+            self.number(value.magnitude.value, value.magnitude.span);
+            self.end(false);
+        }
+        Ok(())
+    }
+
     pub(super) fn actuation(
         &mut self,
         boundaries: &[Spanned<Boundary>],

@@ -49,6 +49,7 @@ pub(crate) fn deck(document: &Document) -> Result<Deck> {
     for (name, behavior) in &document.behaviors.0 {
         deck.behavior(name, behavior)?;
     }
+    deck.velocities(&document.initial_velocities)?;
     deck.actuation(&document.boundaries, &document.connector_motions)?;
     for step in &document.steps {
         deck.step(step)?;

@@ -1,0 +1,303 @@
+"""Closed forms of problems in references/, by mpmath with 50 digits: when what happens, and the state at the end. Writes
+references/NAME/solution.json; with --check compares with it.
+
+Each form is typed from mechanics, not from the solver: quadratures, elliptic functions, roots of polynomials and oscillations.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from mpmath import (
+    acos, asin, atan, atan2, cos, diff, ellipf, ellipfun, exp, eye, findroot, floor, log, matrix, mp, mpf, pi, polyroots, quad, sin, sqrt,
+)
+
+mp.dps = 50
+FOLDER = Path(__file__).resolve().parents[2] / "references"
+DIGITS = 30
+
+
+def first_root(coefficients, after=0):
+    """The first real root of a polynomial, highest power first, beyond `after`."""
+    roots = polyroots(coefficients, maxsteps=200, extraprec=200)
+    return min(root.real for root in roots if abs(root.imag) < mpf(10) ** -30 and root.real > after)
+
+
+def component(label, number, displacement, velocity, force):
+    return {label: {str(number): {"CU": displacement, "CV": velocity, "CTF": force}}}
+
+
+def stop_rigid():
+    # 2 a = 4 − 2 t: x = t² − t³/6.
+    meets = first_root([mpf(-1) / 6, 1, 0, mpf(-1) / 2])
+    other = 2 + mpf(6) ** (mpf(1) / 3)
+    return [(meets, "closes"), (mpf(2), "opens"), (other, "closes")], component("101", 1, mpf(-1) / 2, 0, -4)
+
+
+def stop_elastic():
+    # Between the stop at 1/2 and x = 0 the mass falls with 2; in the stop it swings with 20/s about 1/2 + 4/800.
+    falls, w = sqrt(mpf(1) / 2), mpf(20)
+    v = sqrt(mpf(2))
+    inside = 2 * (pi - atan(v / w / mpf("0.005"))) / w
+    period = inside + v
+    left = mpf(4) - falls
+    left -= period * floor(left / period)
+    if left < inside:
+        x = mpf("0.505") - mpf("0.005") * cos(w * left) + v / w * sin(w * left)
+        u = mpf("0.1") * sin(w * left) + v * cos(w * left)
+    else:
+        s = left - inside
+        x, u = mpf("0.5") - v * s + s * s, -v + 2 * s
+    return [], component("101", 1, x, u, 800 * max(x - mpf("0.5"), 0))
+
+
+def stop_friction():
+    # 2 a = 9 − 5 t − 5 until 0.3; the stop carries 9 − 5 t; friction holds to −5; then 2 a = 14 − 5 t.
+    meets = first_root([mpf("-2.5") / 6, 1, 0, mpf("-0.3")])
+    s = 4 - mpf("2.8")
+    end = component("101", 1, mpf("0.3") - mpf("2.5") * s**3 / 6, mpf("-1.25") * s**2, -5)
+    return [(meets, "closes"), (meets, "sticks"), (mpf("1.8"), "opens"), (mpf("2.8"), "slips")], end
+
+
+def stop_pendulum():
+    # ½ 2.5 ω² = 20 sin θ; θ = s².
+    meets = quad(lambda s: 2 * s / (4 * sqrt(sin(s * s))), [0, 1])
+    return [(meets, "closes")], component("101", 4, -1, 0, -20 * cos(mpf(1)))
+
+
+def lock():
+    # x = 0.2 (1 − cos 5 t) until 0.3.
+    return [(2 * pi / 15, "locks")], component("101", 1, mpf("0.3"), 0, 10)
+
+
+def lock_slide():
+    # v = 2 − 2.5 t until 0.5.
+    meets = (2 - sqrt(mpf("1.5"))) / mpf("2.5")
+    return [(meets, "locks")], component("101", 1, mpf("0.5"), 0, 0)
+
+
+def failure():
+    meets = 2 * pi / 15
+    v, s = sin(2 * pi / 3), 1 - meets
+    return [(meets, "fails")], component("101", 1, mpf("0.3") + v * s + mpf("2.5") * s * s, v + 5 * s, 0)
+
+
+def collision():
+    # 2 of 3 m/s with 3 at rest go on with 1.2 m/s, swing with √(80/5), and part when the spring is slack again.
+    parts = mpf("0.25") + pi / 4
+    s, w = 2 - parts, sqrt(mpf(80) / 3)
+    u1, u2 = mpf("0.75") - mpf("1.2") * s, mpf("-1.2") / w * sin(w * s)
+    v1, v2 = mpf("-1.2"), mpf("-1.2") * cos(w * s)
+    end = component("101", 1, u2 - u1, v2 - v1, 0)
+    end.update(component("102", 1, u2, v2, 80 * u2))
+    return [(mpf("0.25"), "closes"), (parts, "opens")], end
+
+
+def turned(axis, angle):
+    x, y, z = axis
+    k = matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return eye(3) + sin(angle) * k + (1 - cos(angle)) * k * k
+
+
+def free_top():
+    # I = (2, 2, 3), ω = (1, 0, 4): ω = L/2 − 2 e3, with e3 carried by the steady turn about L/2 = (1, 0, 6).
+    rate = sqrt(mpf(37))
+    carried = turned([1 / rate, 0, 6 / rate], 3 * rate)
+    spin = [mpf(base) - 2 * carried[i, 2] for i, base in enumerate([1, 0, 6])]
+    return [], {"nodes": {"1": [mpf(0)] * 3 + spin}}
+
+
+def block():
+    # The end of the spring (100 N/m) moves with 1 m/s to 0.2, friction is 5 N: stick, one slip, a turn, rest.
+    w, tau = sqrt(mpf(50)), mpf("0.15")
+    x, v = tau - sin(w * tau) / w, 1 - cos(w * tau)
+    phase = atan2(v * w, 50 * (x - tau))
+    turns = mpf("0.2") + (phase + pi if phase < 0 else phase) / w
+    reach = tau + sqrt((x - tau) ** 2 + v * v / 50)
+    rest = mpf("0.5") - reach
+    events = [(mpf("0.05"), "slips"), (turns, "reverses"), (turns + pi / w, "sticks")]
+    return events, component("101", 1, rest, 0, 100 * (mpf("0.2") - rest))
+
+
+def oscillator():
+    t, decay = mpf(5), mpf("0.2")
+    w = sqrt(25 - decay**2)
+    x = mpf("0.2") * (1 - exp(-decay * t) * (cos(w * t) + decay / w * sin(w * t)))
+    v = mpf("0.2") * exp(-decay * t) * (w + decay**2 / w) * sin(w * t)
+    return [], component("101", 1, x, v, 50 * x + mpf("0.8") * v)
+
+
+def pendulum():
+    # sin(φ/2) = k cd(ω t), φ from below, released level.
+    w, m = sqrt(mpf(10)), mpf(1) / 2
+    angle = lambda t: 2 * asin(sqrt(m) * ellipfun("cd", w * t, m=m))
+    return [], {"nodes": {"1": [mpf(0)] * 5 + [diff(angle, mpf(4))]}}
+
+
+def spin_down():
+    # 0.05 ω̇ = M(t) − 0.17: the moment 2 ends on a ramp of 1e-7 s.
+    ramp, inertia, rubs = mpf("1e-7"), mpf("0.05"), mpf("0.17")
+    begins = mpf("0.5")
+    w = (2 - rubs) / inertia * begins
+    angle = w * begins / 2
+    angle += w * ramp + ((2 - rubs) / 2 - mpf(2) / 6) * ramp**2 / inertia
+    w += (1 - rubs) * ramp / inertia
+    stops = begins + ramp + w * inertia / rubs
+    angle += w**2 * inertia / rubs / 2
+    return [(stops, "sticks")], component("101", 4, angle, 0, 0)
+
+
+def static_drawer():
+    # F = 40 (e − x) pulls 0.1 aside: |F − 30 x| = 0.2 (4 + 10 · 0.1 |F|) in slip, e = 0.5 of the amplitude.
+    there = (mpf(16) - mpf("0.8")) / 62
+    back = (30 * there - mpf("0.8")) / 48 + there
+    delay = (mpf("0.5") - back) / mpf("0.5")
+    events = [(mpf("0.05"), "slips"), (mpf(1), "sticks"), (1 + delay, "slips"), (mpf(3), "sticks"), (3 + delay, "slips")]
+    x = mpf("-0.8") / 62
+    return events, component("101", 1, x, 0, -40 * x - 30 * x)
+
+
+def static_lever():
+    # 10 t cos θ = 10 θ until 0.8.
+    return [(mpf("0.8") / cos(mpf("0.8")), "closes")], component("101", 4, mpf("-0.8"), 0, -20 * cos(mpf("0.8")))
+
+
+def projectile():
+    end = component("101", 1, 3, 3, 0)
+    end["101"].update(component("101", 2, -1, -6, 0)["101"])
+    return [], end
+
+
+def damped_coast():
+    fall = exp(mpf(-3))
+    return [], component("101", 1, mpf(4) / 3 * (1 - fall), 2 * fall, 6 * fall)
+
+
+def damper_oneway():
+    # 2 v̇ = −4 − 6 v while v > 0, then 2 v̇ = −4.
+    turns = log(mpf("5.5")) / 3
+    x = -mpf(2) / 3 * turns + mpf(11) / 9 * (1 - 1 / mpf("5.5"))
+    s = 2 - turns
+    return [], component("101", 1, x - s * s, -2 * s, 0)
+
+
+def stop_between():
+    # Half a swing with 20/s in each stop, and one length in between at 2 m/s; it begins in the middle.
+    inside = pi / 20
+    left = mpf(3) - mpf("0.25")
+    whole = floor(left / (inside + mpf("0.5")))
+    side = -1 if int(whole) % 2 else 1
+    left -= whole * (inside + mpf("0.5"))
+    if left < inside:
+        x, v = mpf("0.5") + sin(20 * left) / 10, 2 * cos(20 * left)
+    else:
+        x, v = mpf("0.5") - 2 * (left - inside), mpf(-2)
+    force = 800 * max(x - mpf("0.5"), 0)
+    return [], component("101", 1, side * x, side * v, side * force)
+
+
+def failure_hang():
+    # 2 ẍ = −20 − 100 x until −0.15, then it falls.
+    w = sqrt(mpf(50))
+    fails = acos(mpf("0.25")) / w
+    v, s = mpf("-0.2") * w * sin(w * fails), mpf("0.5") - fails
+    return [(fails, "fails")], component("101", 2, mpf("-0.15") + v * s - 5 * s * s, v - 10 * s, 0)
+
+
+def two_masses():
+    # About their middle, which goes on with 1 m/s: √(12/0.75) = 4/s.
+    end = component("101", 1, -sin(mpf(12)), -4 * cos(mpf(12)), -12 * sin(mpf(12)))
+    rates = lambda v: [v] + [mpf(0)] * 5
+    end["nodes"] = {"1": rates(1 + 3 * cos(mpf(12))), "2": rates(1 - cos(mpf(12)))}
+    return [], end
+
+
+def self_locking():
+    return [], component("101", 1, 0, 0, mpf("4.9"))
+
+
+def load_reversal():
+    return [], component("101", 1, 0, 0, mpf("-4.9"))
+
+
+def friction_decay():
+    # 10/s about ±0.025: each half swing loses 0.05.
+    size = sqrt(mpf("0.3") ** 2 + mpf("0.025") ** 2)
+    turns, at = atan2(mpf("0.3"), mpf("0.025")) / 10, size - mpf("0.025")
+    events = []
+    while at > mpf("0.025"):
+        events.append((turns, "reverses"))
+        turns, at = turns + pi / 10, at - mpf("0.05")
+    events.append((turns, "sticks"))
+    # The first turn is above; the last half swing ends on the side where it began, 0.05 nearer and beyond the middle.
+    return events, component("101", 1, at if len(events) % 2 else -at, 0, 0)
+
+
+def translator_moment():
+    # 2 v̇ = 6 − 0.2 · 10 · 2 t.
+    return [(mpf(3), "sticks")], component("101", 1, mpf("4.5"), 0, 6)
+
+
+def lock_flywheel():
+    return [(mpf(2) / 3, "locks")], component("101", 4, 2, 0, 0)
+
+
+def pendulum_turns():
+    # φ̇² = 64 − 40 sin²(φ/2): φ/2 is the amplitude of 4 t at m = 40/64.
+    m = mpf(40) / 64
+    half = findroot(lambda x: ellipf(x, m) - 16, mpf(13))
+    return [], component("101", 4, 2 * half, sqrt(64 - 40 * sin(half) ** 2), 0)
+
+
+def static_axial():
+    # 2 · 100 (ℓ − √2) (1 + d)/ℓ = 30.
+    length = lambda d: sqrt(1 + (1 + d) ** 2)
+    d = findroot(lambda d: 200 * (length(d) - sqrt(mpf(2))) * (1 + d) / length(d) - 30, mpf("0.2"))
+    stretch = length(d) - sqrt(mpf(2))
+    end = component("101", 1, stretch, 0, 100 * stretch)
+    end.update(component("102", 1, stretch, 0, 100 * stretch))
+    return [], end
+
+
+PROBLEMS = [
+    block, collision, damped_coast, damper_oneway, failure, failure_hang, free_top, friction_decay, load_reversal,
+    lock, lock_flywheel, lock_slide, oscillator, pendulum, pendulum_turns, projectile, self_locking, spin_down,
+    static_axial, static_drawer, static_lever, stop_between, stop_elastic, stop_friction, stop_pendulum, stop_rigid,
+    translator_moment, two_masses,
+]
+
+
+def text(x):
+    return mp.nstr(mpf(x), DIGITS)
+
+
+def written(problem):
+    events, last = problem()
+    nodes = {label: [text(x) for x in rates] for label, rates in last.pop("nodes", {}).items()}
+    connectors = {
+        label: {k: {name: text(x) for name, x in of.items()} for k, of in components.items()}
+        for label, components in last.items()
+    }
+    return {
+        "from": "closed form: scripts/reference/reference_solve.py",
+        "events": [[text(time), what] for time, what in events],
+        "last": {"connectors": connectors, "velocities": nodes},
+    }
+
+
+def main():
+    wrong = []
+    for problem in PROBLEMS:
+        path = FOLDER / problem.__name__ / "solution.json"
+        found = written(problem)
+        if "--check" not in sys.argv:
+            path.write_text(json.dumps(found, indent=1) + "\n")
+        elif not path.exists() or json.loads(path.read_text()) != found:
+            wrong.append(problem.__name__)
+    if wrong:
+        sys.exit(f"references/NAME/solution.json differs from its closed form: {', '.join(wrong)}")
+    print(f"closed forms: {len(PROBLEMS)}")
+
+
+if __name__ == "__main__":
+    main()

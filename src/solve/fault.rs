@@ -1,0 +1,45 @@
+//! Deliberate faults of the solver, by which tests see that the references would notice them; outside of tests there are none.
+
+/// A fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// Slip begins along the friction force, not against it.
+    SlipReversed,
+    /// Slip begins along the first component, whichever way friction points.
+    OnsetByDefault,
+    /// Positions are not brought back to their equations.
+    Drift,
+    /// Events are where a straight line between the ends of a step puts them.
+    EventInterpolated,
+    /// The limit of a friction is that of the forces without it.
+    CouplingLeftOut,
+    /// A magnitude that passes zero is no event.
+    KinkPassed,
+    /// A row of a table is no event, and its line goes on.
+    RowPassed,
+    /// The energy of impacts is not counted.
+    ImpactForgotten,
+    /// A stop holds what goes away.
+    StopPulls,
+    /// Whole turns within a step are lost.
+    TurnLost,
+    /// A lock lets go of the velocity that it stops.
+    LockSlips,
+}
+
+#[cfg(test)]
+thread_local! {
+    pub(crate) static NOW: std::cell::Cell<Option<Fault>> = const { std::cell::Cell::new(None) };
+}
+
+/// Whether a test has asked for a fault.
+#[cfg(test)]
+pub(crate) fn has(fault: Fault) -> bool {
+    NOW.get() == Some(fault)
+}
+
+/// No fault.
+#[cfg(not(test))]
+pub(crate) const fn has(_: Fault) -> bool {
+    false
+}

@@ -1,0 +1,62 @@
+//! The problems of `references/`, embedded.
+
+macro_rules! deck {
+    ($name:literal) => {
+        ($name, include_str!(concat!("../../references/", $name, "/deck.inp")))
+    };
+}
+
+/// Every problem of `references/`: its name and its deck.
+///
+/// ```
+/// use pintle_scene::Scene;
+/// use pintle_solve::{Options, REFERENCES, solve};
+///
+/// let (name, deck) = REFERENCES.iter().find(|(name, _)| *name == "drawer").ok_or("no drawer")?;
+/// let scene = Scene::parse(name, deck)?;
+/// let solution = solve::<f64>(&scene, &Options::default()).map_err(|ended| ended.why)?;
+/// assert_eq!(solution.events.len(), 5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub static REFERENCES: &[(&str, &str)] = &[
+    deck!("block"),
+    deck!("cardan_shaft"),
+    deck!("collision"),
+    deck!("cross_friction"),
+    deck!("damped_coast"),
+    deck!("damper_oneway"),
+    deck!("double_pendulum"),
+    deck!("drawer"),
+    deck!("failure"),
+    deck!("failure_hang"),
+    deck!("free_top"),
+    deck!("friction_decay"),
+    deck!("helical_slide"),
+    deck!("limit_cycle"),
+    deck!("load_reversal"),
+    deck!("lock"),
+    deck!("lock_flywheel"),
+    deck!("lock_slide"),
+    deck!("oscillator"),
+    deck!("pendulum"),
+    deck!("pendulum_turns"),
+    deck!("planar_spin"),
+    deck!("projectile"),
+    deck!("puck"),
+    deck!("self_locking"),
+    deck!("slider_crank"),
+    deck!("slot"),
+    deck!("spherical_pendulum"),
+    deck!("spin_down"),
+    deck!("static_axial"),
+    deck!("static_drawer"),
+    deck!("static_lever"),
+    deck!("stop_between"),
+    deck!("stop_elastic"),
+    deck!("stop_friction"),
+    deck!("stop_pendulum"),
+    deck!("stop_rigid"),
+    deck!("top"),
+    deck!("translator_moment"),
+    deck!("two_masses"),
+];

@@ -1,0 +1,479 @@
+//! Static steps: the quasi-static path. Each of its states is an equilibrium by itself, found by Newton's method; time is what loads and
+//! prescribed motions follow. The modes are those of dynamics: what sticks is held, what slips has the force μ F_N, stops push.
+//!
+//! *Equilibrium.* Unit masses stand in place of the real ones. Let a be the accelerations at rest, and c the least change of positions that
+//! satisfies the equations. a lies in the kernel of J, c across it. So a + c = 0 says both: equations hold, and forces balance. Newton's
+//! matrix is formed by differences; what decides is the residual.
+//!
+//! *Uniqueness* is lost where Newton's matrix is singular: its determinant changes sign, or no equilibrium follows. Both end the path by name.
+//! Rates are zero on it: dampers take nothing, μ is that of rest. Energies are not counted.
+
+use crate::motion::dense::Dense;
+use crate::motion::equations::Solved;
+use crate::motion::mode::{Cause, Does, Mode, Switch, Touch};
+use crate::motion::rows::{Assembled, Instant, Layout, Trouble};
+use crate::motion::state::{DOFS, State, WORKS};
+use crate::number::{Number, is_finite, largest};
+use crate::refusal::Refusal;
+use crate::time::integrate::Method;
+use crate::time::run::Run;
+use crate::time::solution::What;
+use pintle_kinematics::vector::Vector;
+
+/// An equilibrium.
+struct Found<R: Number> {
+    state: State<R>,
+    solved: Solved<R>,
+    /// The sign of the determinant of Newton's matrix, at the beginning of the iterations.
+    sign: f64,
+}
+
+impl<R: Number> Assembled<R> {
+    /// At rest: unit masses, and no accelerations that are prescribed.
+    pub(crate) fn rest(&mut self, length: f64) {
+        let (zero, one) = (R::integer(0), R::integer(1));
+        let inertia = R::from_f64(length * length);
+        self.masses.iter_mut().for_each(|mass| *mass = one);
+        for matrix in &mut self.inertias {
+            for (i, row) in matrix.iter_mut().enumerate() {
+                for (j, entry) in row.iter_mut().enumerate() {
+                    *entry = if i == j { inertia } else { zero };
+                }
+            }
+        }
+        self.rows.iter_mut().for_each(|row| row.bias = zero);
+    }
+}
+
+impl<R: Number> Run<'_, R> {
+    /// One static step of the scene, to a time.
+    pub(crate) fn still(&mut self, to: f64) -> Result<(), Refusal> {
+        self.state.rates.iter_mut().for_each(|rates| *rates = [R::integer(0); DOFS]);
+        self.begin_still()?;
+        let breaks = self.breaks();
+        let mut stops: Vec<(f64, bool)> = vec![(to, true)];
+        stops.extend(self.options.times.iter().map(|time| (*time, true)));
+        stops.extend(breaks.iter().map(|time| (*time, false)));
+        let now = self.state.time.to_f64();
+        stops.retain(|(time, _)| *time > now && *time <= to);
+        stops.sort_by(|one, two| one.0.total_cmp(&two.0).then(two.1.cmp(&one.1)));
+        stops.dedup_by_key(|(time, _)| *time);
+        if self.solution.frames.is_empty() {
+            self.record(false)?;
+        }
+        // The witness goes another way: other steps, and so other beginnings of Newton's method.
+        let parts = if self.options.method == Method::Extrapolation { 50.0 } else { 37.0 };
+        let most = (to - now) / parts;
+        for (time, is_frame) in stops {
+            self.go(R::from_f64(time), R::from_f64(most))?;
+            if is_frame {
+                self.record(false)?;
+            }
+        }
+        self.state.rates.iter_mut().for_each(|rates| *rates = [R::integer(0); DOFS]);
+        Ok(())
+    }
+
+    /// Everything that may stick stands; stops are as positions have them; then equilibrium at the first time.
+    fn begin_still(&mut self) -> Result<(), Refusal> {
+        self.remember()?;
+        self.prepare()?;
+        self.touch()?;
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let sliders = self.mechanism.sliders.iter();
+        self.modes.frictions = sliders.map(|of| Mode::sticks(found.joints[of.joint].position)).collect();
+        self.modes.spans = self.spans(&found);
+        self.relay()?;
+        let found = self.balance(self.state.time)?;
+        self.state = found.state;
+        Ok(())
+    }
+
+    fn relay(&mut self) -> Result<(), Refusal> {
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+        Ok(())
+    }
+
+    /// The state after δ, and what holds there.
+    fn moved(&self, time: R, by: &[R]) -> Result<(State<R>, Assembled<R>, Solved<R>), Trouble> {
+        let base = &self.state;
+        let mut y = by.to_vec();
+        y.resize(2 * by.len(), R::integer(0));
+        let (poses, rates, turned): (_, _, Vec<Vector<R>>) = self.unpacked(base, &y, true);
+        let mut next = State { time, poses, rates, branches: base.branches.clone(), sums: base.sums.clone() };
+        let instant = Instant { turned: &turned, ..Instant::of(&next, self.step, &turned) };
+        let mut found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
+        found.rest(self.mechanism.length);
+        next.branches = found.joints.iter().map(|now| now.branch).collect();
+        let solved = found.solve(&self.mechanism, &self.layout, &self.modes)?;
+        Ok((next, found, solved))
+    }
+
+    /// a + c.
+    fn unbalance(&self, time: R, by: &[R]) -> Result<Vec<R>, Trouble> {
+        let (_, found, solved) = self.moved(time, by)?;
+        if let Some(row) = self.layout.kept.iter().find(|row| found.rows[**row].residual.is_none()) {
+            return Err(Trouble::Unknown(
+                self.mechanism.named(found.rows[*row].owner),
+                "a velocity or acceleration is prescribed in a static step".to_string(),
+            ));
+        }
+        let (change, _) = found.correction(&self.layout, |row| row.residual)?;
+        let columns = self.layout.columns.iter();
+        Ok(columns.map(|dof| solved.accelerations[dof / DOFS][dof % DOFS] + change[*dof]).collect())
+    }
+
+    /// The equilibrium at a time, next to this state.
+    fn balance(&mut self, time: R) -> Result<Found<R>, Refusal> {
+        const ITERATIONS: usize = 40;
+        let zero = R::integer(0);
+        let n = self.layout.columns.len();
+        let size = |dof: usize| if dof % DOFS < 3 { self.mechanism.length } else { 1.0 };
+        let sizes: Vec<R> = self.layout.columns.iter().map(|dof| R::from_f64(size(*dof))).collect();
+        let lost = |run: &Self| {
+            Refusal::of(
+                "the static path",
+                &format!(
+                    "no equilibrium follows at time {}: it is not unique there, or there is none (a limit point)",
+                    run.state.time.to_f64()
+                ),
+                "hold or spring what moves freely, load less, or use *DYNAMIC",
+            )
+        };
+        let step = R::from_f64(R::ROUNDING.powf(1.0 / 3.0));
+        let (half, small) = (R::ratio(1, 2), R::from_f64(8.0 * R::ROUNDING));
+        let mut by = vec![zero; n];
+        let mut sign = 0.0;
+        let mut before = f64::INFINITY;
+        for iteration in 0..ITERATIONS {
+            let residual = self.unbalance(time, &by).map_err(|trouble| self.say(trouble))?;
+            if n == 0 {
+                break;
+            }
+            let mut matrix = Dense::new(n, 1);
+            let mut plain = nalgebra::DMatrix::<f64>::zeros(n, n);
+            for j in 0..n {
+                let h = step * sizes[j];
+                let at = |sign: R| {
+                    let mut other = by.clone();
+                    other[j] = other[j] + sign * h;
+                    self.unbalance(time, &other)
+                };
+                let [above, below] = [R::integer(1), R::integer(-1)].map(at);
+                let (above, below) = (
+                    above.map_err(|trouble| self.say(trouble))?,
+                    below.map_err(|trouble| self.say(trouble))?,
+                );
+                for i in 0..n {
+                    let slope = (above[i] - below[i]) * half / h;
+                    matrix.add(i, j, slope);
+                    plain[(i, j)] = slope.to_f64() * (sizes[j] / sizes[i]).to_f64();
+                }
+            }
+            self.solution.evaluations += 2 * n + 1;
+            for (i, x) in residual.iter().enumerate() {
+                matrix.add(i, n, -*x);
+            }
+            if iteration == 0 {
+                // The determinant by its sign alone, of a matrix whose rows have the size 1.
+                for mut row in plain.row_iter_mut() {
+                    let most = row.amax();
+                    if most > 0.0 {
+                        row /= most;
+                    }
+                }
+                sign = plain.determinant();
+            }
+            let found = matrix.solve().map_err(|_| lost(self))?;
+            let change = found.into_iter().next().unwrap_or_default();
+            if !change.iter().all(|x| is_finite(*x)) {
+                return Err(lost(self));
+            }
+            let most = largest(change.iter().zip(&sizes).map(|(x, size)| *x / *size));
+            by.iter_mut().zip(&change).for_each(|(x, more)| *x = *x + *more);
+            let now = most.to_f64();
+            // As small as rounding leaves it.
+            let is_done = !small.less(most) || now < 1e5 * R::ROUNDING && now > before * 0.3;
+            if is_done {
+                break;
+            }
+            before = now;
+            if iteration + 1 == ITERATIONS || now > 1e3 {
+                return Err(lost(self));
+            }
+        }
+        self.solution.steps += 1;
+        let (mut state, found, mut solved) = self.moved(time, &by).map_err(|trouble| self.say(trouble))?;
+        // Slips, along the direction that each has.
+        let before = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        for (s, (slider, mode)) in self.mechanism.sliders.iter().zip(&self.modes.frictions).enumerate() {
+            let Does::Slips(along) = &mode.does else { continue };
+            let places = [&before, &found].map(|found| found.joints[slider.joint].position);
+            let slip = slider.components.iter().fold(zero, |sum, (k, radius)| {
+                sum + R::from_f64(*radius) * along[*k] * (places[1][*k] - places[0][*k])
+            });
+            if let Some(sum) = state.sums.get_mut(WORKS + s) {
+                *sum = *sum + slip;
+            }
+        }
+        solved.switches.retain(|switch| switch.cause != Cause::Stops);
+        Ok(Found { state, solved, sign })
+    }
+
+    /// The slip of a friction between this state and one found.
+    fn slip_to(&self, found: &Found<R>, s: usize) -> R {
+        found.state.sums[WORKS + s] - self.state.sums[WORKS + s]
+    }
+
+    fn slipping(&self) -> Vec<usize> {
+        let frictions = &self.modes.frictions;
+        (0..frictions.len()).filter(|s| !frictions[*s].is_stuck()).collect()
+    }
+
+    /// Along the path to a time, over all events before it.
+    fn go(&mut self, goal: R, most: R) -> Result<(), Refusal> {
+        let zero = R::integer(0);
+        let mut h = most;
+        let mut last_sign: Option<f64> = None;
+        let mut events_here = 0;
+        while self.state.time.less(goal) {
+            if self.solution.steps > self.options.most_steps {
+                return Err(self.stuck_in_time());
+            }
+            let left = goal - self.state.time;
+            let is_last = !h.less(left);
+            let time = if is_last { goal } else { self.state.time + h };
+            let length = time - self.state.time;
+            let found = match self.balance(time) {
+                Ok(found) => found,
+                Err(why) => {
+                    h = length * R::ratio(1, 4);
+                    if h.less(most * R::from_f64(1e-8)) {
+                        return Err(why);
+                    }
+                    continue;
+                }
+            };
+            let (_, _, first) = self
+                .moved(self.state.time, &vec![zero; self.layout.columns.len()])
+                .map_err(|t| self.say(t))?;
+            let now: Vec<Switch<R>> =
+                first.switches.into_iter().filter(|switch| switch.cause != Cause::Stops).collect();
+            // What is beyond its end already ends here.
+            let slack = |switch: &Switch<R>| switch.scale * R::from_f64(1e4 * R::ROUNDING);
+            let overdue = now.iter().find(|switch| switch.value.less(-slack(switch)));
+            let reversed = self.slipping().into_iter().find(|s| self.slip_to(&found, *s).less(zero));
+            if let Some(switch) = overdue {
+                events_here += 1;
+                self.bounded(events_here)?;
+                let (of, cause) = (switch.of, switch.cause);
+                self.meets_at_rest(of, cause)?;
+                last_sign = None;
+                continue;
+            }
+            if let Some(s) = reversed {
+                self.turn_back(s, length)?;
+                events_here += 1;
+                self.bounded(events_here)?;
+                last_sign = None;
+                continue;
+            }
+            let crossed = found.solved.switches.iter().zip(&now).position(|(then, now)| {
+                then.cause == now.cause && then.value.less(zero) && !now.value.less(-slack(now))
+            });
+            if let Some(index) = crossed {
+                let (time, of, cause) = self.passing(&now, index, length)?;
+                let found = self.balance(time)?;
+                self.state = found.state;
+                self.meets_at_rest(of, cause)?;
+                last_sign = None;
+                continue;
+            }
+            if last_sign.is_some_and(|sign| sign * found.sign < 0.0) {
+                return Err(Refusal::of(
+                    "the static path",
+                    &format!(
+                        "the equilibrium is not unique between time {} and {}: Newton's matrix changes the sign of its determinant",
+                        self.state.time.to_f64(),
+                        time.to_f64()
+                    ),
+                    "the path goes through a limit point or a bifurcation: use *DYNAMIC from before it",
+                ));
+            }
+            last_sign = Some(found.sign);
+            events_here = 0;
+            self.state = found.state;
+            h = (length + length).lesser(most);
+            if let Some(reached) = &self.options.reached {
+                reached.store(time.to_f64().to_bits(), std::sync::atomic::Ordering::Relaxed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Events at one place that go on for ever have no solution.
+    fn bounded(&self, events: usize) -> Result<(), Refusal> {
+        const MOST: usize = 20;
+        if events <= MOST {
+            return Ok(());
+        }
+        Err(Refusal::of(
+            "the static path",
+            &format!("no mode is consistent at time {}: a jam", self.state.time.to_f64()),
+            "reduce the coefficient of friction, or use *DYNAMIC",
+        ))
+    }
+
+    /// When the first of the switches vanishes that are negative after `length`, each state an equilibrium by itself.
+    fn passing(
+        &mut self,
+        now: &[Switch<R>],
+        mut index: usize,
+        length: R,
+    ) -> Result<(R, usize, Cause), Refusal> {
+        let (zero, half) = (R::integer(0), R::ratio(1, 2));
+        let start = self.state.time;
+        let resolution = crate::number::larger(start.magnitude(), length) * R::from_f64(4.0 * R::ROUNDING);
+        let (mut low, mut high) = (zero, length);
+        let mut low_value = now[index].value;
+        let mut high_value: Option<R> = None;
+        for iteration in 0..300 {
+            if !resolution.less(high - low) {
+                break;
+            }
+            let width = high - low;
+            let guess = match high_value {
+                Some(below) if iteration % 3 != 2 => {
+                    let span = low_value - below;
+                    let part = if zero.less(span) { low_value / span } else { half };
+                    // Past the root by a little, so that both ends come near it.
+                    low + width * part
+                }
+                _ => low + width * half,
+            };
+            let guess = if guess.less(low + resolution * half) { low + resolution * half } else { guess };
+            let found = self.balance(start + guess)?;
+            let switches = &found.solved.switches;
+            let negative = switches.iter().zip(now).enumerate().find(|(_, (then, now))| {
+                then.cause == now.cause && then.value.less(zero) && !now.value.less(zero)
+            });
+            match negative.map(|(other, (then, _))| (other, then.value)) {
+                Some((other, value)) => {
+                    if other != index {
+                        index = other;
+                        low_value = now[index].value;
+                        low = zero;
+                    }
+                    (high, high_value) = (guess, Some(value));
+                }
+                None => {
+                    low = guess;
+                    if let Some(switch) = switches.get(index) {
+                        low_value = switch.value;
+                        let rounded = switch.scale * R::from_f64(16.0 * R::ROUNDING);
+                        if !rounded.less(switch.value.magnitude()) {
+                            high = guess;
+                        }
+                    }
+                }
+            }
+        }
+        Ok((start + high, now[index].of, now[index].cause))
+    }
+
+    /// A slip turns back within `length`: it sticks where its rate is zero.
+    fn turn_back(&mut self, s: usize, length: R) -> Result<(), Refusal> {
+        let zero = R::integer(0);
+        let start = self.state.time;
+        // Another difference for the witness.
+        let part = if self.options.method == Method::Extrapolation { 3e-3 } else { 5e-3 };
+        let d = length * R::from_f64(part);
+        let soon = self.balance(start + d)?;
+        if self.slip_to(&soon, s).less(zero) {
+            // At once: the load has turned here.
+            return self.stick_at_rest(s);
+        }
+        let (mut low, mut high) = (zero, length);
+        let mut values = [self.slip_to(&soon, s) / d, R::integer(-1)];
+        values[1] = self.slip_rate(start + high, s, d)?;
+        if !values[1].less(zero) {
+            // It has turned back, and forth again.
+            high = high * R::ratio(1, 2);
+            values[1] = self.slip_rate(start + high, s, d)?;
+        }
+        let resolution = length * R::from_f64(1e3 * R::ROUNDING);
+        for iteration in 0..200 {
+            if !resolution.less(high - low) {
+                break;
+            }
+            let width = high - low;
+            let part = match iteration % 3 {
+                2 => R::ratio(1, 2),
+                _ => values[0] / (values[0] - values[1]),
+            };
+            let guess = low + width * part;
+            if !low.less(guess) || !guess.less(high) {
+                break;
+            }
+            let rate = self.slip_rate(start + guess, s, d)?;
+            if rate.less(zero) {
+                (high, values[1]) = (guess, rate);
+            } else {
+                (low, values[0]) = (guess, rate);
+            }
+        }
+        let found = self.balance(start + high)?;
+        self.state = found.state;
+        self.stick_at_rest(s)
+    }
+
+    /// The rate of a slip by central differences, extrapolated twice.
+    fn slip_rate(&mut self, time: R, s: usize, d: R) -> Result<R, Refusal> {
+        let mut table: Vec<R> = Vec::new();
+        for level in 0..3 {
+            let h = d / R::integer(1 << level);
+            let above = self.balance(time + h)?;
+            let below = self.balance(time - h)?;
+            let slope = (self.slip_to(&above, s) - self.slip_to(&below, s)) / (h + h);
+            let mut row = slope;
+            let mut power = 1;
+            for known in &mut table {
+                power *= 4;
+                let next = row + (row - *known) / R::integer(power - 1);
+                *known = std::mem::replace(&mut row, next);
+            }
+            table.push(row);
+        }
+        Ok(table.last().copied().unwrap_or(R::integer(0)))
+    }
+
+    fn stick_at_rest(&mut self, s: usize) -> Result<(), Refusal> {
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let position = found.joints[self.mechanism.sliders[s].joint].position;
+        self.modes.frictions[s] = Mode::sticks(position);
+        self.event(s, What::Sticks, None);
+        self.relay()?;
+        self.record(true)
+    }
+
+    /// An event of the path.
+    fn meets_at_rest(&mut self, of: usize, cause: Cause) -> Result<(), Refusal> {
+        if let Cause::Closes(side) = cause {
+            let (joint, k) = (self.mechanism.stops[of].joint, self.mechanism.stops[of].component);
+            if self.mechanism.is_given(joint, k, self.step) {
+                return Err(Refusal::of(
+                    self.joint_title(joint),
+                    &format!("what is prescribed runs into its stop at time {}", self.state.time.to_f64()),
+                    "prescribe less, or take the stop out",
+                ));
+            }
+            self.modes.stops[of] = Touch::Closed(side);
+            self.event_of_stop(of, What::Closes, None);
+            self.relay()?;
+            return self.record(true);
+        }
+        self.happens(of, cause)?;
+        self.relay()
+    }
+}
