@@ -33,7 +33,7 @@ pub mod settings;
 mod share;
 pub mod singular;
 
-pub use candidate::{Candidate, Given, Question, Tangent};
+pub use candidate::{Candidate, ConstraintCandidate, Given, Question, Tangent};
 pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;
 pub use case::quantity::{Entries, Numbers, Quantity};
@@ -47,6 +47,7 @@ pub use judge::outcome::{Against, Check, Report, Subject};
 pub use judge::verdict::{Fared, Finding, Judgement, Score, Verdict};
 pub use laws::Invariant;
 pub use mutants::diagnosis::{Cause, Diagnosis, Explained};
+pub use mpc::ConstraintNumbers;
 pub use oracles::force::product_with_forces as product;
 pub use oracles::oracle::Oracle;
 pub use pintle_kinematics::scalar::U;

@@ -1,7 +1,7 @@
 //! In which order, unit and frame a routine answers, and how that is undone.
 
 use pintle_audit::{Given, Quantity, Tangent};
-use pintle_kinematics::connector::{Components, Connector, Definition, NodalMatrix, NodalRow, State};
+use pintle_kinematics::connector::{Connector, Definition, NodalMatrix, NodalRow, State};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::so3;
@@ -161,14 +161,22 @@ impl Convention {
     /// # Errors
     /// In words, what is no convention.
     pub(crate) fn places(&self) -> Result<Vec<usize>, String> {
+        self.places_among(&COLUMNS)
+    }
+
+    /// The same of a routine whose columns have these names.
+    ///
+    /// # Errors
+    /// In words, what is no convention.
+    pub(crate) fn places_among(&self, known: &[&str]) -> Result<Vec<usize>, String> {
         let mut places = Vec::new();
         for name in &self.columns {
-            let place = COLUMNS.iter().position(|known| known == name);
+            let place = known.iter().position(|known| known == name);
             match place {
                 None => {
                     return Err(format!(
                         "convention.columns names {name:?}; the columns are {}",
-                        COLUMNS.join(", ")
+                        known.join(", ")
                     ));
                 }
                 Some(place) if places.contains(&place) => {
@@ -187,6 +195,16 @@ impl Convention {
             ));
         }
         Ok(places)
+    }
+
+    /// The unit of an angle in values, in radians.
+    pub(crate) fn angle(&self) -> f64 {
+        self.angles.size()
+    }
+
+    /// The unit of the rotations by which rows differentiate, in radians.
+    pub(crate) fn column_angle(&self) -> f64 {
+        self.column_angles.size()
     }
 
     /// A component of the routine, by the unit of pintle's: what a number of it is to be multiplied with.
@@ -225,7 +243,7 @@ impl Convention {
     }
 
     /// Derivatives by the routine's columns as derivatives by pintle's.
-    fn line(&self, of_routine: &[f64], places: &[usize], turned: &[Turned; 2]) -> NodalRow<f64> {
+    pub(crate) fn line(&self, of_routine: &[f64], places: &[usize], turned: &[Turned; 2]) -> NodalRow<f64> {
         let mut row = [0.0; DOFS];
         for (entry, place) in of_routine.iter().zip(places) {
             let is_rotation = matches!(place % 7, 3..=5);
@@ -309,7 +327,7 @@ impl Turned {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Own {
     /// Of each quantity that was wanted, the numbers of each component; matrices row by row.
-    pub(crate) given: Vec<(Quantity, Components<Vec<f64>>)>,
+    pub(crate) given: Vec<(Quantity, Vec<Option<Vec<f64>>>)>,
     /// What it keeps for the next state.
     pub(crate) memory: Option<serde_json::Value>,
 }

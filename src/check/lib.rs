@@ -4,13 +4,19 @@
 //! |---|---|
 //! | `protocol` | what is sent, and what must come back? |
 //! | `convention` | in which order, unit and frame does the routine answer? |
-//! | `session` | what is asked, and what was answered? |
+//! | `exchange` | which messages are exchanged? |
+//! | `session` | what is asked of a connector, and what was answered? |
+//! | `constraint` | the same of a multi-point constraint |
+//! | `friction` | the same of a friction |
 //! | `process` | does the process behave? |
 //! | `python` | how is a Python function asked? |
 //!
 //! The audit judges; nothing here does.
 
+mod constraint;
 mod convention;
+mod exchange;
+mod friction;
 mod process;
 mod protocol;
 mod python;
@@ -24,6 +30,38 @@ pub use session::{Door, Session};
 
 use pintle_audit::{Candidate, Question, Report, Settings};
 use pintle_kinematics::connector::Definition;
+use pintle_kinematics::mpc::Constraint;
+
+/// What a routine is to be.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// A connector.
+    Connector(Box<Definition>),
+    /// A multi-point constraint.
+    Constraint(Box<Constraint<f64>>),
+}
+
+impl From<&Definition> for Subject {
+    fn from(definition: &Definition) -> Self {
+        Self::Connector(Box::new(definition.clone()))
+    }
+}
+
+impl From<&Constraint<f64>> for Subject {
+    fn from(constraint: &Constraint<f64>) -> Self {
+        Self::Constraint(Box::new(*constraint))
+    }
+}
+
+impl Subject {
+    /// Its type.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Connector(definition) => definition.connection.name.to_string(),
+            Self::Constraint(constraint) => format!("MPC {}", constraint.kind().name()),
+        }
+    }
+}
 
 /// A report, and what it rests on.
 #[derive(Debug)]
@@ -68,11 +106,18 @@ impl Checked {
     }
 }
 
-/// Asks a routine behind a door to be `definition`, and checks what it answers.
+/// Asks a routine behind a door to be a subject, and checks what it answers.
 ///
 /// # Errors
 /// [`Misbehaviour`]: what the routine did that the protocol does not allow.
-pub fn check<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<Checked, Misbehaviour> {
+pub fn check<D: Door>(door: D, subject: &Subject, asked: Asked) -> Result<Checked, Misbehaviour> {
+    match subject {
+        Subject::Connector(definition) => check_connector(door, definition, asked),
+        Subject::Constraint(constraint) => constraint::check(door, constraint, asked),
+    }
+}
+
+fn check_connector<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<Checked, Misbehaviour> {
     let Asked { settings, histories, convention, springs } = asked;
     let mut session = Session::open(door, definition, convention.as_ref(), &springs)?;
     let name = session.name().to_string();

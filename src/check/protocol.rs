@@ -1,11 +1,11 @@
 //! The messages of `pintle-candidate/1`: one JSON document each, in both directions.
 
 use crate::convention::{Convention, Own, Storage};
+use crate::exchange;
 use pintle_audit::{Quantity, Question};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition, State};
-use pintle_kinematics::node::{DOFS, Node, Pair};
-use pintle_kinematics::so3;
+use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::vector::{Vector, add, column, product, transpose};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -43,26 +43,66 @@ pub(crate) struct Hello {
     pub(crate) memory: bool,
 }
 
+/// What may be offered: names with what they are of.
+pub(crate) type Offers = [(&'static str, Quantity)];
+
 impl Hello {
-    /// The quantities offered.
+    /// The quantities offered, of those that are `known`.
     ///
     /// # Errors
     /// In words, what is none.
-    pub(crate) fn offers(&self) -> Result<Vec<Quantity>, String> {
+    pub(crate) fn offers(&self, known: &Offers) -> Result<Vec<Quantity>, String> {
         let of = |name: &String| {
-            let known = OFFERS.iter().find(|(known, _)| known == name).map(|(_, quantity)| *quantity);
-            known.ok_or_else(|| {
-                let names = OFFERS.map(|(name, _)| name).join(", ");
-                format!("its offers name {name:?}; there are {names}")
+            let found = known.iter().find(|(known, _)| known == name).map(|(_, quantity)| *quantity);
+            found.ok_or_else(|| {
+                let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+                format!("its offers name {name:?}; there are {}", names.join(", "))
             })
         };
         self.offers.iter().map(of).collect()
+    }
+
+    /// That its components are among those of these names.
+    ///
+    /// # Errors
+    /// In words, which one is none.
+    pub(crate) fn names_among(&self, known: &[&str]) -> Result<(), String> {
+        let unknown = |name: &&String| !known.contains(&name.as_str());
+        match self.components.iter().flatten().find(unknown) {
+            Some(name) => Err(format!("its components name {name:?}; there are {}", known.join(", "))),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether it has the component of a name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.components.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
     }
 }
 
 /// The name of a quantity in messages.
 pub(crate) fn name(quantity: Quantity) -> &'static str {
-    OFFERS.iter().find(|(_, known)| *known == quantity).map_or("", |(name, _)| name)
+    let friction = crate::friction::OFFERS;
+    let mut all = OFFERS.into_iter().chain(friction);
+    all.find(|(_, known)| *known == quantity).map_or("", |(name, _)| name)
+}
+
+/// How the numbers of an answer are laid out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    /// Components, or equations.
+    pub(crate) rows: usize,
+    /// Degrees of freedom.
+    pub(crate) columns: usize,
+    /// Whether rows are stored as columns.
+    pub(crate) by_columns: bool,
+}
+
+impl Layout {
+    /// By a convention, of so many components or equations.
+    pub(crate) fn of(convention: &Convention, rows: usize, columns: usize) -> Self {
+        Self { rows, columns, by_columns: convention.storage == Storage::Columns }
+    }
 }
 
 /// What a routine answered for one state.
@@ -117,14 +157,7 @@ fn places(pair: &Pair<f64>, definition: &Definition, convention: &Convention) ->
     let node = |now: &Node<f64>, first: &Node<f64>, x: Vector<f64>| {
         let rotation = product(&now.triad, &transpose(&first.triad));
         let place = add(x, now.displacement);
-        json!({
-            "x": place.map(|x| x / convention.length),
-            "u": now.displacement.map(|u| u / convention.length),
-            "triad": directions(now),
-            "quaternion": so3::quaternion(&rotation),
-            "rotation_vector": so3::log(&rotation),
-            "flow": now.flow / convention.length,
-        })
+        exchange::node(place, now.displacement, directions(now), &rotation, now.flow, convention.length)
     };
     [("a", node(&pair.a, &initial.a, [0.0; 3])), ("b", node(&pair.b, &initial.b, initial.reference))]
         .into_iter()
@@ -143,15 +176,13 @@ pub(crate) fn state(
     let mut one = places(&now.pair, definition, convention);
     let has_rates = asked.wants.iter().any(|of| matches!(of, Quantity::Rate | Quantity::Acceleration));
     for (end, name) in ["a", "b"].into_iter().enumerate() {
-        let Some(node) = one.get_mut(name).and_then(Value::as_object_mut) else { continue };
-        node.insert("increment".into(), json!(asked.step.increment.rotation[end]));
+        let Some(node) = one.get_mut(name) else { continue };
+        if let Some(node) = node.as_object_mut() {
+            node.insert("increment".into(), json!(asked.step.increment.rotation[end]));
+        }
         if has_rates {
             for (kind, of) in [("velocity", &now.velocity), ("acceleration", &now.acceleration)] {
-                let of = &of[7 * end..7 * end + 7];
-                let lengths = |x: &[f64]| x.iter().map(|x| x / convention.length).collect::<Vec<f64>>();
-                node.insert(kind.into(), json!(lengths(&of[..3])));
-                node.insert(format!("angular_{kind}"), json!(of[3..6]));
-                node.insert(format!("flow_{kind}"), json!(of[6] / convention.length));
+                exchange::add_rates(node, kind, &of[7 * end..7 * end + 7], convention.length);
             }
         }
     }
@@ -205,7 +236,7 @@ pub(crate) fn excerpt(text: &str) -> String {
 /// In words, what has the wrong shape.
 pub(crate) fn answers(
     object: &Map<String, Value>,
-    convention: &Convention,
+    layout: &dyn Fn(Quantity) -> Layout,
     wants: &[Quantity],
     count: usize,
 ) -> Result<Vec<Answer>, String> {
@@ -214,10 +245,10 @@ pub(crate) fn answers(
         let states = if count == 1 { "one state was" } else { &format!("{count} states were") };
         return Err(format!("\"answers\" has {} items, and {states} asked", answers.len()));
     }
-    answers.iter().map(|one| answer(one, convention, wants)).collect()
+    answers.iter().map(|one| answer(one, layout, wants)).collect()
 }
 
-fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<Answer, String> {
+fn answer(one: &Value, layout: &dyn Fn(Quantity) -> Layout, wants: &[Quantity]) -> Result<Answer, String> {
     let one = one.as_object().ok_or("an item of \"answers\" is no object")?;
     let text = |key: &str| one.get(key).map(|why| why.as_str().map_or_else(|| why.to_string(), String::from));
     if let Some(why) = text("error") {
@@ -226,30 +257,22 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
     if let Some(why) = text("out_of_domain") {
         return Ok(Answer::OutOfDomain(excerpt(&why)));
     }
-    let width = convention.columns.len();
-    debug_assert!(width <= DOFS);
     let mut own = Own { given: Vec::new(), memory: one.get("memory").cloned() };
     for quantity in wants {
         let name = name(*quantity);
         let Some(given) = one.get(name).filter(|given| !given.is_null()) else { continue };
-        let mut of: Components<Vec<f64>> = [const { None }; 6];
-        let by_columns = convention.storage == Storage::Columns;
-        match quantity.entries() {
-            _ if *quantity == Quantity::ElementForces => {
+        let Layout { rows, columns: width, by_columns } = layout(*quantity);
+        let mut of: Vec<Option<Vec<f64>>> = vec![None; rows];
+        match quantity {
+            Quantity::ElementForces => {
                 let entries = list(given, width, &format!("{name:?}"))?.iter().enumerate();
                 let entry = |(j, x)| Ok(number(x, &format!("{name:?}[{j}]"))?.unwrap_or(0.0));
                 of[0] = Some(entries.map(entry).collect::<Result<_, String>>()?);
             }
-            _ if *quantity == Quantity::ElementStiffness => {
-                of[0] = Some(matrix(given, width, name)?);
-            }
-            1 => {
-                for (k, value) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
-                    of[k] = number(value, &format!("{name:?}[{k}]"))?.map(|x| vec![x]);
-                }
-            }
-            DOFS => {
-                let (outer, inner) = if by_columns { (width, 6) } else { (6, width) };
+            Quantity::ElementStiffness => of[0] = Some(matrix(given, width, name)?),
+            Quantity::FirstDerivatives | Quantity::NodalForces | Quantity::FrictionGradient
+            | Quantity::FrictionTangent => {
+                let (outer, inner) = if by_columns { (width, rows) } else { (rows, width) };
                 for (i, j, x) in table(given, outer, inner, name)? {
                     let (k, column) = if by_columns { (j, i) } else { (i, j) };
                     if let Some(x) = x {
@@ -257,11 +280,16 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
                     }
                 }
             }
-            _ => {
-                for (k, given) in list(given, 6, &format!("{name:?}"))?.iter().enumerate() {
+            Quantity::SecondDerivatives | Quantity::GeometricStiffness => {
+                for (k, given) in list(given, rows, &format!("{name:?}"))?.iter().enumerate() {
                     if !given.is_null() {
                         of[k] = Some(matrix(given, width, &format!("{name}[{k}]"))?);
                     }
+                }
+            }
+            _ => {
+                for (k, value) in list(given, rows, &format!("{name:?}"))?.iter().enumerate() {
+                    of[k] = number(value, &format!("{name:?}[{k}]"))?.map(|x| vec![x]);
                 }
             }
         }

@@ -25,9 +25,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod constraint;
 mod element;
 mod given;
 
+pub use constraint::ConstraintCandidate;
 pub use given::{Given, Question, Tangent};
 
 use crate::case::quantity::{Entries, Quantity};

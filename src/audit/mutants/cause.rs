@@ -19,7 +19,7 @@ macro_rules! causes {
             }
 
             /// What the numbers equal.
-            pub(super) const fn relation(self) -> &'static str {
+            pub(crate) const fn relation(self) -> &'static str {
                 match self { $(Self::$variant => $relation),+ }
             }
 

@@ -10,6 +10,7 @@ use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
+use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
 use pintle_scene::Label;
@@ -60,8 +61,8 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 #[command(after_long_help = HELP)]
 #[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header"])))]
 pub(crate) struct Check {
-    /// A connection type, or two basic ones in quotes; or a connector of a scene, SCENE:ELEMENT
-    #[arg(value_name = "TYPE|SCENE:ELEMENT", required_unless_present = "header")]
+    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT; or a constraint, "MPC KIND"
+    #[arg(value_name = "TYPE|SCENE:ELEMENT|MPC KIND", required_unless_present = "header")]
     of: Option<String>,
     /// The command that starts the routine, for a shell
     #[arg(long, value_name = "COMMAND")]
@@ -183,13 +184,31 @@ pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
     Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
 }
 
-/// The connector that a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, or a connector of a scene,
-/// `SCENE:ELEMENT`.
+/// The multi-point constraint of a kind: nodes that are apart, along no global axis, and axes of hinges at a right angle.
+fn constraint(kind: &str) -> Result<Constraint<f64>, Failure> {
+    let kind = Kind::named(kind).ok_or_else(|| {
+        let kinds: Vec<&str> = Kind::ALL.into_iter().map(Kind::name).collect();
+        Failure::Usage(format!("there is no MPC {kind}; there are {}", kinds.join(", ")))
+    })?;
+    let hinges = [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]];
+    Ok(Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], hinges))
+}
+
+/// What a routine is to be, as the command line names it.
+fn found(name: &str) -> Result<pintle_check::Subject, Failure> {
+    match name.trim().split_once(char::is_whitespace) {
+        Some((word, kind)) if word.eq_ignore_ascii_case("MPC") => Ok((&constraint(kind.trim())?).into()),
+        _ => Ok((&named(name)?.definition).into()),
+    }
+}
+
+/// What a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, a connector of a scene, `SCENE:ELEMENT`, or
+/// a multi-point constraint, `MPC KIND`.
 ///
 /// # Errors
 /// In words, where there is none of that name.
-pub fn subject(name: &str) -> Result<Definition, String> {
-    named(name).map(|subject| subject.definition).map_err(|failure| failure.to_string())
+pub fn subject(name: &str) -> Result<pintle_check::Subject, String> {
+    found(name).map_err(|failure| failure.to_string())
 }
 
 /// The conventions that a file declares.
@@ -227,7 +246,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     if arguments.header {
         return Ok(io::stdout().lock().write_all(pintle_element::HEADER.as_bytes())?);
     }
-    let Subject { definition, .. } = named(arguments.of.as_deref().unwrap_or_default())?;
+    let subject = found(arguments.of.as_deref().unwrap_or_default())?;
     let convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
@@ -246,13 +265,12 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     let springs = arguments.springs.unwrap_or_default();
     let asked = Asked { settings, histories: arguments.histories, convention, springs };
     let checked = Process::start(&command, patience)
-        .and_then(|process| pintle_check::check(process, &definition, asked));
+        .and_then(|process| pintle_check::check(process, &subject, asked));
     let checked = checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
     let notes = checked.notes();
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
-        let of = definition.connection.name.as_ref();
-        pintle_report::audit::checked(&mut out, &checked.report, of, &notes, page_width(&io::stdout()))?;
+        pintle_report::audit::checked(&mut out, &checked.report, &subject.name(), &notes, page_width(&io::stdout()))?;
         out.flush()?;
     } else {
         notes.iter().for_each(|note| complain("note", note));
