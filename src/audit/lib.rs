@@ -33,13 +33,13 @@ pub mod settings;
 mod share;
 pub mod singular;
 
-pub use candidate::{Candidate, ConstraintCandidate, Given, Question, Tangent};
+pub use candidate::{Candidate, ConstraintCandidate, FrictionCandidate, Given, Question, Tangent};
 pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;
 pub use case::quantity::{Entries, Numbers, Quantity};
 pub use case::{Case, Step};
 pub use engine::{audit_case, audit_cases, audit_catalogue};
-pub use friction::friction_cases;
+pub use friction::{FrictionNumbers, FrictionSubject, friction_cases};
 pub use illustration::{Illustration, Steps, illustrate_catalogue, illustrate_scene};
 pub use judge::bound::{Bound, C};
 pub use judge::comparison::{Compared, Comparison};

@@ -28,7 +28,7 @@ pub use protocol::{OFFERS, PROTOCOL};
 pub use python::{DRIVER, command as python_command};
 pub use session::{Door, Session};
 
-use pintle_audit::{Candidate, Question, Report, Settings};
+use pintle_audit::{Candidate, FrictionSubject, Question, Report, Settings};
 use pintle_kinematics::connector::Definition;
 use pintle_kinematics::mpc::Constraint;
 
@@ -39,6 +39,8 @@ pub enum Subject {
     Connector(Box<Definition>),
     /// A multi-point constraint.
     Constraint(Box<Constraint<f64>>),
+    /// A friction.
+    Friction(Box<FrictionSubject>),
 }
 
 impl From<&Definition> for Subject {
@@ -53,12 +55,19 @@ impl From<&Constraint<f64>> for Subject {
     }
 }
 
+impl From<FrictionSubject> for Subject {
+    fn from(friction: FrictionSubject) -> Self {
+        Self::Friction(Box::new(friction))
+    }
+}
+
 impl Subject {
     /// Its type.
     pub fn name(&self) -> String {
         match self {
             Self::Connector(definition) => definition.connection.name.to_string(),
             Self::Constraint(constraint) => format!("MPC {}", constraint.kind().name()),
+            Self::Friction(friction) => format!("FRICTION {}", friction.name),
         }
     }
 }
@@ -114,6 +123,7 @@ pub fn check<D: Door>(door: D, subject: &Subject, asked: Asked) -> Result<Checke
     match subject {
         Subject::Connector(definition) => check_connector(door, definition, asked),
         Subject::Constraint(constraint) => constraint::check(door, constraint, asked),
+        Subject::Friction(friction) => friction::check(door, friction, asked),
     }
 }
 

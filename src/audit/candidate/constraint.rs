@@ -1,22 +1,18 @@
 //! Somebody else's multi-point constraint: a function from a state to residuals and a Jacobian, judged like the product's own.
 
 use crate::case::failing::MpcCase;
+use crate::candidate::tables::Tables;
 use crate::case::quantity::Quantity;
-use crate::engine::checks_of;
-use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
-use crate::judge::table::ResultTable;
-use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
+use crate::judge::outcome::Report;
 use crate::mpc::ConstraintNumbers;
-use crate::mutants::diagnosis::diagnose_tables;
 use crate::oracles::certificate::certificate_of_mpc;
-use crate::oracles::oracle::Oracle;
 use crate::sampling::cube_orientations;
 use crate::settings::Settings;
 use crate::share::spread;
 use pintle_kinematics::connector::Turns;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::mpc::{
-    Body, Constraint, Dofs, FLOW, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Translation,
+    Body, Constraint, Dofs, PSI_M, PSI_S, ROWS, State, THETA_M, THETA_S, Translation,
     Turning, XM, XS,
 };
 use pintle_kinematics::scalar::elementary::norm;
@@ -28,9 +24,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How many states are asked for at once.
 const AT_ONCE: usize = 32;
-
-/// Of how many states wrong numbers are kept, to say why they are.
-const KEPT: usize = 16;
 
 /// A routine to be checked against one multi-point constraint.
 ///
@@ -219,85 +212,44 @@ impl<'a> ConstraintCandidate<'a> {
             given.extend(asked.iter().map(|_| answers.next().flatten()));
         }
         let proves = spread(cases.len(), self.settings.wide_states);
-        let judged: Vec<(Vec<Check>, Vec<ResultTable>)> = cases
+        let judged: Vec<Tables> = cases
             .par_iter()
             .zip(given)
             .enumerate()
             .filter_map(|(i, (case, given))| Some(self.judge(case, given?, proves.contains(&i))))
             .collect();
-        let mut checks = Vec::new();
-        let mut wrong: Vec<ResultTable> = Vec::new();
-        for (of_state, tables) in judged {
-            checks_of(&mut checks, of_state);
-            wrong.extend(tables);
-        }
-        for check in &mut checks {
-            let of_quantity = wrong.iter().filter(|table| Some(table.quantity) == check.quantity);
-            let tables: Vec<&ResultTable> = of_quantity.collect();
-            let kept: Vec<&ResultTable> =
-                spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
-            if !kept.is_empty() {
-                check.diagnosis = diagnose_tables(&kept).map(Box::new);
-            }
-        }
-        let expected = Expected::numbers(&self.offers);
         let certificate = certificate_of_mpc(self.constraint.kind());
-        let mut subject =
-            Subject::new(self.name.to_string(), certificate, cases.len() as u64, checks, &expected);
-        // A formula is judged state by state, by values where there are any.
-        let of = |quantity| subject.checks.iter().find(|check| check.quantity == Some(quantity));
-        let formula = of(Quantity::Value).or_else(|| of(Quantity::FirstDerivatives));
-        subject.formula = formula.map_or(Verdict::Undecided, |check| check.verdict);
-        Ok(Report {
-            version: pintle_kinematics::VERSION,
-            settings: self.settings.clone(),
-            constant: crate::C,
-            subjects: vec![subject],
-            sampled: Vec::new(),
-            atlas: Vec::new(),
-            models: Vec::new(),
-        })
+        let formulas = [Quantity::Value, Quantity::FirstDerivatives];
+        let about = (&self.settings, cases.len());
+        Ok(Tables::merged(judged).report(self.name, about, certificate, &self.offers, &formulas))
     }
 
-    /// What a routine gives at a state: checks, and the tables of what is wrong.
-    fn judge(&self, case: &MpcCase, given: ConstraintNumbers, proves: bool) -> (Vec<Check>, Vec<ResultTable>) {
-        let kind = self.constraint.kind();
-        let (mut checks, mut wrong) = (Vec::new(), Vec::new());
-        let against = Against::Oracle(Oracle::WideDifferences);
-        let has = self.offers.iter().map(|quantity| (*quantity, given.has(*quantity)));
-        let has: Vec<(Quantity, [bool; ROWS])> = has.collect();
+    /// What a routine gives at a state.
+    fn judge(&self, case: &MpcCase, given: ConstraintNumbers, proves: bool) -> Tables {
+        let (kind, rows) = (self.constraint.kind(), self.constraint.rows());
+        let mut found = Tables::default();
+        let has: Vec<(Quantity, [bool; ROWS])> =
+            self.offers.iter().map(|quantity| (*quantity, given.has(*quantity))).collect();
         let mut tables = case.tables_given(given, &self.equations, proves);
         for (quantity, has) in has {
-            let mut misplaced = |entry: String| {
-                let worst = Some(Finding::new(entry, [f64::NAN; 2], 0.0, f64::INFINITY));
-                let mut check = Check::new(Some(quantity), against);
-                let judgement = Judgement { verdict: Verdict::Wrong, worst, compared: 1 };
-                check.add_at(judgement, Score::default(), &case.name, None);
-                checks.push(check);
-            };
-            let rows = self.constraint.rows();
             if let Some(row) = self.equations.iter().find(|row| !has[**row]) {
-                misplaced(format!("{} of {} is missing", quantity.name(), kind.row_name(*row)));
+                let entry = format!("{} of {} is missing", quantity.name(), kind.row_name(*row));
+                found.misplaced(quantity, entry, &case.name);
                 continue;
             }
             if let Some(row) = (0..ROWS).find(|row| has[*row] && !rows[*row]) {
-                let name = if row < RHO || row == FLOW { kind.row_name(row) } else { "ρ" };
-                misplaced(format!("{name} is given, and MPC {} has no such equation", kind.name()));
+                let name = kind.row_name(row);
+                let entry = format!("{name} is given, and MPC {} has no such equation", kind.name());
+                found.misplaced(quantity, entry, &case.name);
                 continue;
             }
             let Some(at) = tables.iter().position(|table| table.quantity == quantity) else { continue };
-            let mut table = tables.swap_remove(at);
-            let mut check = table.check(proves, &case.name, None);
-            let is_lost = check.verdict == Verdict::Invalid;
-            if check.verdict == Verdict::Wrong || is_lost {
+            found.see(tables.swap_remove(at), (&case.name, proves), |table| {
                 if !proves {
-                    case.explain(std::slice::from_mut(&mut table), &self.equations);
+                    case.explain(std::slice::from_mut(table), &self.equations);
                 }
-                wrong.push(table);
-            }
-            check.diagnosis = None;
-            checks.push(check);
+            });
         }
-        (checks, wrong)
+        found
     }
 }

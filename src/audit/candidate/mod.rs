@@ -27,9 +27,12 @@
 
 mod constraint;
 mod element;
+mod friction;
 mod given;
+mod tables;
 
 pub use constraint::ConstraintCandidate;
+pub use friction::FrictionCandidate;
 pub use given::{Given, Question, Tangent};
 
 use crate::case::quantity::{Entries, Quantity};

@@ -1,5 +1,6 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
+use crate::case::quantity::Quantity;
 use crate::judge::table::{Convention, ResultTable};
 use crate::mutants::diagnosis::matching::{AtState, Cell, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
@@ -16,7 +17,14 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     let words = TableWords { table, width: table.width() };
     let is_finite = |table: &&&ResultTable| table.entries.iter().all(|entry| entry.got.is_finite());
     let states = tables.iter().filter(is_finite).map(|table| at_state(table)).collect();
-    let matching = Matching { states, regions: Vec::new(), has_offsets: false, words: &words };
+    // One constant may put off a row, or all of it, wherever several states tell that it is one.
+    let rows = (0..table.rows.len()).map(|row| (0..words.width).map(|j| (row, j)).collect());
+    let mut regions: Vec<Vec<Cell>> = if tables.len() > 1 { rows.collect() } else { Vec::new() };
+    if regions.len() > 1 {
+        regions.push(regions.concat());
+    }
+    let has_offsets = tables.len() > 1 && table.quantity == Quantity::Value;
+    let matching = Matching { states, regions, has_offsets, words: &words };
     let found = matching.diagnosis();
     let lost: Vec<_> = tables.iter().filter(|table| !is_finite(table)).collect();
     if lost.is_empty() {
