@@ -1,10 +1,9 @@
 //! A routine that is to be a multi-point constraint.
 
 use crate::convention::{COLUMNS, Convention, Own, Turned};
-use crate::exchange::{self, Exchange};
-use crate::process::Misbehaviour;
+use crate::exchange::Exchange;
+use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Layout};
-use crate::session::Door;
 use crate::{Asked, Checked};
 use pintle_audit::{ConstraintCandidate, ConstraintNumbers, MpcCase, Quantity};
 use pintle_kinematics::measure::Unit;
@@ -147,10 +146,10 @@ impl Reader {
             let place = add(at, body.displacement);
             let triad = transpose(&body.rotation);
             let mut node =
-                exchange::node(place, body.displacement, triad, &body.rotation, body.flow, length);
+                protocol::node_of(place, body.displacement, triad, &body.rotation, body.flow, length);
             if has_rates {
                 for (kind, of) in [("velocity", &state.velocity), ("acceleration", &state.acceleration)] {
-                    exchange::add_rates(&mut node, kind, &of[from..from + 7], length);
+                    protocol::add_rates(&mut node, kind, &of[from..from + 7], length);
                 }
             }
             node

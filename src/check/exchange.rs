@@ -1,11 +1,10 @@
 //! Messages with a routine, whatever it is to be: hello, open, evaluate, close.
 
-use crate::convention::Convention;
-use crate::process::Misbehaviour;
+use crate::convention::{Convention, Own};
+use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Answer, Hello, Layout, Offers, PROTOCOL};
-use crate::session::Door;
 use pintle_audit::Quantity;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// A routine that was greeted.
 #[derive(Debug)]
@@ -120,7 +119,7 @@ impl<D: Door> Exchange<D> {
         wants: &[Quantity],
         states: Vec<Value>,
         layout: &dyn Fn(Quantity) -> Layout,
-    ) -> Result<Vec<Option<crate::convention::Own>>, Misbehaviour> {
+    ) -> Result<Vec<Option<Own>>, Misbehaviour> {
         let first = states.first().cloned();
         let answers = self.evaluate(wants, states, layout)?;
         if let (Some(state), Some(answer), None) = (first, answers.first(), &self.first) {
@@ -155,33 +154,4 @@ impl<D: Door> Exchange<D> {
         self.door.send(&protocol::close(), "end")?;
         self.door.close()
     }
-}
-
-/// A place, rotation and flow of a node, lengths in a routine's unit.
-pub(crate) fn node(
-    place: [f64; 3],
-    displacement: [f64; 3],
-    triad: [[f64; 3]; 3],
-    rotation: &pintle_kinematics::vector::Matrix<f64>,
-    flow: f64,
-    length: f64,
-) -> Value {
-    use pintle_kinematics::so3;
-    json!({
-        "x": place.map(|x| x / length),
-        "u": displacement.map(|u| u / length),
-        "triad": triad,
-        "quaternion": so3::quaternion(rotation),
-        "rotation_vector": so3::log(rotation),
-        "flow": flow / length,
-    })
-}
-
-/// Adds the rates of a node, seven of each kind: of x, rotation and flow.
-pub(crate) fn add_rates(node: &mut Value, kind: &str, of: &[f64], length: f64) {
-    let Some(node) = node.as_object_mut() else { return };
-    let lengths = |x: &[f64]| x.iter().map(|x| x / length).collect::<Vec<f64>>();
-    node.insert(kind.into(), json!(of.get(..3).map(lengths)));
-    node.insert(format!("angular_{kind}"), json!(of.get(3..6)));
-    node.insert(format!("flow_{kind}"), json!(of.get(6).map(|x| x / length)));
 }

@@ -2,23 +2,14 @@
 
 use crate::convention::{Convention, Own, Storage};
 use crate::exchange::Exchange;
-use crate::process::Misbehaviour;
-use crate::protocol::Layout;
-use crate::session::Door;
+use crate::process::{Door, Misbehaviour};
+use crate::protocol::{Layout, OF_FRICTION};
 use crate::{Asked, Checked};
 use pintle_audit::friction::Told;
 use pintle_audit::{FrictionCandidate, FrictionNumbers, FrictionSubject, Quantity};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_model::behavior::friction::StickStiffness;
 use serde_json::{Map, Value, json};
-
-/// What may be offered.
-pub(crate) const OFFERS: [(&str, Quantity); 4] = [
-    ("criterion", Quantity::FrictionCriterion),
-    ("gradients", Quantity::FrictionGradient),
-    ("friction_forces", Quantity::FrictionForce),
-    ("friction_tangent", Quantity::FrictionTangent),
-];
 
 /// How the numbers of a quantity are laid out.
 fn layout(quantity: Quantity, by_columns: bool) -> Layout {
@@ -104,7 +95,7 @@ pub(crate) fn check<D: Door>(
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
     let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
-    let offers = exchange.offers(&OFFERS)?;
+    let offers = exchange.offers(&OF_FRICTION)?;
     let Convention { storage, .. } = exchange.hello.convention;
     if exchange.hello.convention != (Convention { storage, ..Convention::default() }) {
         return Err(Misbehaviour::BadConvention(
@@ -123,7 +114,7 @@ pub(crate) fn check<D: Door>(
         outside += given.iter().filter(|given| given.is_none()).count() as u64;
         Ok::<_, Misbehaviour>(given.iter().map(|own| own.as_ref().map(read)).collect())
     })?;
-    let lacking = OFFERS.iter().filter(|(_, of)| !offers.contains(of)).map(|(name, _)| *name);
+    let lacking = OF_FRICTION.iter().filter(|(_, of)| !offers.contains(of)).map(|(name, _)| *name);
     let not_offered = lacking.collect();
     exchange.ask_again(&laid)?;
     let requests = exchange.asked();

@@ -23,10 +23,10 @@ mod python;
 mod session;
 
 pub use convention::{Angle, Convention, Frame, Stiffness, Storage, Turns, Variation};
-pub use process::{Misbehaviour, Patience, Process};
+pub use process::{Door, Misbehaviour, Patience, Process};
 pub use protocol::{OFFERS, PROTOCOL};
 pub use python::{DRIVER, command as python_command};
-pub use session::{Door, Session};
+pub use session::Session;
 
 use pintle_audit::{Candidate, FrictionSubject, Question, Report, Settings};
 use pintle_kinematics::connector::Definition;

@@ -1,12 +1,12 @@
 //! The messages of `pintle-candidate/1`: one JSON document each, in both directions.
 
 use crate::convention::{Convention, Own, Storage};
-use crate::exchange;
 use pintle_audit::{Quantity, Question};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition, State};
 use pintle_kinematics::node::{Node, Pair};
-use pintle_kinematics::vector::{Vector, add, column, product, transpose};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{Matrix, Vector, add, column, product, transpose};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -24,6 +24,14 @@ pub const OFFERS: [(&str, Quantity); 9] = [
     ("geometric_stiffness", Quantity::GeometricStiffness),
     ("element_forces", Quantity::ElementForces),
     ("element_stiffness", Quantity::ElementStiffness),
+];
+
+/// What a friction may offer.
+pub(crate) const OF_FRICTION: [(&str, Quantity); 4] = [
+    ("criterion", Quantity::FrictionCriterion),
+    ("gradients", Quantity::FrictionGradient),
+    ("friction_forces", Quantity::FrictionForce),
+    ("friction_tangent", Quantity::FrictionTangent),
 ];
 
 /// What a routine says first.
@@ -82,8 +90,7 @@ impl Hello {
 
 /// The name of a quantity in messages.
 pub(crate) fn name(quantity: Quantity) -> &'static str {
-    let friction = crate::friction::OFFERS;
-    let mut all = OFFERS.into_iter().chain(friction);
+    let mut all = OFFERS.into_iter().chain(OF_FRICTION);
     all.find(|(_, known)| *known == quantity).map_or("", |(name, _)| name)
 }
 
@@ -157,12 +164,40 @@ fn places(pair: &Pair<f64>, definition: &Definition, convention: &Convention) ->
     let node = |now: &Node<f64>, first: &Node<f64>, x: Vector<f64>| {
         let rotation = product(&now.triad, &transpose(&first.triad));
         let place = add(x, now.displacement);
-        exchange::node(place, now.displacement, directions(now), &rotation, now.flow, convention.length)
+        node_of(place, now.displacement, directions(now), &rotation, now.flow, convention.length)
     };
     [("a", node(&pair.a, &initial.a, [0.0; 3])), ("b", node(&pair.b, &initial.b, initial.reference))]
         .into_iter()
         .map(|(name, node)| (name.to_string(), node))
         .collect()
+}
+
+/// A place, rotation and flow of a node, lengths in a routine's unit.
+pub(crate) fn node_of(
+    place: Vector<f64>,
+    displacement: Vector<f64>,
+    triad: [Vector<f64>; 3],
+    rotation: &Matrix<f64>,
+    flow: f64,
+    length: f64,
+) -> Value {
+    json!({
+        "x": place.map(|x| x / length),
+        "u": displacement.map(|u| u / length),
+        "triad": triad,
+        "quaternion": so3::quaternion(rotation),
+        "rotation_vector": so3::log(rotation),
+        "flow": flow / length,
+    })
+}
+
+/// Adds the rates of a node, seven of each kind: of x, rotation and flow.
+pub(crate) fn add_rates(node: &mut Value, kind: &str, of: &[f64], length: f64) {
+    let Some(node) = node.as_object_mut() else { return };
+    let lengths = |x: &[f64]| x.iter().map(|x| x / length).collect::<Vec<f64>>();
+    node.insert(kind.into(), json!(of.get(..3).map(lengths)));
+    node.insert(format!("angular_{kind}"), json!(of.get(3..6)));
+    node.insert(format!("flow_{kind}"), json!(of.get(6).map(|x| x / length)));
 }
 
 /// One state of a request: what it is, what was before, what the routine kept.
@@ -182,7 +217,7 @@ pub(crate) fn state(
         }
         if has_rates {
             for (kind, of) in [("velocity", &now.velocity), ("acceleration", &now.acceleration)] {
-                exchange::add_rates(node, kind, &of[7 * end..7 * end + 7], convention.length);
+                add_rates(node, kind, &of[7 * end..7 * end + 7], convention.length);
             }
         }
     }

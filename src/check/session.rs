@@ -2,42 +2,13 @@
 
 use crate::convention::{Convention, Turns};
 use crate::exchange::Exchange;
-use crate::process::Misbehaviour;
+use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Answer, Layout};
 use pintle_audit::{Given, Quantity, Question, Step, Tangent};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition};
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
-
-/// What carries messages to a routine and back: nothing of the protocol is known to it.
-pub trait Door {
-    /// Sends one message. `due` says what for, in a sentence: "the process ended when it was to …".
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour>;
-
-    /// The next message.
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    fn receive(&mut self, due: &'static str) -> Result<Map<String, Value>, Misbehaviour>;
-
-    /// That nothing came which was not asked for.
-    ///
-    /// # Errors
-    /// [`Misbehaviour::Unasked`].
-    fn is_silent(&mut self) -> Result<(), Misbehaviour> {
-        Ok(())
-    }
-
-    /// After the last message.
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    fn close(self) -> Result<(), Misbehaviour>;
-}
 
 /// A routine that was greeted and opened.
 #[derive(Debug)]

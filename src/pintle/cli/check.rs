@@ -228,7 +228,7 @@ fn friction(name: &str) -> Result<FrictionSubject, Failure> {
     };
     let definition = connector.definition();
     let length = Some(norm(definition.initial.reference)).filter(|length| *length > 0.0).unwrap_or(1.0);
-    FrictionSubject::new(of.to_string(), definition.connection, friction.clone(), length).map_err(Failure::Usage)
+    FrictionSubject::new(of.to_string(), (*definition.connection).clone(), friction.clone(), length).map_err(Failure::Usage)
 }
 
 /// The place of the one connector that an element names.
