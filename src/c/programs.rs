@@ -30,7 +30,8 @@ fn run(compiler: &str, sources: &[&str], name: &str) -> Option<Vec<String>> {
     command.arg(format!("-Wl,-rpath,{}", library.display()));
     let built = command.output().expect("the compiler runs");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let output = Command::new(folder.join("program")).current_dir(&folder).output().expect("the program runs");
+    let output =
+        Command::new(folder.join("program")).current_dir(&folder).output().expect("the program runs");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
     Some(said.lines().map(String::from).collect())
@@ -60,8 +61,10 @@ fn c_gets_what_a_connector_gives() {
 #[test]
 fn fortran_gets_what_a_connector_gives() {
     let Some(lines) = run("gfortran", &["pintle.f90", "example.f90"], "fortran") else { return };
-    let numbers: Vec<f64> =
-        lines.iter().map(|line| line.rsplit(' ').next().and_then(|x| x.parse().ok()).expect("a number")).collect();
+    let numbers: Vec<f64> = lines
+        .iter()
+        .map(|line| line.rsplit(' ').next().and_then(|x| x.parse().ok()).expect("a number"))
+        .collect();
     assert_eq!(numbers.len(), 2, "{lines:?}");
     assert!((numbers[0] - 0.5).abs() < 1e-14 && (numbers[1] - 1.0).abs() < 1e-14, "{lines:?}");
 }

@@ -98,9 +98,8 @@ impl Reader {
         let mut given = ConstraintNumbers::default();
         for (quantity, of) in &own.given {
             let row_of = |row: usize| of.get(row).and_then(Option::as_ref);
-            let scalars = || -> Rows<f64> {
-                std::array::from_fn(|row| Some(row_of(row)?.first()? * self.unit(row)))
-            };
+            let scalars =
+                || -> Rows<f64> { std::array::from_fn(|row| Some(row_of(row)?.first()? * self.unit(row))) };
             given = match quantity {
                 Quantity::Value => given.values(scalars()),
                 Quantity::Rate => given.rates(scalars()),
@@ -187,7 +186,8 @@ pub(crate) fn check<D: Door>(
     let names: Vec<&str> = (0..ROWS).filter(|row| rows[*row]).map(|row| kind.row_name(row)).collect();
     exchange.hello.names_among(&names).map_err(Misbehaviour::BadHello)?;
     exchange.open(&reader.open())?;
-    let offered: [bool; ROWS] = std::array::from_fn(|row| rows[row] && exchange.hello.has(kind.row_name(row)));
+    let offered: [bool; ROWS] =
+        std::array::from_fn(|row| rows[row] && exchange.hello.has(kind.row_name(row)));
     let name = exchange.hello.name.clone();
     let candidate = ConstraintCandidate::new(&name, constraint)
         .settings(asked.settings)

@@ -305,7 +305,9 @@ fn answer(one: &Value, layout: &dyn Fn(Quantity) -> Layout, wants: &[Quantity]) 
                 of[0] = Some(entries.map(entry).collect::<Result<_, String>>()?);
             }
             Quantity::ElementStiffness => of[0] = Some(matrix(given, width, name)?),
-            Quantity::FirstDerivatives | Quantity::NodalForces | Quantity::FrictionGradient
+            Quantity::FirstDerivatives
+            | Quantity::NodalForces
+            | Quantity::FrictionGradient
             | Quantity::FrictionTangent => {
                 let (outer, inner) = if by_columns { (width, rows) } else { (rows, width) };
                 for (i, j, x) in table(given, outer, inner, name)? {

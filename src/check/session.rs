@@ -138,7 +138,9 @@ impl<'a, D: Door> Session<'a, D> {
                 Some(Answer::Given(own)) => {
                     self.memories.extend(own.memory.map(|memory| (asked.number, memory)));
                 }
-                Some(Answer::Error(why)) => return Err(Misbehaviour::Failed { id: self.exchange.asked(), why }),
+                Some(Answer::Error(why)) => {
+                    return Err(Misbehaviour::Failed { id: self.exchange.asked(), why });
+                }
                 _ => {}
             }
         }

@@ -196,7 +196,8 @@ fn asked(folder: &Path, of: &str, wrong: &str, door: &[&str]) -> (i32, Said) {
     let output = command.current_dir(folder).env("WRONG", wrong).env("OF", kind).output().unwrap();
     let code = output.status.code().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr).to_string();
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|why| panic!("{of} {wrong}: {why}: {errors}"));
+    let report: Value =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|why| panic!("{of} {wrong}: {why}: {errors}"));
     let mut said = Said::new();
     for check in report["subjects"][0]["checks"].as_array().unwrap() {
         let entry = said.entry(check["quantity"].as_str().unwrap().to_string()).or_default();
@@ -224,7 +225,16 @@ fn every_door_says_the_same() {
     let folder = folder();
     for name in ["CARTESIAN", "PIN", "SLIDE"] {
         let built = Command::new("cc")
-            .args(["-shared", "-fPIC", "-O1", &format!("-D{name}"), "-o", &format!("{name}.so"), "mine.c", "-lm"])
+            .args([
+                "-shared",
+                "-fPIC",
+                "-O1",
+                &format!("-D{name}"),
+                "-o",
+                &format!("{name}.so"),
+                "mine.c",
+                "-lm",
+            ])
             .current_dir(&folder)
             .output()
             .unwrap();
@@ -243,7 +253,8 @@ fn every_door_says_the_same() {
         let (code, said) = &by_lines;
         assert_eq!(*code, i32::from(cause.is_some()), "{of} {wrong}: {said:?}");
         let is_told = |cause: &str| {
-            said.values().any(|(_, told)| told.iter().any(|told| told.contains(&format!("[diagnosis::{cause}]"))))
+            said.values()
+                .any(|(_, told)| told.iter().any(|told| told.contains(&format!("[diagnosis::{cause}]"))))
         };
         assert!(cause.is_none_or(is_told), "{of} {wrong}: {cause:?} is not among {said:#?}");
         assert_eq!(by_lines, by_python, "{of} {wrong}: JSON lines and Python");

@@ -1,7 +1,7 @@
 //! Somebody else's multi-point constraint: a function from a state to residuals and a Jacobian, judged like the product's own.
 
-use crate::case::failing::MpcCase;
 use crate::candidate::tables::Tables;
+use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::outcome::Report;
 use crate::mpc::ConstraintNumbers;
@@ -12,8 +12,7 @@ use crate::share::spread;
 use pintle_kinematics::connector::Turns;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::mpc::{
-    Body, Constraint, Dofs, PSI_M, PSI_S, ROWS, State, THETA_M, THETA_S, Translation,
-    Turning, XM, XS,
+    Body, Constraint, Dofs, PSI_M, PSI_S, ROWS, State, THETA_M, THETA_S, Translation, Turning, XM, XS,
 };
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3::turn;
@@ -189,9 +188,8 @@ impl<'a> ConstraintCandidate<'a> {
 
     /// Draws states and checks what the routine gives there.
     pub fn check(&self, routine: impl Fn(&MpcCase) -> ConstraintNumbers) -> Report {
-        let answers = |asked: &[&MpcCase]| {
-            Ok::<_, Infallible>(asked.iter().map(|case| Some(routine(case))).collect())
-        };
+        let answers =
+            |asked: &[&MpcCase]| Ok::<_, Infallible>(asked.iter().map(|case| Some(routine(case))).collect());
         let Ok(report) = self.try_check(answers);
         report
     }

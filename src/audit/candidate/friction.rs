@@ -169,7 +169,9 @@ impl<'a> FrictionCandidate<'a> {
         for table in case.tables_of_subject(&self.offers) {
             let quantity = table.quantity;
             match case.put(table, given) {
-                Ok(table) => found.see(table, (case.name(), proves), |table| case.explain(table, self.subject)),
+                Ok(table) => {
+                    found.see(table, (case.name(), proves), |table| case.explain(table, self.subject))
+                }
                 Err(missing) => {
                     found.misplaced(quantity, format!("{missing} is missing"), case.name());
                 }

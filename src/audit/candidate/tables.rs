@@ -77,8 +77,7 @@ impl Tables {
         formulas: &[Quantity],
     ) -> Report {
         let expected = Expected::numbers(offers);
-        let mut subject =
-            Subject::new(name.to_string(), certificate, states as u64, self.checks, &expected);
+        let mut subject = Subject::new(name.to_string(), certificate, states as u64, self.checks, &expected);
         let of = |quantity: &Quantity| subject.checks.iter().find(|check| check.quantity == Some(*quantity));
         let formula = formulas.iter().find_map(of);
         subject.formula = formula.map_or(Verdict::Undecided, |check| check.verdict);

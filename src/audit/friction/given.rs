@@ -8,7 +8,7 @@ use crate::judge::table::{Change, Convention, ResultTable};
 use crate::mutants::diagnosis::Cause;
 use pintle_kinematics::catalog::{ConnectionType, Contact};
 use pintle_model::behavior::friction::{
-    Branch, Coefficient, Criterion, Friction, Status, StickStiffness, Tangential,
+    Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential,
 };
 
 /// What a routine gives of a friction at a state; `None` for what it has not.
@@ -55,14 +55,20 @@ impl FrictionSubject {
         length: f64,
     ) -> Result<Self, String> {
         let Coefficient::Constant(coefficient) = friction.coefficient else {
-            return Err(format!("the coefficient of the friction of {name} is a table or decays: give a number"));
+            return Err(format!(
+                "the coefficient of the friction of {name} is a table or decays: give a number"
+            ));
         };
         let with = |coefficient: f64| Friction {
             coefficient: Coefficient::Constant(coefficient),
             ..friction.clone()
         };
         let others = vec![
-            (Cause::OtherCoefficient, "what is expected with μ² for μ".into(), with(coefficient * coefficient)),
+            (
+                Cause::OtherCoefficient,
+                "what is expected with μ² for μ".into(),
+                with(coefficient * coefficient),
+            ),
             (Cause::OtherCoefficient, "what is expected without μ".into(), with(1.0)),
         ];
         Ok(Self { name, friction, coefficient, parameters: Vec::new(), length, connection, others })
@@ -75,8 +81,7 @@ impl FrictionSubject {
         const NUMBERS: [f64; 6] = [0.35, 1.7, 0.8, 2.4, 0.55, 1.25];
         let catalogued =
             connection.friction.filter(|f| f.criteria.iter().all(|c| c.contact != Contact::Belt))?;
-        let numbers: Vec<f64> =
-            NUMBERS.iter().cycle().take(catalogued.parameters.len()).copied().collect();
+        let numbers: Vec<f64> = NUMBERS.iter().cycle().take(catalogued.parameters.len()).copied().collect();
         let criterion = |numbers: &[f64]| {
             let numbers: Vec<Option<f64>> = numbers.iter().map(|x| Some(*x)).collect();
             Criterion::predefined(&catalogued, &numbers, &[], false).ok()?.into_iter().nth(number)
@@ -222,10 +227,9 @@ impl FrictionCase {
             Quantity::FrictionGradient => {
                 given.gradients.iter().map(|row| (0..6).map(|j| Some((*row)?[j])).collect()).collect()
             }
-            Quantity::FrictionTangent => sliding
-                .iter()
-                .map(|k| (0..12).map(|j| Some(given.tangent[*k]?[j])).collect())
-                .collect(),
+            Quantity::FrictionTangent => {
+                sliding.iter().map(|k| (0..12).map(|j| Some(given.tangent[*k]?[j])).collect()).collect()
+            }
             _ => sliding.iter().copied().chain(6..10).map(|i| vec![given.forces[i]]).collect(),
         };
         let may_lack = |row: usize| table.quantity == Quantity::FrictionForce && row >= sliding.len();
@@ -269,10 +273,12 @@ impl FrictionCase {
                 let row = numbers.iter().copied().enumerate().take(width);
                 changes.extend(row.map(|(j, x)| (at * width + j, x)));
             }
-            let is_smooth = |(place, _): &(usize, f64)| {
-                table.entries.get(*place).is_some_and(|entry| entry.sides.is_none())
-            };
-            changes.retain(is_smooth);
+            // What it leaves as it is says nothing of it, and a kink has no one number.
+            changes.retain(|(place, x)| {
+                table.entries.get(*place).is_some_and(|entry| {
+                    entry.sides.is_none() && (x - entry.want.to_f64()).abs() > entry.tolerance()
+                })
+            });
             table.conventions.push(Convention::new(cause, changes).related(relation));
         }
     }
@@ -315,7 +321,12 @@ impl FrictionCase {
 
     /// P with a sum of magnitudes for the norm, and F_C with sums for the norms of its terms.
     fn sums(&self, quantity: Quantity) -> Vec<(Cause, String, Vec<(String, Vec<f64>)>)> {
-        let Tangential::Norm(components) = &self.friction.criterion.tangential else { return Vec::new() };
+        let criterion = &self.friction.criterion;
+        let (Tangential::Norm(components), Internal::Constant(internal)) =
+            (&criterion.tangential, &criterion.internal)
+        else {
+            return Vec::new();
+        };
         let parts = self.derivatives(&self.friction.criterion, &self.point);
         let mut tangential = (0.0, [0.0; 6]);
         for (k, radius) in components {
@@ -323,16 +334,16 @@ impl FrictionCase {
             tangential.0 += force.abs() / radius;
             tangential.1[*k] = force.signum() / radius;
         }
-        let (contact, along) = self
-            .friction
-            .criterion
-            .contact_of_sums(&self.point)
-            .unwrap_or((parts[1].value, parts[1].gradient));
-        let sign = if parts[2].value == 0.0 { 0.0 } else { (parts[1].value + self.internal()).signum() };
-        let normal = (contact + self.internal()).abs();
+        let summed = criterion.contact_of_sums(&self.point);
+        let (contact, along) = summed.unwrap_or((parts[1].value, parts[1].gradient));
+        let sign = if parts[2].value == 0.0 { 0.0 } else { (parts[1].value + internal).signum() };
+        let normal = (contact + internal).abs();
         let title = |name: &str| format!("{name}{}", self.title);
         let mut found = Vec::new();
-        for (of_traction, of_contact) in [(true, false), (false, true), (true, true)] {
+        let (of_traction, of_contact) = (components.len() > 1, summed.is_some());
+        let all = [(true, false), (false, true), (true, true)];
+        let made = all.into_iter().filter(|(p, c)| (of_traction || !p) && (of_contact || !c));
+        for (of_traction, of_contact) in made {
             let (p, dp) = if of_traction { tangential } else { (parts[0].value, parts[0].gradient) };
             let (c, dc, n) = if of_contact {
                 (contact, along, normal)
@@ -365,17 +376,6 @@ impl FrictionCase {
         found
     }
 
-    /// F_C^int at the point.
-    fn internal(&self) -> f64 {
-        let parts = self.derivatives(&self.friction.criterion, &self.point);
-        let [without, with] = [parts[1].value, parts[2].value];
-        // F_N = |F_C + F_C^int|: of the two solutions the one that a constant has.
-        match &self.friction.criterion.internal {
-            pintle_model::behavior::friction::Internal::Constant(force) => *force,
-            pintle_model::behavior::friction::Internal::Table { .. } => with - without,
-        }
-    }
-
     /// The tangent of an increment that goes to zero, that of slip with the slope of the limit left out, and its symmetric part.
     fn other_tangents(&self, sliding: &[usize]) -> Vec<(Cause, String, Vec<(String, Vec<f64>)>)> {
         let input = self.input(0, 0.0);
@@ -386,8 +386,7 @@ impl FrictionCase {
         let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<(String, Vec<f64>)> {
             sliding.iter().map(|k| (name(*k), (0..12).map(|j| of(*k, j)).collect())).collect()
         };
-        let symmetric =
-            rows(&|k, j| if j < 6 { (own[k][j] + own[j][k]) / 2.0 } else { 0.0 });
+        let symmetric = rows(&|k, j| if j < 6 { (own[k][j] + own[j][k]) / 2.0 } else { 0.0 });
         found.push((Cause::Symmetrised, Cause::Symmetrised.relation().to_string(), symmetric));
         let Some(stiffness) = outcome.stick_stiffness.filter(|_| outcome.status == Status::Slip) else {
             return found;

@@ -166,7 +166,9 @@ impl MpcCase {
         let rest = |body: &Body<f64>| Body { rotation: identity(), ..*body };
         type Change = fn(&mut State<f64>, &dyn Fn(&Body<f64>) -> Body<f64>);
         let left_out: [(&str, Change); 2] = [
-            ("what is expected with the rotation of S left out", |state, rest| state.slave = rest(&state.slave)),
+            ("what is expected with the rotation of S left out", |state, rest| {
+                state.slave = rest(&state.slave)
+            }),
             ("what is expected with the rotation of M left out", |state, rest| {
                 state.master = rest(&state.master);
             }),
@@ -196,7 +198,10 @@ impl MpcCase {
             Translation::Carried => {
                 let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Tie));
                 let relation = "u_S − u_M: the arm X_S − X_M does not turn with M";
-                found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &all));
+                // Of rows that is what is expected without the term of the arm.
+                let others: Vec<Quantity> =
+                    all.into_iter().filter(|of| *of != Quantity::FirstDerivatives).collect();
+                found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &others));
             }
             Translation::Equal => {
                 let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Beam));
@@ -233,7 +238,8 @@ impl MpcCase {
                     let along = sub(column(&got.jacobian, start, j), turned);
                     put_column(&mut other.jacobian, start, j, local(along));
                 }
-                let (rate, second) = (vector(&got.residual_rate, start), vector(&got.residual_acceleration, start));
+                let (rate, second) =
+                    (vector(&got.residual_rate, start), vector(&got.residual_acceleration, start));
                 put(&mut other.residual_rate, start, local(sub(rate, cross(spin, v))));
                 let coriolis = add(scale(cross(spin, rate), 2.0), cross(spin_rate, v));
                 let seen = add(sub(second, coriolis), cross(spin, cross(spin, v)));
@@ -283,8 +289,18 @@ impl MpcCase {
                     (Cause::InitialKept, "|x_S − x_M|", length, 1.0),
                     (Cause::OtherLength, "(|x_S − x_M|² − |X_S − X_M|²) / 2", squares / 2.0, length),
                     (Cause::OtherLength, "|x_S − x_M|² − |X_S − X_M|²", squares, 2.0 * length),
-                    (Cause::OtherLength, "ln (|x_S − x_M| / |X_S − X_M|)", (length / initial).ln(), 1.0 / length),
-                    (Cause::OtherLength, "|x_S − x_M| / |X_S − X_M| − 1", length / initial - 1.0, 1.0 / initial),
+                    (
+                        Cause::OtherLength,
+                        "ln (|x_S − x_M| / |X_S − X_M|)",
+                        (length / initial).ln(),
+                        1.0 / length,
+                    ),
+                    (
+                        Cause::OtherLength,
+                        "|x_S − x_M| / |X_S − X_M| − 1",
+                        length / initial - 1.0,
+                        1.0 / initial,
+                    ),
                 ] {
                     found.push(Elsewhere::new(cause, relation, &of(value, slope), &FIRST));
                 }
@@ -335,7 +351,11 @@ impl MpcCase {
                 ("2 sin(θ/2) n, twice the quaternion's vector", 2.0 * half.sin(), cosine),
                 ("tan(θ/2) n, the Rodrigues vector", half.tan(), 0.5 / (cosine * cosine)),
                 ("2 tan(θ/2) n, twice the Rodrigues vector", 2.0 * half.tan(), 1.0 / (cosine * cosine)),
-                ("4 tan(θ/4) n, the Wiener-Milenković vector", 4.0 * (half / 2.0).tan(), (half / 2.0).cos().powi(-2)),
+                (
+                    "4 tan(θ/4) n, the Wiener-Milenković vector",
+                    4.0 * (half / 2.0).tan(),
+                    (half / 2.0).cos().powi(-2),
+                ),
             ] {
                 let n = scale(rho, 1.0 / angle);
                 let across = f / angle;
@@ -368,8 +388,7 @@ impl MpcCase {
             got.jacobian.map(|row| row.map(|row| row.iter().zip(rates).map(|(x, rate)| x * rate).sum()))
         };
         let (linear, crossed) = (along(&self.state.acceleration), along(&self.state.velocity));
-        let bias: Rows<f64> =
-            std::array::from_fn(|row| Some(got.residual_acceleration[row]? - linear[row]?));
+        let bias: Rows<f64> = std::array::from_fn(|row| Some(got.residual_acceleration[row]? - linear[row]?));
         let combined = |part: f64, of_bias: f64| {
             let mut other = got.clone();
             other.residual_acceleration =
@@ -377,7 +396,12 @@ impl MpcCase {
             other
         };
         let of = &[Quantity::Acceleration];
-        found.push(Elsewhere::new(Cause::LinearPartMissing, Cause::LinearPartMissing.relation(), &combined(0.0, 1.0), of));
+        found.push(Elsewhere::new(
+            Cause::LinearPartMissing,
+            Cause::LinearPartMissing.relation(),
+            &combined(0.0, 1.0),
+            of,
+        ));
         for factor in [2.0, 0.5, -1.0] {
             let cause = Cause::QuadraticPartDoubled;
             let relation = format!("what is expected with {factor} × the part quadratic in the rates");

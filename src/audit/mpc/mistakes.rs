@@ -154,30 +154,51 @@ impl MpcCase {
                 .map(|(cause, changes)| Convention::new(cause, changes))
                 .collect();
             let zero = |columns: std::ops::Range<usize>| columns.map(|j| (j, 0.0)).collect();
-            let left_out =
-                [(XS..XM, "the columns of S"), (XM..PHI, "the columns of M"), (PHI..DOFS, "the columns of the hinges")];
+            let left_out = [
+                (XS..XM, "the columns of S"),
+                (XM..PHI, "the columns of M"),
+                (PHI..DOFS, "the columns of the hinges"),
+            ];
             for (columns, what) in left_out {
                 let left_out = Convention::new(Cause::NodeLeftOut, zero(columns));
                 found.push(left_out.related(format!("zero in {what}")));
             }
             let hinges = (PHI..DOFS).map(|j| (j, -numbers[j])).collect();
-            found.push(Convention::new(Cause::BlockReversed, hinges).related("minus what is expected in the columns of the hinges"));
+            found.push(
+                Convention::new(Cause::BlockReversed, hinges)
+                    .related("minus what is expected in the columns of the hinges"),
+            );
             if self.constraint.kind().entry().translation == Translation::Carried
                 && equations.get(row).is_some_and(|equation| *equation < RHO)
             {
                 let lever = [0, 1, 2].map(|i| numbers[THETA_M + i]);
                 let block = |factor: f64| put(THETA_M, lever.map(|x| factor * x));
                 let told = [
-                    (Cause::GeometricTermMissing, 0.0, "what is expected without the term of the arm C_M (X_S − X_M)"),
-                    (Cause::GeometricTermDoubled, 2.0, "what is expected with twice the term of the arm C_M (X_S − X_M)"),
-                    (Cause::LeverReversed, -1.0, "what is expected with minus the term of the arm C_M (X_S − X_M)"),
+                    (
+                        Cause::GeometricTermMissing,
+                        0.0,
+                        "what is expected without the term of the arm C_M (X_S − X_M)",
+                    ),
+                    (
+                        Cause::GeometricTermDoubled,
+                        2.0,
+                        "what is expected with twice the term of the arm C_M (X_S − X_M)",
+                    ),
+                    (
+                        Cause::LeverReversed,
+                        -1.0,
+                        "what is expected with minus the term of the arm C_M (X_S − X_M)",
+                    ),
                 ];
                 for (cause, factor, relation) in told {
                     found.push(Convention::new(cause, block(factor)).related(relation));
                 }
                 let mut at_s = block(0.0);
                 at_s.extend(put(THETA_S, lever));
-                found.push(Convention::new(Cause::LeverAtB, at_s).related("what is expected with the term of the arm at S"));
+                found.push(
+                    Convention::new(Cause::LeverAtB, at_s)
+                        .related("what is expected with the term of the arm at S"),
+                );
             }
             found.into_iter().map(move |other| other.moved(row * DOFS))
         };

@@ -223,12 +223,16 @@ fn friction(name: &str) -> Result<FrictionSubject, Failure> {
         (Some(number), all) if number > 0 && number <= all.len() => &all[number - 1],
         (_, []) => return Err(Failure::Usage(format!("{of} has no friction of a criterion Φ = P − μ F_N"))),
         (_, all) => {
-            return Err(Failure::Usage(format!("{of} has {} frictions: name one, as \"FRICTION 1 {of}\"", all.len())));
+            return Err(Failure::Usage(format!(
+                "{of} has {} frictions: name one, as \"FRICTION 1 {of}\"",
+                all.len()
+            )));
         }
     };
     let definition = connector.definition();
     let length = Some(norm(definition.initial.reference)).filter(|length| *length > 0.0).unwrap_or(1.0);
-    FrictionSubject::new(of.to_string(), (*definition.connection).clone(), friction.clone(), length).map_err(Failure::Usage)
+    FrictionSubject::new(of.to_string(), (*definition.connection).clone(), friction.clone(), length)
+        .map_err(Failure::Usage)
 }
 
 /// The place of the one connector that an element names.
@@ -306,13 +310,19 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     };
     let springs = arguments.springs.unwrap_or_default();
     let asked = Asked { settings, histories: arguments.histories, convention, springs };
-    let checked = Process::start(&command, patience)
-        .and_then(|process| pintle_check::check(process, &subject, asked));
+    let checked =
+        Process::start(&command, patience).and_then(|process| pintle_check::check(process, &subject, asked));
     let checked = checked.map_err(|misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string()))?;
     let notes = checked.notes();
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
-        pintle_report::audit::checked(&mut out, &checked.report, &subject.name(), &notes, page_width(&io::stdout()))?;
+        pintle_report::audit::checked(
+            &mut out,
+            &checked.report,
+            &subject.name(),
+            &notes,
+            page_width(&io::stdout()),
+        )?;
         out.flush()?;
     } else {
         notes.iter().for_each(|note| complain("note", note));

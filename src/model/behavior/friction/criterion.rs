@@ -470,7 +470,8 @@ impl Criterion {
         let Pressing::Terms(terms) = &self.pressing else { return None };
         let (mut value, mut slopes, mut several) = (0.0, [0.0; 6], false);
         for term in terms {
-            let factor = f64::from(term.number) * term.times.iter().product::<f64>() / term.over.unwrap_or(1.0);
+            let factor =
+                f64::from(term.number) * term.times.iter().product::<f64>() / term.over.unwrap_or(1.0);
             match term.load {
                 Load::Norm(components) => {
                     let present = components.iter().copied().filter(|k| term.present[*k]);
