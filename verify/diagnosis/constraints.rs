@@ -67,7 +67,8 @@ const ALL: &[Wrong] = &[
         |_, found| {
             each_row(found, 0..3, |row| row[THETA_M..THETA_M + 3].iter_mut().for_each(|x| *x = -*x));
         },
-        "geometric-term-reversed",
+        // Of a skew block the transpose is the opposite, and is named first.
+        "block-transposed",
         "∂δ1",
     ),
     (

@@ -1,10 +1,9 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Change, Convention, ResultTable};
+use crate::judge::table::{Convention, ResultTable};
 use crate::mutants::diagnosis::matching::{AtState, Cell, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
-use crate::mutants::mutant::Mistake;
 use std::collections::BTreeSet;
 
 /// Why numbers are wrong; `None` where none is. Tried are the mistakes that the table knows, and those that every number can suffer.
@@ -54,18 +53,9 @@ fn at_state(table: &ResultTable) -> AtState {
         (place(i), Datum { got: Some(entry.got), want, tolerance, class: entry.class })
     });
     let placed = |changes: &[(usize, f64)]| changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect();
-    // What is skew is transposed by its sign, of which others say more.
-    let is_sign = |change: &&Change| {
-        change.mistake == Mistake::BlockTransposed
-            && change
-                .changes
-                .iter()
-                .all(|(i, x)| table.entries.get(*i).is_some_and(|e| *x == -e.want.to_f64()))
-    };
     let known = table
         .mistakes
         .iter()
-        .filter(|change| !is_sign(change))
         .map(|change| Hypothesis::many(Cause::of(change.mistake), placed(&change.changes)));
     let mut hypotheses: Vec<Hypothesis> = known.collect();
     for row in 0..table.rows.len() {
