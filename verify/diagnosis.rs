@@ -1,7 +1,9 @@
 //! Why a matrix is wrong: every mistake of the catalogue is named as what it is, conventions too, and noise is not named at all.
 
 mod candidates;
+mod constraints;
 mod corpus;
+mod frictions;
 mod offers;
 mod tables;
 

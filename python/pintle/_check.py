@@ -49,17 +49,28 @@ class _Batch(_Routine):
                 if value.dtype != numpy.float64:
                     remedy = 'call jax.config.update("jax_enable_x64", True) first' if self.is_jax else "convert to float64"
                     raise TypeError(f"{key} is an array of {value.dtype}, whose digits are too few: {remedy}")
-                if value.shape[:2] != (len(states), 6):
-                    raise ValueError(f"{key} has the shape {value.shape}, not ({len(states)}, 6, …): one for each state and component")
-            has = [component is not None for component in self.connector["components"]]
+                if "sliding" not in self.connector and value.shape[:2] != (len(states), len(self.parts())):
+                    count = len(self.parts())
+                    raise ValueError(f"{key} has the shape {value.shape}, not ({len(states)}, {count}, …): one for each state and component")
+            if "sliding" in self.connector:
+                # Of a friction nothing is missing but what is NaN.
+                return [{key: [_absent(x) for x in value[i]] for key, value in given.items()} for i in range(len(states))]
+            has = [component is not None for component in self.parts()]
             return [
-                {key: [_driver.plain(value[i, k]) if has[k] else _absent(value[i, k]) for k in range(6)] for key, value in given.items()}
+                {
+                    key: [_driver.plain(value[i, k]) if has[k] else _absent(value[i, k]) for k in range(len(has))]
+                    for key, value in given.items()
+                }
                 for i in range(len(states))
             ]
         except Exception as error:
             return [self.failed(error)] * len(states)
 
     is_jax = False
+
+    def parts(self):
+        """The components of a connector, or the equations of a constraint."""
+        return self.connector["components" if "components" in self.connector else "equations"]
 
     def given(self, states, connector, want, count):
         return self.function(states, connector, *([want] if self.takes_want else []))
@@ -83,7 +94,8 @@ class _Jax(_Batch):
 
         size = 1 << (count - 1).bit_length()
         padded = jax.tree.map(lambda x: numpy.concatenate([x, numpy.repeat(x[-1:], size - count, axis=0)]), states)
-        numbers = {key: connector[key] for key in ("initial", "flow_scale")}
+        named = ("initial", "flow_scale", "axes", "coefficient", "parameters")
+        numbers = {key: connector[key] for key in named if key in connector}
         given = jax.vmap(self.function, in_axes=(0, None))(padded, numbers)
         return jax.tree.map(lambda x: numpy.asarray(x)[:count], given)
 
@@ -173,7 +185,8 @@ def check(
     connector has no such component; or a dictionary of what it offers.
 
     `of` is a connection type, "REVOLUTE", two basic ones, "CARTESIAN CARDAN", or a connector of a scene,
-    "model.inp:106", "gallery:slider_crank:106".
+    "model.inp:106", "gallery:slider_crank:106". "MPC REVOLUTE" is a multi-point constraint, with seven equations
+    in place of components; "FRICTION HINGE" a friction: docs/reference/protocol.md has their keys.
 
     With `batch=True` the arrays have one more axis, the first, of states: `state["a"]["x"]` is (n, 3). The
     routine returns arrays (n, 6) and (n, 6, 14), NaN for components that the connector has not. A function

@@ -38,7 +38,7 @@ impl Door for Messages {
     }
 }
 
-/// Asks `reply`, which answers the messages of pintle-candidate/1, to be the connector `of`, and judges its answers.
+/// Asks `reply`, which answers the messages of pintle-candidate/1, to be what `of` names, and judges its answers.
 ///
 /// # Errors
 /// ValueError in words, where the connector is none or the answers are not those of the protocol; what `reply` raises.
@@ -56,13 +56,13 @@ pub(crate) fn ask(
     seed: String,
 ) -> PyResult<Report> {
     let py = reply.py();
-    let definition = pintle::check::subject(of).map_err(PyValueError::new_err)?;
+    let subject = pintle::check::subject(of).map_err(PyValueError::new_err)?;
     let settings =
         Settings { states, near_singular_states, wide_states, seed, atlas: false, ..Settings::default() };
     let (to, mut asked) = channel();
     let (answers, from) = channel();
     let asked_of = Asked { settings, histories, convention: None, springs };
-    let judge = || pintle::check::check(Messages { to, from }, &definition, asked_of);
+    let judge = || pintle::check::check(Messages { to, from }, &subject, asked_of);
     let answer = move || loop {
         let questions = &mut asked;
         match py.detach(move || questions.recv_timeout(LOOK)) {

@@ -458,14 +458,22 @@ impl Convention {
     /// # Errors
     /// In words, what is no convention.
     pub(crate) fn places(&self) -> Result<Vec<usize>, String> {
+        self.places_among(&COLUMNS)
+    }
+
+    /// The same of a routine whose columns have these names.
+    ///
+    /// # Errors
+    /// In words, what is no convention.
+    pub(crate) fn places_among(&self, known: &[&str]) -> Result<Vec<usize>, String> {
         let mut places = Vec::new();
         for name in &self.columns {
-            let place = COLUMNS.iter().position(|known| known == name);
+            let place = known.iter().position(|known| known == name);
             match place {
                 None => {
                     return Err(format!(
                         "convention.columns names {name:?}; the columns are {}",
-                        COLUMNS.join(", ")
+                        known.join(", ")
                     ));
                 }
                 Some(place) if places.contains(&place) => {
@@ -499,6 +507,16 @@ impl Convention {
         Ok(places)
     }
 
+    /// The unit of an angle in values, in radians.
+    pub(crate) fn angle(&self) -> f64 {
+        self.angles.size()
+    }
+
+    /// The unit of the rotations by which rows differentiate, in radians.
+    pub(crate) fn column_angle(&self) -> f64 {
+        self.column_angles.size()
+    }
+
     /// A component of the routine, by the unit of pintle's: what a number of it is to be multiplied with.
     pub(crate) fn unit(&self, k: usize, connector: &Connector<f64>) -> f64 {
         let of_unit = match connector.differentiated(k).map(|measure| measure.unit()) {
@@ -508,6 +526,15 @@ impl Convention {
             _ => 1.0,
         };
         of_unit / self.factors[k]
+    }
+
+    /// Whether rows, values and what is sent are pintle's own, but for their columns, units and signs.
+    pub(crate) fn is_of_columns(&self) -> bool {
+        let own = Self::default();
+        self.rows.is_empty()
+            && self.as_angle.is_empty()
+            && (self.axes, self.positions) == (own.axes, own.positions)
+            && (self.triads, self.quaternion, self.sense) == (own.triads, own.quaternion, own.sense)
     }
 
     /// Whether a component that is a cosine is given as an angle.
@@ -576,7 +603,7 @@ impl Convention {
     }
 
     /// Derivatives by the routine's columns as derivatives by pintle's.
-    fn line(&self, of_routine: &[f64], places: &[usize], turned: &[Turned; 2]) -> NodalRow<f64> {
+    pub(crate) fn line(&self, of_routine: &[f64], places: &[usize], turned: &[Turned; 2]) -> NodalRow<f64> {
         let mut row = [0.0; DOFS];
         for (entry, place) in of_routine.iter().zip(places) {
             let is_rotation = matches!(place % 7, 3..=5);
@@ -684,12 +711,24 @@ impl Turned {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Own {
     /// Of each quantity that was wanted, the numbers of each component; matrices row by row.
-    pub(crate) given: Vec<(Quantity, Components<Vec<f64>>)>,
+    pub(crate) given: Vec<(Quantity, Vec<Option<Vec<f64>>>)>,
     /// What it keeps for the next state.
     pub(crate) memory: Option<serde_json::Value>,
 }
 
 impl Own {
+    /// Lines in the order of pintle's components, from that of the routine.
+    pub(crate) fn put_in_order(&mut self, lines: &[usize]) {
+        let is_whole = |of: &Quantity| matches!(of, Quantity::ElementForces | Quantity::ElementStiffness);
+        for (_, of) in self.given.iter_mut().filter(|(quantity, _)| !is_whole(quantity)) {
+            let mut ordered = vec![None; COMPONENT.len()];
+            for (line, numbers) in lines.iter().zip(of.drain(..)) {
+                ordered[*line] = numbers;
+            }
+            *of = ordered;
+        }
+    }
+
     /// In pintle's conventions.
     pub(crate) fn read(
         &self,

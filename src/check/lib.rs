@@ -5,14 +5,20 @@
 //! | `protocol` | what is sent, and what must come back? |
 //! | `convention` | in which order, unit and frame does the routine answer? |
 //! | [`fit`] | and if it does not say so: which conventions fit its numbers? |
-//! | `session` | what is asked, and what was answered? |
+//! | `exchange` | which messages are exchanged? |
+//! | `session` | what is asked of a connector, and what was answered? |
+//! | `constraint` | the same of a multi-point constraint |
+//! | `friction` | the same of a friction |
 //! | `process` | does the process behave? |
 //! | `python` | how is a Python function asked? |
 //!
 //! The audit judges; nothing here does.
 
+mod constraint;
 mod convention;
+mod exchange;
 pub mod fit;
+mod friction;
 mod process;
 mod protocol;
 mod python;
@@ -22,13 +28,54 @@ pub use convention::{
     Angle, Axes, Convention, Frame, Positions, Quaternions, Sense, Stiffness, Storage, Triads, Turns,
     Variation, Variations,
 };
-pub use process::{Misbehaviour, Patience, Process};
+pub use process::{Door, Misbehaviour, Patience, Process};
 pub use protocol::{OFFERS, PROTOCOL, answers_of_file};
 pub use python::{DRIVER, command as python_command};
-pub use session::{Door, Session};
+pub use session::Session;
 
-use pintle_audit::{Candidate, Quantity, Question, Report, Settings, Step};
+use pintle_audit::{Candidate, FrictionSubject, Quantity, Question, Report, Settings, Step};
 use pintle_kinematics::connector::Definition;
+use pintle_kinematics::mpc::Constraint;
+
+/// What a routine is to be.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// A connector.
+    Connector(Box<Definition>),
+    /// A multi-point constraint.
+    Constraint(Box<Constraint<f64>>),
+    /// A friction.
+    Friction(Box<FrictionSubject>),
+}
+
+impl From<&Definition> for Subject {
+    fn from(definition: &Definition) -> Self {
+        Self::Connector(Box::new(definition.clone()))
+    }
+}
+
+impl From<&Constraint<f64>> for Subject {
+    fn from(constraint: &Constraint<f64>) -> Self {
+        Self::Constraint(Box::new(*constraint))
+    }
+}
+
+impl From<FrictionSubject> for Subject {
+    fn from(friction: FrictionSubject) -> Self {
+        Self::Friction(Box::new(friction))
+    }
+}
+
+impl Subject {
+    /// Its type.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Connector(definition) => definition.connection.name.to_string(),
+            Self::Constraint(constraint) => format!("MPC {}", constraint.kind().name()),
+            Self::Friction(friction) => format!("FRICTION {}", friction.name),
+        }
+    }
+}
 
 /// A report, and what it rests on.
 #[derive(Debug)]
@@ -73,11 +120,19 @@ impl Checked {
     }
 }
 
-/// Asks a routine behind a door to be `definition`, and checks what it answers.
+/// Asks a routine behind a door to be a subject, and checks what it answers.
 ///
 /// # Errors
 /// [`Misbehaviour`]: what the routine did that the protocol does not allow.
-pub fn check<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<Checked, Misbehaviour> {
+pub fn check<D: Door>(door: D, subject: &Subject, asked: Asked) -> Result<Checked, Misbehaviour> {
+    match subject {
+        Subject::Connector(definition) => check_connector(door, definition, asked),
+        Subject::Constraint(constraint) => constraint::check(door, constraint, asked),
+        Subject::Friction(friction) => friction::check(door, friction, asked),
+    }
+}
+
+fn check_connector<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<Checked, Misbehaviour> {
     let Asked { settings, histories, convention, springs } = asked;
     let mut session = Session::open(door, definition, convention.as_ref(), &springs)?;
     let name = session.name().to_string();

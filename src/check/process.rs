@@ -1,13 +1,41 @@
 //! A process that answers: started, asked with a time limit, and ended whatever it does.
 
 use crate::protocol::{self, PROTOCOL};
-use crate::session::Door;
 use serde_json::{Map, Value};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
+
+/// What carries messages to a routine and back: nothing of the protocol is known to it.
+pub trait Door {
+    /// Sends one message. `due` says what for, in a sentence: "the process ended when it was to …".
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour>;
+
+    /// The next message.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    fn receive(&mut self, due: &'static str) -> Result<Map<String, Value>, Misbehaviour>;
+
+    /// That nothing came which was not asked for.
+    ///
+    /// # Errors
+    /// [`Misbehaviour::Unasked`].
+    fn is_silent(&mut self) -> Result<(), Misbehaviour> {
+        Ok(())
+    }
+
+    /// After the last message.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    fn close(self) -> Result<(), Misbehaviour>;
+}
 
 /// How long a process may take.
 #[derive(Clone, Copy, Debug)]

@@ -5,9 +5,9 @@ use crate::fit::GivenRows;
 use pintle_audit::{Quantity, Question};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition, State};
-use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Vector, add, column, product, transpose};
+use pintle_kinematics::vector::{Matrix, Vector, add, column, product, transpose};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -27,6 +27,14 @@ pub const OFFERS: [(&str, Quantity); 9] = [
     ("element_stiffness", Quantity::ElementStiffness),
 ];
 
+/// What a friction may offer.
+pub(crate) const OF_FRICTION: [(&str, Quantity); 4] = [
+    ("criterion", Quantity::FrictionCriterion),
+    ("gradients", Quantity::FrictionGradient),
+    ("friction_forces", Quantity::FrictionForce),
+    ("friction_tangent", Quantity::FrictionTangent),
+];
+
 /// What a routine says first.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -44,26 +52,65 @@ pub(crate) struct Hello {
     pub(crate) memory: bool,
 }
 
+/// What may be offered: names with what they are of.
+pub(crate) type Offers = [(&'static str, Quantity)];
+
 impl Hello {
-    /// The quantities offered.
+    /// The quantities offered, of those that are `known`.
     ///
     /// # Errors
     /// In words, what is none.
-    pub(crate) fn offers(&self) -> Result<Vec<Quantity>, String> {
+    pub(crate) fn offers(&self, known: &Offers) -> Result<Vec<Quantity>, String> {
         let of = |name: &String| {
-            let known = OFFERS.iter().find(|(known, _)| known == name).map(|(_, quantity)| *quantity);
-            known.ok_or_else(|| {
-                let names = OFFERS.map(|(name, _)| name).join(", ");
-                format!("its offers name {name:?}; there are {names}")
+            let found = known.iter().find(|(known, _)| known == name).map(|(_, quantity)| *quantity);
+            found.ok_or_else(|| {
+                let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+                format!("its offers name {name:?}; there are {}", names.join(", "))
             })
         };
         self.offers.iter().map(of).collect()
+    }
+
+    /// That its components are among those of these names.
+    ///
+    /// # Errors
+    /// In words, which one is none.
+    pub(crate) fn names_among(&self, known: &[&str]) -> Result<(), String> {
+        let unknown = |name: &&String| !known.contains(&name.as_str());
+        match self.components.iter().flatten().find(unknown) {
+            Some(name) => Err(format!("its components name {name:?}; there are {}", known.join(", "))),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether it has the component of a name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.components.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
     }
 }
 
 /// The name of a quantity in messages.
 pub(crate) fn name(quantity: Quantity) -> &'static str {
-    OFFERS.iter().find(|(_, known)| *known == quantity).map_or("", |(name, _)| name)
+    let mut all = OFFERS.into_iter().chain(OF_FRICTION);
+    all.find(|(_, known)| *known == quantity).map_or("", |(name, _)| name)
+}
+
+/// How the numbers of an answer are laid out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    /// Components, or equations.
+    pub(crate) rows: usize,
+    /// Degrees of freedom.
+    pub(crate) columns: usize,
+    /// Whether rows are stored as columns.
+    pub(crate) by_columns: bool,
+}
+
+impl Layout {
+    /// By a convention, of so many components or equations.
+    pub(crate) fn of(convention: &Convention, rows: usize, columns: usize) -> Self {
+        Self { rows, columns, by_columns: convention.storage == Storage::Columns }
+    }
 }
 
 /// What a routine answered for one state.
@@ -123,24 +170,46 @@ fn places(pair: &Pair<f64>, definition: &Definition, convention: &Convention) ->
         if convention.sense == Sense::Inverse {
             rotation = transpose(&rotation);
         }
-        let mut quaternion = so3::quaternion(&rotation);
-        if convention.quaternion == Quaternions::Xyzw {
-            quaternion.rotate_left(1);
-        }
         let place = add(x, now.displacement);
-        json!({
-            "x": place.map(|x| x / convention.length),
-            "u": now.displacement.map(|u| u / convention.length),
-            "triad": directions(now, convention),
-            "quaternion": quaternion,
-            "rotation_vector": so3::log(&rotation),
-            "flow": now.flow / convention.length,
-        })
+        node_of(place, now.displacement, directions(now, convention), &rotation, now.flow, convention)
     };
     [("a", node(&pair.a, &initial.a, [0.0; 3])), ("b", node(&pair.b, &initial.b, initial.reference))]
         .into_iter()
         .map(|(name, node)| (name.to_string(), node))
         .collect()
+}
+
+/// A place, rotation and flow of a node, lengths in a routine's unit.
+pub(crate) fn node_of(
+    place: Vector<f64>,
+    displacement: Vector<f64>,
+    triad: [Vector<f64>; 3],
+    rotation: &Matrix<f64>,
+    flow: f64,
+    convention: &Convention,
+) -> Value {
+    let length = convention.length;
+    let mut quaternion = so3::quaternion(rotation);
+    if convention.quaternion == Quaternions::Xyzw {
+        quaternion.rotate_left(1);
+    }
+    json!({
+        "x": place.map(|x| x / length),
+        "u": displacement.map(|u| u / length),
+        "triad": triad,
+        "quaternion": quaternion,
+        "rotation_vector": so3::log(rotation),
+        "flow": flow / length,
+    })
+}
+
+/// Adds the rates of a node, seven of each kind: of x, rotation and flow.
+pub(crate) fn add_rates(node: &mut Value, kind: &str, of: &[f64], length: f64) {
+    let Some(node) = node.as_object_mut() else { return };
+    let lengths = |x: &[f64]| x.iter().map(|x| x / length).collect::<Vec<f64>>();
+    node.insert(kind.into(), json!(of.get(..3).map(lengths)));
+    node.insert(format!("angular_{kind}"), json!(of.get(3..6)));
+    node.insert(format!("flow_{kind}"), json!(of.get(6).map(|x| x / length)));
 }
 
 /// One state of a request: what it is, what was before, what the routine kept.
@@ -154,21 +223,22 @@ pub(crate) fn state(
     let mut one = places(&now.pair, definition, convention);
     let has_rates = asked.wants.iter().any(|of| matches!(of, Quantity::Rate | Quantity::Acceleration));
     for (end, name) in ["a", "b"].into_iter().enumerate() {
-        let Some(node) = one.get_mut(name).and_then(Value::as_object_mut) else { continue };
-        node.insert("increment".into(), json!(asked.step.increment.rotation[end]));
+        let Some(node) = one.get_mut(name) else { continue };
+        if let Some(node) = node.as_object_mut() {
+            node.insert("increment".into(), json!(asked.step.increment.rotation[end]));
+        }
         if has_rates {
             for (kind, of) in [("velocity", &now.velocity), ("acceleration", &now.acceleration)] {
-                let of = &of[7 * end..7 * end + 7];
-                let lengths = |x: &[f64]| x.iter().map(|x| x / convention.length).collect::<Vec<f64>>();
-                node.insert(kind.into(), json!(lengths(&of[..3])));
-                node.insert(format!("angular_{kind}"), json!(of[3..6]));
-                node.insert(format!("flow_{kind}"), json!(of[6] / convention.length));
+                add_rates(node, kind, &of[7 * end..7 * end + 7], convention.length);
             }
         }
     }
     let before = asked.before().map_or(definition.initial, |before| before.pair);
     let mut previous = places(&before, definition, convention);
-    let value = |k: usize| asked.values_before[k].map(|x| x / convention.unit(k, connector));
+    let offsets = convention.positions.offsets(definition, connector);
+    let value = |k: usize| {
+        asked.values_before[k].map(|x| (x + offsets[k].unwrap_or(0.0)) / convention.unit(k, connector))
+    };
     let before: Vec<Option<f64>> = convention.lines().into_iter().map(value).collect();
     previous.insert("values".into(), json!(before));
     if let Some(memory) = memory {
@@ -217,7 +287,7 @@ pub(crate) fn excerpt(text: &str) -> String {
 /// In words, what has the wrong shape.
 pub(crate) fn answers(
     object: &Map<String, Value>,
-    convention: &Convention,
+    layout: &dyn Fn(Quantity) -> Layout,
     wants: &[Quantity],
     count: usize,
 ) -> Result<Vec<Answer>, String> {
@@ -226,7 +296,7 @@ pub(crate) fn answers(
         let states = if count == 1 { "one state was" } else { &format!("{count} states were") };
         return Err(format!("\"answers\" has {} items, and {states} asked", answers.len()));
     }
-    answers.iter().map(|one| answer(one, convention, wants)).collect()
+    answers.iter().map(|one| answer(one, layout, wants)).collect()
 }
 
 /// The values, rows and rates of so many answers, as they are: no convention is undone.
@@ -296,7 +366,7 @@ pub fn answers_of_file(text: &str, count: usize) -> Result<Vec<GivenRows>, Strin
     }
 }
 
-fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<Answer, String> {
+fn answer(one: &Value, layout: &dyn Fn(Quantity) -> Layout, wants: &[Quantity]) -> Result<Answer, String> {
     let one = one.as_object().ok_or("an item of \"answers\" is no object")?;
     let text = |key: &str| one.get(key).map(|why| why.as_str().map_or_else(|| why.to_string(), String::from));
     if let Some(why) = text("error") {
@@ -305,44 +375,41 @@ fn answer(one: &Value, convention: &Convention, wants: &[Quantity]) -> Result<An
     if let Some(why) = text("out_of_domain") {
         return Ok(Answer::OutOfDomain(excerpt(&why)));
     }
-    let width = convention.columns.len();
-    debug_assert!(width <= DOFS);
-    let lines = convention.lines();
-    let height = lines.len();
     let mut own = Own { given: Vec::new(), memory: one.get("memory").cloned() };
     for quantity in wants {
         let name = name(*quantity);
         let Some(given) = one.get(name).filter(|given| !given.is_null()) else { continue };
-        let mut of: Components<Vec<f64>> = [const { None }; 6];
-        let by_columns = convention.storage == Storage::Columns;
-        match quantity.entries() {
-            _ if *quantity == Quantity::ElementForces => {
+        let Layout { rows, columns: width, by_columns } = layout(*quantity);
+        let mut of: Vec<Option<Vec<f64>>> = vec![None; rows];
+        match quantity {
+            Quantity::ElementForces => {
                 let entries = list(given, width, &format!("{name:?}"))?.iter().enumerate();
                 let entry = |(j, x)| Ok(number(x, &format!("{name:?}[{j}]"))?.unwrap_or(0.0));
                 of[0] = Some(entries.map(entry).collect::<Result<_, String>>()?);
             }
-            _ if *quantity == Quantity::ElementStiffness => {
-                of[0] = Some(matrix(given, width, name)?);
-            }
-            1 => {
-                for (i, value) in list(given, height, &format!("{name:?}"))?.iter().enumerate() {
-                    of[lines[i]] = number(value, &format!("{name:?}[{i}]"))?.map(|x| vec![x]);
-                }
-            }
-            DOFS => {
-                let (outer, inner) = if by_columns { (width, height) } else { (height, width) };
+            Quantity::ElementStiffness => of[0] = Some(matrix(given, width, name)?),
+            Quantity::FirstDerivatives
+            | Quantity::NodalForces
+            | Quantity::FrictionGradient
+            | Quantity::FrictionTangent => {
+                let (outer, inner) = if by_columns { (width, rows) } else { (rows, width) };
                 for (i, j, x) in table(given, outer, inner, name)? {
                     let (line, column) = if by_columns { (j, i) } else { (i, j) };
                     if let Some(x) = x {
-                        of[lines[line]].get_or_insert_with(|| vec![0.0; width])[column] = x;
+                        of[line].get_or_insert_with(|| vec![0.0; width])[column] = x;
+                    }
+                }
+            }
+            Quantity::SecondDerivatives | Quantity::GeometricStiffness => {
+                for (i, given) in list(given, rows, &format!("{name:?}"))?.iter().enumerate() {
+                    if !given.is_null() {
+                        of[i] = Some(matrix(given, width, &format!("{name}[{i}]"))?);
                     }
                 }
             }
             _ => {
-                for (i, given) in list(given, height, &format!("{name:?}"))?.iter().enumerate() {
-                    if !given.is_null() {
-                        of[lines[i]] = Some(matrix(given, width, &format!("{name}[{i}]"))?);
-                    }
+                for (k, value) in list(given, rows, &format!("{name:?}"))?.iter().enumerate() {
+                    of[k] = number(value, &format!("{name:?}[{k}]"))?.map(|x| vec![x]);
                 }
             }
         }

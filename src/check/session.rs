@@ -1,54 +1,24 @@
 //! A routine that was greeted and opened: asked through a door, its answers read in pintle's conventions.
 
 use crate::convention::{Convention, Turns};
+use crate::exchange::Exchange;
 use crate::fit::GivenRows;
-use crate::process::Misbehaviour;
-use crate::protocol::{self, Answer, Hello, PROTOCOL};
+use crate::process::{Door, Misbehaviour};
+use crate::protocol::{self, Answer, Layout};
 use pintle_audit::{Given, Quantity, Question, Step, Tangent};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition};
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
-
-/// What carries messages to a routine and back: nothing of the protocol is known to it.
-pub trait Door {
-    /// Sends one message. `due` says what for, in a sentence: "the process ended when it was to …".
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour>;
-
-    /// The next message.
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    fn receive(&mut self, due: &'static str) -> Result<Map<String, Value>, Misbehaviour>;
-
-    /// That nothing came which was not asked for.
-    ///
-    /// # Errors
-    /// [`Misbehaviour::Unasked`].
-    fn is_silent(&mut self) -> Result<(), Misbehaviour> {
-        Ok(())
-    }
-
-    /// After the last message.
-    ///
-    /// # Errors
-    /// [`Misbehaviour`].
-    fn close(self) -> Result<(), Misbehaviour>;
-}
 
 /// A routine that was greeted and opened.
 #[derive(Debug)]
 pub struct Session<'a, D> {
-    door: D,
+    exchange: Exchange<D>,
     definition: &'a Definition,
     connector: Connector<f64>,
-    hello: Hello,
     offers: Vec<Quantity>,
     places: Vec<usize>,
-    asked: u64,
     first: Option<First>,
     /// What the routine kept at the states before those that are asked for, by their numbers.
     memories: BTreeMap<usize, Value>,
@@ -69,70 +39,25 @@ impl<'a, D: Door> Session<'a, D> {
     /// # Errors
     /// [`Misbehaviour`].
     pub fn open(
-        mut door: D,
+        door: D,
         definition: &'a Definition,
         convention: Option<&Convention>,
         springs: &Components<f64>,
     ) -> Result<Self, Misbehaviour> {
-        const DUE: &str = "say hello";
-        const OPEN: &str = "open the connector";
-        door.send(&protocol::hello(), DUE)?;
-        let mut answer = door.receive(DUE)?;
-        let hello = answer.remove("hello").ok_or_else(|| {
-            Misbehaviour::BadHello(format!(
-                "it has no \"hello\", but {}",
-                protocol::excerpt(&Value::Object(answer).to_string())
-            ))
-        })?;
-        let spoken = hello.get("protocol").and_then(Value::as_str).unwrap_or("none");
-        if spoken != PROTOCOL {
-            return Err(Misbehaviour::BadHello(format!("its protocol is {spoken:?}")));
-        }
-        let mut hello: Hello =
-            serde_json::from_value(hello).map_err(|error| Misbehaviour::BadHello(error.to_string()))?;
-        if let Some(convention) = convention {
-            hello.convention = convention.clone();
-        }
+        let mut exchange = Exchange::greet(door, convention)?;
+        let hello = &exchange.hello;
         let places = hello.convention.places().map_err(Misbehaviour::BadConvention)?;
-        let unknown = |name: &&String| !COMPONENT.contains(&name.as_str());
-        if let Some(name) = hello.components.iter().flatten().find(unknown) {
-            let names = COMPONENT.join(", ");
-            return Err(Misbehaviour::BadHello(format!("its components name {name:?}; there are {names}")));
-        }
-        let offers = hello.offers().map_err(Misbehaviour::BadHello)?;
-        if offers.is_empty() {
-            return Err(Misbehaviour::OffersNothing);
-        }
+        hello.names_among(&COMPONENT).map_err(Misbehaviour::BadHello)?;
+        let offers = exchange.offers(&protocol::OFFERS)?;
         hello.convention.covers(&offers).map_err(Misbehaviour::BadConvention)?;
-        door.send(&protocol::open(definition, &hello.convention, springs), OPEN)?;
-        let answer = door.receive(OPEN)?;
-        if let Some(why) = answer.get("error") {
-            return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
-        }
-        if answer.get("opened") != Some(&Value::Bool(true)) {
-            let what = protocol::excerpt(&Value::Object(answer).to_string());
-            return Err(Misbehaviour::NoMessage {
-                due: OPEN,
-                what: format!("{what} is not {{\"opened\": true}}"),
-            });
-        }
+        exchange.open(&protocol::open(definition, &exchange.hello.convention, springs))?;
         let connector = Connector::new(definition);
-        Ok(Self {
-            door,
-            definition,
-            connector,
-            hello,
-            offers,
-            places,
-            asked: 0,
-            first: None,
-            memories: BTreeMap::new(),
-        })
+        Ok(Self { exchange, definition, connector, offers, places, first: None, memories: BTreeMap::new() })
     }
 
     /// The name that the routine gave itself.
     pub fn name(&self) -> &str {
-        &self.hello.name
+        &self.exchange.hello.name
     }
 
     /// What it offers.
@@ -142,20 +67,17 @@ impl<'a, D: Door> Session<'a, D> {
 
     /// Of which components.
     pub fn components(&self) -> [bool; 6] {
-        let has = |name: &str| {
-            self.hello.components.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
-        };
-        COMPONENT.map(has)
+        COMPONENT.map(|name| self.exchange.hello.has(name))
     }
 
     /// Whether its angles are principal.
     pub fn is_principal(&self) -> bool {
-        self.hello.convention.turns == Turns::Principal
+        self.exchange.hello.convention.turns == Turns::Principal
     }
 
     /// What its stiffness is.
     pub fn tangent(&self) -> Tangent {
-        self.hello.convention.stiffness.tangent()
+        self.exchange.hello.convention.stiffness.tangent()
     }
 
     /// What the connector has and the routine does not offer.
@@ -170,7 +92,7 @@ impl<'a, D: Door> Session<'a, D> {
 
     /// How many requests it got.
     pub const fn asked(&self) -> u64 {
-        self.asked
+        self.exchange.asked()
     }
 
     /// Asks for several states, all for the same quantities.
@@ -178,7 +100,7 @@ impl<'a, D: Door> Session<'a, D> {
     /// # Errors
     /// [`Misbehaviour`].
     pub fn ask(&mut self, asked: &[Question<'_>]) -> Result<Vec<Option<Given>>, Misbehaviour> {
-        if self.hello.memory && asked.iter().any(|asked| asked.is_drawn) {
+        if self.exchange.hello.memory && asked.iter().any(|asked| asked.is_drawn) {
             self.memories.clear();
             for asked in asked {
                 self.follow(asked)?;
@@ -197,10 +119,10 @@ impl<'a, D: Door> Session<'a, D> {
         for (asked, answer) in asked.iter().zip(answers) {
             given.push(match answer {
                 Answer::OutOfDomain(_) => None,
-                Answer::Error(why) => return Err(Misbehaviour::Failed { id: self.asked, why }),
+                Answer::Error(why) => return Err(Misbehaviour::Failed { id: self.exchange.asked(), why }),
                 Answer::Given(own) => {
                     let of = (self.definition, &self.connector);
-                    let read = own.read(&self.hello.convention, &self.places, of, asked.state());
+                    let read = own.read(&self.exchange.hello.convention, &self.places, of, asked.state());
                     Some(read.only(asked.wants, components))
                 }
             });
@@ -217,7 +139,9 @@ impl<'a, D: Door> Session<'a, D> {
                 Some(Answer::Given(own)) => {
                     self.memories.extend(own.memory.map(|memory| (asked.number, memory)));
                 }
-                Some(Answer::Error(why)) => return Err(Misbehaviour::Failed { id: self.asked, why }),
+                Some(Answer::Error(why)) => {
+                    return Err(Misbehaviour::Failed { id: self.exchange.asked(), why });
+                }
                 _ => {}
             }
         }
@@ -226,10 +150,20 @@ impl<'a, D: Door> Session<'a, D> {
 
     fn answers(&mut self, asked: &[Question<'_>]) -> Result<Vec<Answer>, Misbehaviour> {
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
-        let answer = self.exchange(asked, first.wants)?;
-        let id = self.asked;
-        protocol::answers(&answer, &self.hello.convention, first.wants, asked.len())
-            .map_err(|what| Misbehaviour::WrongShape { id, what })
+        let of = (self.definition, &self.connector);
+        let convention = &self.exchange.hello.convention;
+        let state =
+            |asked: &Question<'_>| protocol::state(asked, of, convention, self.memories.get(&asked.number));
+        let states = asked.iter().map(state).collect();
+        let lines = convention.lines();
+        let layout = Layout::of(convention, lines.len(), convention.columns.len());
+        let mut answers = self.exchange.evaluate(first.wants, states, &|_| layout)?;
+        for answer in &mut answers {
+            if let Answer::Given(own) = answer {
+                own.put_in_order(&lines);
+            }
+        }
+        Ok(answers)
     }
 
     /// Asks for several states, and takes the lists as they come: of any shape, in whatever convention.
@@ -238,40 +172,12 @@ impl<'a, D: Door> Session<'a, D> {
     /// [`Misbehaviour`].
     pub fn ask_as_it_is(&mut self, asked: &[Question<'_>]) -> Result<Vec<GivenRows>, Misbehaviour> {
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
-        let answer = self.exchange(asked, first.wants)?;
-        let id = self.asked;
-        protocol::as_it_is(answer.get("answers"), asked.len())
-            .map_err(|what| Misbehaviour::WrongShape { id, what })
-    }
-
-    /// A request, and the answer with its number.
-    fn exchange(
-        &mut self,
-        asked: &[Question<'_>],
-        wants: &[Quantity],
-    ) -> Result<Map<String, Value>, Misbehaviour> {
-        const DUE: &str = "answer";
-        // What is there before the question is no answer to it.
-        self.door.is_silent()?;
-        self.asked += 1;
-        let id = self.asked;
         let of = (self.definition, &self.connector);
-        let state = |asked: &Question<'_>| {
-            protocol::state(asked, of, &self.hello.convention, self.memories.get(&asked.number))
-        };
-        let states = asked.iter().map(state).collect();
-        self.door.send(&protocol::evaluate(id, wants, states), DUE)?;
-        let answer = self.door.receive(DUE)?;
-        match answer.get("id") {
-            Some(got) if got.as_u64() == Some(id) => Ok(answer),
-            Some(got) if got.as_u64().is_some_and(|got| got < id) => {
-                Err(Misbehaviour::Again { got: got.as_u64().unwrap_or_default(), asked: id })
-            }
-            got => {
-                let got = got.map_or_else(|| "none".to_string(), ToString::to_string);
-                Err(Misbehaviour::WrongId { got: protocol::excerpt(&got), asked: id })
-            }
-        }
+        let convention = &self.exchange.hello.convention;
+        let states: Vec<Value> = asked.iter().map(|asked| protocol::state(asked, of, convention, None)).collect();
+        let answer = self.exchange.request(first.wants, states)?;
+        let id = self.exchange.asked();
+        protocol::as_it_is(answer.get("answers"), asked.len()).map_err(|what| Misbehaviour::WrongShape { id, what })
     }
 
     /// Asks for the first state once more: a routine has no memory but what it is given.
@@ -283,7 +189,7 @@ impl<'a, D: Door> Session<'a, D> {
         let Some((step, before)) = path.split_last() else { return Ok(()) };
         let offers = self.offers.clone();
         let asked = Question { number, step, path: before, values_before, wants: &offers, is_drawn: true };
-        if self.hello.memory {
+        if self.exchange.hello.memory {
             self.follow(&asked)?;
         }
         let again = self.answers(&[asked])?;
@@ -299,8 +205,7 @@ impl<'a, D: Door> Session<'a, D> {
     ///
     /// # Errors
     /// [`Misbehaviour`].
-    pub fn close(mut self) -> Result<(), Misbehaviour> {
-        self.door.send(&protocol::close(), "end")?;
-        self.door.close()
+    pub fn close(self) -> Result<(), Misbehaviour> {
+        self.exchange.close()
     }
 }

@@ -2,12 +2,16 @@
 //!
 //! | symbol | the routine is |
 //! |---|---|
-//! | `pintle_element` | one of `pintle_element.h` ([`HEADER`]) |
+//! | `pintle_element` | a connector of `pintle_element.h` ([`HEADER`]) |
+//! | `pintle_mpc` | a multi-point constraint of the same |
+//! | `pintle_friction` | a friction of the same |
 //! | `uel_` | an Abaqus user element of two nodes, as gfortran and ifort compile it |
 //!
 //! `pintle check --library FILE` starts `pintle element FILE` as a process of its own, so that a routine that crashes takes nothing
 //! else along. What C and Fortran declare cannot be checked from here: a library that declares other arguments does what it likes.
 
+mod constraint;
+mod friction;
 mod message;
 mod native;
 mod uel;
@@ -35,9 +39,11 @@ pub struct Options {
     pub columns: Vec<String>,
 }
 
-/// A routine of either kind.
+/// A routine of any kind.
 enum Routine {
     Native(native::Native),
+    Constraint(constraint::Native),
+    Friction(friction::Native),
     User(uel::UserElement),
 }
 
@@ -52,18 +58,27 @@ impl Routine {
         if let Some(native) = native::Native::of(library, options)? {
             return Ok(Self::Native(native));
         }
+        if let Some(constraint) = constraint::Native::of(library)? {
+            return Ok(Self::Constraint(constraint));
+        }
+        if let Some(friction) = friction::Native::of(library)? {
+            return Ok(Self::Friction(friction));
+        }
         if let Some(user) = uel::UserElement::of(library, options)? {
             return Ok(Self::User(user));
         }
         let file = options.library.display();
         Err(format!(
-            "{file} defines neither pintle_element nor uel_ (UEL of Fortran): pintle check --header prints the former"
+            "{file} defines neither pintle_element, pintle_mpc, pintle_friction nor uel_ (UEL of Fortran): pintle check --header declares the first \
+             three"
         ))
     }
 
     fn hello(&self) -> Value {
         match self {
             Self::Native(native) => native.hello(),
+            Self::Constraint(constraint) => constraint.hello(),
+            Self::Friction(friction) => friction.hello(),
             Self::User(user) => user.hello(),
         }
     }
@@ -71,6 +86,8 @@ impl Routine {
     fn open(&mut self, open: &Value) -> Result<(), String> {
         match self {
             Self::Native(native) => native.open(open),
+            Self::Constraint(constraint) => constraint.open(open),
+            Self::Friction(friction) => friction.open(open),
             Self::User(user) => user.open(open),
         }
     }
@@ -78,6 +95,8 @@ impl Routine {
     fn evaluate(&self, asked: &Asked<'_>) -> Answer {
         match self {
             Self::Native(native) => native.evaluate(asked),
+            Self::Constraint(constraint) => constraint.evaluate(asked),
+            Self::Friction(friction) => friction.evaluate(asked),
             Self::User(user) => user.evaluate(asked),
         }
     }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 /// The names of what a routine may give, each with its bit.
-pub(crate) const OFFERS: [(&str, u32); 9] = [
+pub(crate) const OFFERS: [(&str, u32); 13] = [
     ("values", 1),
     ("rows", 2),
     ("second_derivatives", 4),
@@ -13,6 +13,10 @@ pub(crate) const OFFERS: [(&str, u32); 9] = [
     ("geometric_stiffness", 64),
     ("element_forces", 128),
     ("element_stiffness", 256),
+    ("criterion", 512),
+    ("gradients", 1024),
+    ("friction_forces", 2048),
+    ("friction_tangent", 4096),
 ];
 
 /// An answer for one state.

@@ -10,10 +10,10 @@ const COMPONENTS: usize = 6;
 const DOFS: usize = 14;
 
 /// What was not written: a NaN of a pattern that no computation makes.
-const NONE: f64 = f64::from_bits(0x7ff8_7069_6e74_6c65);
+pub(crate) const NONE: f64 = f64::from_bits(0x7ff8_7069_6e74_6c65);
 
 #[repr(C)]
-struct Node {
+pub(crate) struct Node {
     x: [f64; 3],
     u: [f64; 3],
     triad: [f64; 9],
@@ -23,6 +23,43 @@ struct Node {
     increment: [f64; 3],
     velocity: [f64; 7],
     acceleration: [f64; 7],
+}
+
+impl Node {
+    /// That of a message.
+    pub(crate) fn of(of: Option<&Value>) -> Self {
+        let key = |key: &str| of.and_then(|of| of.get(key));
+        let rates = |kind: &str| {
+            let [x, y, z] = numbers(key(kind));
+            let [p, q, r] = numbers(key(&format!("angular_{kind}")));
+            [x, y, z, p, q, r, number(key(&format!("flow_{kind}")))]
+        };
+        Self {
+            x: numbers(key("x")),
+            u: numbers(key("u")),
+            triad: numbers(key("triad")),
+            quaternion: numbers(key("quaternion")),
+            rotation_vector: numbers(key("rotation_vector")),
+            flow: number(key("flow")),
+            increment: numbers(key("increment")),
+            velocity: rates("velocity"),
+            acceleration: rates("acceleration"),
+        }
+    }
+}
+
+/// A number that a routine was to write.
+pub(crate) fn scalar(x: &f64) -> Value {
+    if is_none(x) { Value::Null } else { written(*x) }
+}
+
+/// Numbers that a routine was to write; null where it wrote none of them.
+pub(crate) fn row(row: &[f64]) -> Value {
+    if row.iter().all(is_none) { Value::Null } else { row.iter().map(|x| written(*x)).collect() }
+}
+
+const fn is_none(x: &f64) -> bool {
+    x.to_bits() == NONE.to_bits()
 }
 
 #[repr(C)]
@@ -61,6 +98,37 @@ struct Numbers {
 
 type Element = unsafe extern "C" fn(*const Connector, *const State, c_uint, *mut f64, *mut Numbers) -> c_int;
 
+/// The variables of a library of `pintle_element.h`.
+pub(crate) struct Declared {
+    pub(crate) offers: u32,
+    pub(crate) svars: usize,
+    pub(crate) convention: Value,
+}
+
+impl Declared {
+    /// Those of a library.
+    ///
+    /// # Errors
+    /// In words, what it lacks.
+    pub(crate) fn of(library: &Library) -> Result<Self, String> {
+        #[expect(unsafe_code, reason = "three variables of the user's library")]
+        // SAFETY: their types are those that the header declares; the library is never unloaded.
+        let (offers, svars, convention) = unsafe {
+            let offers = library.get::<*const c_uint>(b"pintle_offers\0");
+            let offers = offers.map_err(|_| "the library does not define pintle_offers".to_string())?;
+            let svars = library.get::<*const c_int>(b"pintle_svars\0").map_or(0, |count| **count);
+            let convention = library.get::<*const *const c_char>(b"pintle_convention\0").ok();
+            let convention = convention.filter(|text| !(**text).is_null() && !(***text).is_null());
+            let convention = convention.map(|text| CStr::from_ptr(**text).to_string_lossy().into_owned());
+            (**offers, svars, convention)
+        };
+        let convention = convention.map_or(Ok(json!({})), |text| serde_json::from_str(&text));
+        let convention: Value = convention.map_err(|error| format!("pintle_convention: {error}"))?;
+        let svars = usize::try_from(svars).map_err(|_| format!("pintle_svars is {svars}"))?;
+        Ok(Self { offers, svars, convention })
+    }
+}
+
 /// A routine of `pintle_element.h`, and the connector that it is.
 pub(crate) struct Native {
     element: Element,
@@ -78,23 +146,13 @@ impl Native {
     /// # Errors
     /// In words, what it lacks.
     pub(crate) fn of(library: &Library, options: &Options) -> Result<Option<Self>, String> {
-        #[expect(unsafe_code, reason = "a function and three variables of the user's library")]
-        // SAFETY: their types are those that the header declares; the library is never unloaded.
-        let (element, offers, svars, convention) = unsafe {
-            let Ok(element) = library.get::<Element>(b"pintle_element\0") else { return Ok(None) };
-            let offers = library.get::<*const c_uint>(b"pintle_offers\0");
-            let offers = offers.map_err(|_| "the library does not define pintle_offers".to_string())?;
-            let svars = library.get::<*const c_int>(b"pintle_svars\0").map_or(0, |count| **count);
-            let convention = library.get::<*const *const c_char>(b"pintle_convention\0").ok();
-            let convention = convention.filter(|text| !(**text).is_null() && !(***text).is_null());
-            let convention = convention.map(|text| CStr::from_ptr(**text).to_string_lossy().into_owned());
-            (*element, **offers, svars, convention)
-        };
-        let convention = convention.map_or(Ok(json!({})), |text| serde_json::from_str(&text));
-        let convention: Value = convention.map_err(|error| format!("pintle_convention: {error}"))?;
+        #[expect(unsafe_code, reason = "a function of the user's library")]
+        // SAFETY: its type is that which the header declares; the library is never unloaded.
+        let element = unsafe { library.get::<Element>(b"pintle_element\0").ok().map(|element| *element) };
+        let Some(element) = element else { return Ok(None) };
+        let Declared { offers, svars, convention } = Declared::of(library)?;
         let own = || convention.get("columns").and_then(Value::as_array).map_or(DOFS, Vec::len);
         let width = if options.columns.is_empty() { own() } else { options.columns.len() };
-        let svars = usize::try_from(svars).map_err(|_| format!("pintle_svars is {svars}"))?;
         Ok(Some(Self {
             element,
             offers,
@@ -142,29 +200,10 @@ impl Native {
 
     pub(crate) fn evaluate(&self, asked: &Asked<'_>) -> Answer {
         let connector = self.connector();
-        let node = |of: Option<&Value>| {
-            let key = |key: &str| of.and_then(|of| of.get(key));
-            let rates = |kind: &str| {
-                let [x, y, z] = numbers(key(kind));
-                let [p, q, r] = numbers(key(&format!("angular_{kind}")));
-                [x, y, z, p, q, r, number(key(&format!("flow_{kind}")))]
-            };
-            Node {
-                x: numbers(key("x")),
-                u: numbers(key("u")),
-                triad: numbers(key("triad")),
-                quaternion: numbers(key("quaternion")),
-                rotation_vector: numbers(key("rotation_vector")),
-                flow: number(key("flow")),
-                increment: numbers(key("increment")),
-                velocity: rates("velocity"),
-                acceleration: rates("acceleration"),
-            }
-        };
         let before = asked.state.get("previous");
         let state = State {
-            now: ["a", "b"].map(|name| node(asked.state.get(name))),
-            before: ["a", "b"].map(|name| node(before.and_then(|before| before.get(name)))),
+            now: ["a", "b"].map(|name| Node::of(asked.state.get(name))),
+            before: ["a", "b"].map(|name| Node::of(before.and_then(|before| before.get(name)))),
             values_before: numbers(before.and_then(|before| before.get("values"))),
         };
         let kept = before.and_then(|before| before.get("memory")).and_then(Value::as_array);
@@ -209,12 +248,7 @@ impl Native {
     }
 
     fn written(&self, name: &str, of: &Numbers) -> Value {
-        let is_none = |x: &f64| x.to_bits() == NONE.to_bits();
-        let scalar = |x: &f64| if is_none(x) { Value::Null } else { written(*x) };
-        let row = |row: &Row| {
-            let row = row.get(..self.width).unwrap_or(row);
-            if row.iter().all(is_none) { Value::Null } else { row.iter().map(|x| written(*x)).collect() }
-        };
+        let row = |of: &Row| row(of.get(..self.width).unwrap_or(of));
         let matrix = |matrix: &Matrix| {
             let lines = matrix.get(..self.width).unwrap_or(matrix);
             let lines: Vec<Value> = lines.iter().map(row).collect();

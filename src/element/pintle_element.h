@@ -1,6 +1,7 @@
 /* An element routine that pintle checks: pintle check TYPE --library ./element.so
  *
- * Build a shared library that defines pintle_element and pintle_offers:
+ * Build a shared library that defines pintle_offers, and pintle_element, pintle_mpc ("MPC KIND") or pintle_friction
+ * ("FRICTION TYPE"):
  *     cc -shared -fPIC -O2 -o element.so element.c
  *
  * Lengths are in the unit of the scene, angles in rad, vectors along global axes.
@@ -24,7 +25,11 @@ enum {
     PINTLE_NODAL_FORCES = 32,       /* of a unit force of each component */
     PINTLE_GEOMETRIC_STIFFNESS = 64,
     PINTLE_ELEMENT_FORCES = 128,    /* of springs: --springs D1,...,D6 */
-    PINTLE_ELEMENT_STIFFNESS = 256
+    PINTLE_ELEMENT_STIFFNESS = 256,
+    PINTLE_CRITERION = 512,         /* of a friction: P, F_C, F_N, Phi */
+    PINTLE_GRADIENTS = 1024,        /* their derivatives by the forces f1..m3 */
+    PINTLE_FRICTION_FORCES = 2048,  /* after the increment */
+    PINTLE_FRICTION_TANGENT = 4096  /* their derivatives by the increment, then by what presses */
 };
 
 typedef struct {
@@ -81,6 +86,61 @@ extern const char *const pintle_convention;
  * Returns 0, or another number where the state is outside its domain. */
 int pintle_element(const pintle_connector *connector, const pintle_state *state, unsigned want, double *svars,
                    pintle_numbers *numbers);
+
+/* A multi-point constraint: S follows M. Equations are delta1..delta3 (of a LINK the first is its length), rho1..rho3, flow. */
+typedef struct {
+    const char *type;     /* "MPC REVOLUTE" */
+    double x[2][3];       /* initial positions of S and M */
+    double axes[2][3];    /* a1, a2 of its hinges in the initial geometry */
+    int has[7];           /* whether it has an equation */
+} pintle_constraint;
+
+typedef struct {
+    pintle_node s, m;     /* now; the triad has the directions to which the global axes have turned */
+    double angles[2];     /* phi1, phi2 of the hinges */
+    double angle_velocities[2];
+    double angle_accelerations[2];
+} pintle_mpc_state;
+
+/* Columns are those of S, those of M, then phi1 and phi2: 14 and one for each hinge. */
+typedef struct {
+    double values[7];
+    double rows[7][16];
+    double second_derivatives[7][16][16];
+    double rates[7];
+    double accelerations[7];
+} pintle_mpc_numbers;
+
+int pintle_mpc(const pintle_constraint *constraint, const pintle_mpc_state *state, unsigned want,
+               pintle_mpc_numbers *numbers);
+
+typedef struct {
+    const char *type;       /* "FRICTION HINGE" */
+    double coefficient;
+    double maximum;         /* of the friction force, -1 for none */
+    double stick_stiffness; /* K_s; -1 while the default rule has not set it */
+    double parameters[8];   /* of a predefined friction, in the order of its data line */
+} pintle_friction_data;
+
+typedef struct {
+    double forces[6];        /* the criterion is asked for at these: tractions where it slides, what presses elsewhere */
+    double displacement[6];  /* of the increment */
+    double pressing[6];      /* forces that press at its end */
+    double forces_before[6]; /* friction forces before it */
+    double slip_before;      /* accumulated slip before it */
+    double position[6];
+    double motion[6];
+} pintle_friction_state;
+
+typedef struct {
+    double criterion[4];
+    double gradients[4][6];
+    double friction_forces[10];     /* CSF1..CSM3, slip of the increment, F_N, limit, accumulated slip */
+    double friction_tangent[6][12];
+} pintle_friction_numbers;
+
+int pintle_friction(const pintle_friction_data *friction, const pintle_friction_state *state, unsigned want,
+                    pintle_friction_numbers *numbers);
 
 #ifdef __cplusplus
 }

@@ -146,7 +146,7 @@ pub mod audit {
 #[cfg(feature = "cli")]
 pub mod check {
     pub use crate::cli::check::subject;
-    pub use pintle_check::{Asked, Checked, Convention, DRIVER, Door, Misbehaviour, check};
+    pub use pintle_check::{Asked, Checked, Convention, DRIVER, Door, Misbehaviour, Subject, check};
 }
 
 #[cfg(doctest)]

@@ -275,6 +275,10 @@ codes! {
     DiagnosisMultiplied = "diagnosis::multiplied": "A friction criterion multiplies by a radius or length that must divide, such as m · R for m/R.";
     DiagnosisStickForSlip = "diagnosis::stick-for-slip": "The tangent of a friction is that of stick where it slips, or of slip where it sticks.";
     DiagnosisContactForceHeld = "diagnosis::contact-force-held": "The tangent of a friction lacks the derivatives by the forces that press: the contact force was held.";
+    DiagnosisParametersSwapped = "diagnosis::parameters-swapped": "Two parameters of a friction, such as R_r and L, are exchanged.";
+    DiagnosisSumForNorm = "diagnosis::sum-for-norm": "The magnitudes of forces are added where their norm is meant.";
+    DiagnosisOtherCoefficient = "diagnosis::other-coefficient": "The coefficient of friction counts twice, or not at all.";
+    DiagnosisContinuumTangent = "diagnosis::continuum-tangent": "The tangent is that of an increment that goes to zero, not of the increment that was made.";
     DiagnosisElasticForViscous = "diagnosis::elastic-for-viscous": "The slopes of a behaviour by displacements and by velocities have each other's numbers.";
     DiagnosisSecant = "diagnosis::secant": "A slope is force / displacement, or force / velocity, of a law that is not proportional; or, of a friction, what a whole increment of displacement changes, divided by it: the secant instead of the tangent.";
     DiagnosisDropped = "diagnosis::dropped": "Entries that are not zero are missing.";

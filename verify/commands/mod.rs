@@ -4,6 +4,7 @@ pub(crate) mod bench; // whether times are told of right numbers, with their err
 mod check; // somebody's routine in a process
 pub(crate) mod cli; // the command line
 pub(crate) mod convert; // scenes in other forms
+mod doors; // one verdict through every door
 pub(crate) mod export; // exported programs, compiled and run
 pub(crate) mod files; // whether files are whole, and none is overwritten
 pub(crate) mod handover; // counter-examples in other forms, each one run

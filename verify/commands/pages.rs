@@ -64,7 +64,11 @@ fn can_run(page: &str) -> bool {
 
 fn run(command: &str, folder: &Path) -> Output {
     let (command, file) = command.split_once(" > ").map_or((command, None), |(c, file)| (c, Some(file)));
-    let words: Vec<&str> = command.split_whitespace().collect();
+    // What stands between quotes is one word.
+    let quoted = command.split('"').enumerate();
+    let words: Vec<&str> = quoted
+        .flat_map(|(n, part)| if n % 2 == 1 { vec![part] } else { part.split_whitespace().collect() })
+        .collect();
     let (program, arguments) = words.split_first().expect("a command");
     let mut command = match *program {
         "pintle" => Command::new(env!("CARGO_BIN_EXE_pintle")),

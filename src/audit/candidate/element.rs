@@ -8,7 +8,8 @@
 use super::given::{Element, Tangent};
 use crate::case::quantity::{Numbers, Quantity};
 use crate::judge::bound::Bound;
-use crate::judge::table::{Entry, ResultTable};
+use crate::judge::table::{Convention, Entry, ResultTable};
+use crate::mutants::diagnosis::Cause;
 use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B};
 use pintle_kinematics::scalar::{Real, Wide};
 
@@ -23,6 +24,8 @@ pub(super) fn tables(
     let zero = Wide::from_f64(0.0);
     let mut force = [(zero, 0.0); DOFS];
     let mut slope = vec![(zero, 0.0); DOFS * DOFS];
+    // Σ D ∂_i c ∂_j c alone.
+    let mut material = vec![zero; DOFS * DOFS];
     let (first, second) = (Quantity::FirstDerivatives, Quantity::SecondDerivatives);
     for (k, stiffness) in springs.iter().enumerate().filter_map(|(k, x)| Some((k, (*x)?))) {
         let Some(value) = right.entries(Quantity::Value).get(k, 0) else { continue };
@@ -38,6 +41,7 @@ pub(super) fn tables(
             let (i, j) = (n / DOFS, n % DOFS);
             let matrix = right.entries(second).get(k, n).unwrap_or(zero);
             *entry += d * (row(i) * row(j) + value * matrix);
+            material[n] += d * row(i) * row(j);
             let [x, y] = [row(i), row(j)].map(|x| x.to_f64().abs());
             let of_matrix = size * bound.scale(second, k, n) + of_value * matrix.to_f64().abs();
             *scale += stiffness.abs() * (of_row(i) * y + x * of_row(j) + of_matrix);
@@ -76,6 +80,34 @@ pub(super) fn tables(
         let mut table = ResultTable::new(Quantity::ElementStiffness);
         table.rows = DOF.map(|name| format!("∂p on {name}")).to_vec();
         table.columns = DOF.map(String::from).to_vec();
+        let symmetric = |n: usize| {
+            let (i, j) = (n / DOFS, n % DOFS);
+            (slope[n].0 + slope[j * DOFS + i].0) * Wide::ratio(1, 2)
+        };
+        let geometric = |n: usize| slope[n].0 - material[n];
+        let other = |cause: Cause, relation: &str, of: &dyn Fn(usize) -> Wide| {
+            let changes = (0..DOFS * DOFS).map(|n| (n, of(n).to_f64())).collect();
+            Convention::new(cause, changes).related(relation)
+        };
+        table.conventions = vec![
+            other(
+                Cause::GeometricTermMissing,
+                "Σ D ∂c ∂c, what is expected without the geometric stiffness Σ D c ∂²c",
+                &|n| material[n],
+            ),
+            other(
+                Cause::LeverReversed,
+                "what is expected with minus the geometric stiffness Σ D c ∂²c",
+                &|n| material[n] - geometric(n),
+            ),
+            other(
+                Cause::GeometricTermDoubled,
+                "what is expected with twice the geometric stiffness Σ D c ∂²c",
+                &|n| material[n] + geometric(n) + geometric(n),
+            ),
+            other(Cause::Symmetrised, Cause::Symmetrised.relation(), &symmetric),
+            other(Cause::Reversed, Cause::Reversed.relation(), &|n| -slope[n].0),
+        ];
         for (n, ((want, scale), got)) in slope.iter().zip(got.as_flattened()).enumerate() {
             let (i, j) = (n / DOFS, n % DOFS);
             let name = format!("∂(p on {})/∂{}", DOF[i], DOF[j]);

@@ -25,10 +25,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod constraint;
 mod element;
+mod friction;
 mod given;
 mod right;
+mod tables;
 
+pub use constraint::ConstraintCandidate;
+pub use friction::FrictionCandidate;
 pub use given::{Given, Question, Tangent};
 pub use right::Right;
 

@@ -86,7 +86,7 @@ pub(super) fn input_names() -> Vec<String> {
 }
 
 impl FrictionCase {
-    pub(super) fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
+    pub(crate) fn input<R: Real>(&self, j: usize, h: R) -> Input<'_, R> {
         let all = |x: [f64; 6]| x.map(R::from_f64);
         let mut input = Input {
             displacement: all(self.displacement),

@@ -8,6 +8,7 @@
 //! | `solve` | how are equations solved on 237 bits, and what if they are not? |
 //! | `belt` | the same for a belt around a ring |
 //! | `total` | are the slopes of all forces of a connector right, with what presses its frictions? |
+//! | `given` | what does somebody else's friction give, and what may explain it? |
 //! | `golden` | what does JAX say, at states of its own? |
 //! | `restored` | does it go on from what was saved? |
 //! | `scene` | what of a connector's friction is judged at a state? |
@@ -17,6 +18,7 @@
 
 mod belt;
 mod criterion;
+mod given;
 mod golden;
 mod increment;
 mod restored;
@@ -25,6 +27,7 @@ mod solve;
 mod total;
 
 use crate::case::failing::FrictionCase;
+pub use given::{FrictionNumbers, FrictionSubject, Told};
 pub(super) use golden::audit_golden;
 pub(super) use restored::restored;
 pub(super) use scene::{Slipping, audit_slipping, drawn, slipping};

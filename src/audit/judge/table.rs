@@ -64,6 +64,37 @@ pub struct Change {
     pub changes: Vec<(usize, f64)>,
 }
 
+/// Another convention than expected: the places of a table that it changes, with the changed numbers.
+#[derive(Clone, Debug)]
+pub struct Convention {
+    /// The cause that it is.
+    pub cause: Cause,
+    /// What the numbers equal, where the cause leaves it open.
+    pub relation: Option<String>,
+    /// (place in the table, changed number).
+    pub changes: Vec<(usize, f64)>,
+}
+
+impl Convention {
+    /// One whose cause says what the numbers equal.
+    pub const fn new(cause: Cause, changes: Vec<(usize, f64)>) -> Self {
+        Self { cause, relation: None, changes }
+    }
+
+    /// The same, with what the numbers equal.
+    #[must_use]
+    pub fn related(self, relation: impl Into<String>) -> Self {
+        Self { relation: Some(relation.into()), ..self }
+    }
+
+    /// The same, so many places further on.
+    #[must_use]
+    pub fn moved(mut self, by: usize) -> Self {
+        self.changes.iter_mut().for_each(|(place, _)| *place += by);
+        self
+    }
+}
+
 /// The numbers of one quantity at one state, row by row. Whoever has numbers of their own puts them into `got` of the entries, and
 /// [`ResultTable::check`] judges those.
 #[derive(Clone, Debug)]
@@ -79,7 +110,7 @@ pub struct ResultTable {
     /// Mistakes of more than a single entry, made in the right numbers.
     pub mistakes: Vec<Change>,
     /// Other conventions than expected, in the right numbers, which are tried where numbers are wrong.
-    pub conventions: Vec<(Cause, Vec<(usize, f64)>)>,
+    pub conventions: Vec<Convention>,
     /// Why nobody can say what the numbers must be, of a table without any.
     pub undecided: Option<String>,
 }

@@ -24,7 +24,7 @@ use crate::judge::verdict::Score;
 use crate::laws::{
     Asked, Demand, Invariant, IsConditioned, Related, TURN, Term, What, along_rows, axis, try_mutants,
 };
-use crate::mpc::given;
+use crate::mpc::numbers_of;
 use crate::mutants::mutant::{Changes, Mutant};
 use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::mpc::{
@@ -345,10 +345,10 @@ impl<'a> Laws<'a> {
         let got = self.case.evaluated(&twin);
         let inputs = self.case.inputs(&got.taken);
         let present = |row: usize| got.residual.get(row).copied().flatten();
-        let numbers = ByEquation::of(|row| present(row).map(|_| given(&got, row)));
+        let numbers = ByEquation::of(|row| present(row).map(|_| numbers_of(&got, row)));
         let tolerance = ByEquation::of(|row| {
             present(row)?;
-            let [value, first, second, ..] = given(&got, row);
+            let [value, first, second, ..] = numbers_of(&got, row);
             let value = value.first().copied().unwrap_or(f64::NAN);
             let of_row =
                 scales(value, &first, &second, (&sizes, &inputs), (&reach, &reach_rate), self.nearness[row]);

@@ -2,11 +2,13 @@
 
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Change, ResultTable};
+use crate::judge::table::{Change, Convention, ResultTable};
 use crate::mutants::diagnosis::{Cause, conventions};
-use crate::mutants::mutant::{Mistake, OfRow, of_angle, of_matrix, of_rate, of_row, transposed_blocks};
+use crate::mutants::mutant::{Mistake, OfRow, of_angle, of_matrix, of_rate, of_row, put, transposed_blocks};
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::mpc::{DOFS, Dofs, Kind, ROWS, State};
+use pintle_kinematics::mpc::{
+    DOFS, Dofs, Kind, PHI, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
+};
 use pintle_kinematics::vector::Vector;
 
 /// The right numbers of one table, by equation.
@@ -85,21 +87,37 @@ impl MpcCase {
         (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect()
     }
 
-    /// Gives the tables every mistake that can be made in them, and other conventions.
-    pub(super) fn add_mistakes(&self, tables: &mut [ResultTable]) {
+    /// Gives the tables of these equations every mistake that can be made in them, and other conventions.
+    pub(super) fn add_mistakes(&self, tables: &mut [ResultTable], equations: &[usize]) {
         let first = tables.iter().find(|table| table.quantity == Quantity::FirstDerivatives);
         let rows: Vec<Dofs<f64>> = first.map_or_else(Vec::new, |table| {
             (0..table.rows.len()).map(|row| std::array::from_fn(|j| table.want(row, j))).collect()
         });
+        self.add_mistakes_of(&rows, tables, equations);
+    }
+
+    /// The same of tables that need not be all of the state, whose first derivatives are `rows`.
+    fn add_mistakes_of(&self, rows: &[Dofs<f64>], tables: &mut [ResultTable], equations: &[usize]) {
+        let elsewhere = self.elsewhere();
         for table in tables {
-            table.mistakes = self.mistakes(table, &rows);
-            table.conventions = self.conventions(table);
+            table.mistakes = self.mistakes(table, rows, equations);
+            table.conventions = self.conventions(table, equations);
+            let quantity = table.quantity;
+            table.conventions.extend(elsewhere.iter().flat_map(|other| other.of(quantity, equations)));
         }
     }
 
+    /// Gives tables that need not be all of the state what may explain them.
+    pub(crate) fn explain(&self, tables: &mut [ResultTable], equations: &[usize]) {
+        let got = self.said();
+        let rows: Vec<Dofs<f64>> =
+            equations.iter().map(|row| got.jacobian[*row].unwrap_or([0.0; DOFS])).collect();
+        self.add_mistakes_of(&rows, tables, equations);
+    }
+
     /// Every mistake in a quantity, wherever it can be made; `rows` are the first derivatives.
-    fn mistakes(&self, table: &ResultTable, rows: &[Dofs<f64>]) -> Vec<Change> {
-        let mut right = Right { table, equations: self.equations(), found: Vec::new() };
+    fn mistakes(&self, table: &ResultTable, rows: &[Dofs<f64>], equations: &[usize]) -> Vec<Change> {
+        let mut right = Right { table, equations: equations.to_vec(), found: Vec::new() };
         right.rows_swapped();
         for (row, gradient) in rows.iter().enumerate() {
             let (numbers, is_angle) = (right.row(row), right.is_angle(row));
@@ -127,14 +145,62 @@ impl MpcCase {
     }
 
     /// Changes of convention of rows that are no mistakes of the self-test.
-    fn conventions(&self, table: &ResultTable) -> Vec<(Cause, Vec<(usize, f64)>)> {
+    fn conventions(&self, table: &ResultTable, equations: &[usize]) -> Vec<Convention> {
         let rows = if table.quantity == Quantity::FirstDerivatives { table.rows.len() } else { 0 };
         let of_row = |row: usize| {
             let numbers: Vec<f64> = (0..DOFS).map(|j| table.want(row, j)).collect();
-            let found = conventions(&numbers, self.triads()).into_iter();
-            found.map(move |(cause, changes)| {
-                (cause, changes.into_iter().map(|(j, x)| (row * DOFS + j, x)).collect())
-            })
+            let mut found: Vec<Convention> = conventions(&numbers, self.triads())
+                .into_iter()
+                .map(|(cause, changes)| Convention::new(cause, changes))
+                .collect();
+            let zero = |columns: std::ops::Range<usize>| columns.map(|j| (j, 0.0)).collect();
+            let left_out = [
+                (XS..XM, "the columns of S"),
+                (XM..PHI, "the columns of M"),
+                (PHI..DOFS, "the columns of the hinges"),
+            ];
+            for (columns, what) in left_out {
+                let left_out = Convention::new(Cause::NodeLeftOut, zero(columns));
+                found.push(left_out.related(format!("zero in {what}")));
+            }
+            let hinges = (PHI..DOFS).map(|j| (j, -numbers[j])).collect();
+            found.push(
+                Convention::new(Cause::BlockReversed, hinges)
+                    .related("minus what is expected in the columns of the hinges"),
+            );
+            if self.constraint.kind().entry().translation == Translation::Carried
+                && equations.get(row).is_some_and(|equation| *equation < RHO)
+            {
+                let lever = [0, 1, 2].map(|i| numbers[THETA_M + i]);
+                let block = |factor: f64| put(THETA_M, lever.map(|x| factor * x));
+                let told = [
+                    (
+                        Cause::GeometricTermMissing,
+                        0.0,
+                        "what is expected without the term of the arm C_M (X_S − X_M)",
+                    ),
+                    (
+                        Cause::GeometricTermDoubled,
+                        2.0,
+                        "what is expected with twice the term of the arm C_M (X_S − X_M)",
+                    ),
+                    (
+                        Cause::LeverReversed,
+                        -1.0,
+                        "what is expected with minus the term of the arm C_M (X_S − X_M)",
+                    ),
+                ];
+                for (cause, factor, relation) in told {
+                    found.push(Convention::new(cause, block(factor)).related(relation));
+                }
+                let mut at_s = block(0.0);
+                at_s.extend(put(THETA_S, lever));
+                found.push(
+                    Convention::new(Cause::LeverAtB, at_s)
+                        .related("what is expected with the term of the arm at S"),
+                );
+            }
+            found.into_iter().map(move |other| other.moved(row * DOFS))
         };
         (0..rows).flat_map(of_row).collect()
     }

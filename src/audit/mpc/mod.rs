@@ -6,8 +6,12 @@
 
 pub(super) mod atlas;
 mod cut;
+mod elsewhere;
+mod given;
 mod laws;
 mod mistakes;
+
+pub use given::ConstraintNumbers;
 
 use crate::case::failing::Failing;
 use crate::case::failing::MpcCase;
@@ -24,6 +28,7 @@ use crate::oracles::oracle::{Oracle, nearness};
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;
+
 use pintle_kinematics::connector::{Output, Request, Tally, Turns};
 use pintle_kinematics::measure::{SingularClass, Unit};
 use pintle_kinematics::mpc::{
@@ -84,7 +89,7 @@ impl MpcCase {
         }
         let needs = |table: &ResultTable| proves || table.judge().verdict == Verdict::Wrong;
         if tables.iter().any(needs) {
-            self.add_mistakes(&mut tables);
+            self.add_mistakes(&mut tables, &self.equations());
         }
         // Those of one state are formed in their order.
         let is_lost = |table: &&ResultTable| table.entries.iter().any(|entry| !entry.got.is_finite());
@@ -115,7 +120,7 @@ impl MpcCase {
     /// The numbers at this state, and what they must be: equations, their derivatives, rates and accelerations.
     pub fn tables(&self) -> Vec<ResultTable> {
         let mut tables = self.judged();
-        self.add_mistakes(&mut tables);
+        self.add_mistakes(&mut tables, &self.equations());
         tables
     }
 
@@ -174,21 +179,25 @@ impl MpcCase {
     /// The numbers without mistakes.
     fn judged(&self) -> Vec<ResultTable> {
         let got = self.said();
-        let mut tables = self.tables_of(&got, &self.truth(&got));
+        let mut tables = self.tables_of(&got, &self.truth(&got), &self.equations());
         tables.retain(|table| !table.entries.is_empty());
         tables
     }
 
-    fn tables_of(&self, got: &Evaluation<f64>, truth: &WideConstraint) -> Vec<ResultTable> {
+    fn tables_of(
+        &self,
+        got: &Evaluation<f64>,
+        truth: &WideConstraint,
+        equations: &[usize],
+    ) -> Vec<ResultTable> {
         let kind = self.constraint.kind();
-        let rows: Vec<usize> = (0..ROWS).filter(|row| self.constraint.rows()[*row]).collect();
         let value = truth.values_of(truth.given);
         let first = truth.first();
         let second = truth.second();
         let [rate, acceleration] = truth.rates();
         let singular = truth.nearness.contains(&0.0).then(|| (truth.sides(), truth.hessian()));
         let mut tables: Vec<ResultTable> = Self::QUANTITIES.map(ResultTable::new).into();
-        for row in rows {
+        for row in equations.iter().copied() {
             let name = kind.row_name(row);
             let narrow = |of: &[Wide]| of.iter().map(|x| x.to_f64()).collect::<Vec<f64>>();
             let zero = Wide::zero();
@@ -225,7 +234,7 @@ impl MpcCase {
             let value_scale = scales[0].first().copied().unwrap_or(0.0);
             let [rate, acceleration] = [&rate, &acceleration].map(|of| vec![of[row].unwrap_or(zero)]);
             let wanted = [vec![value], gradient, matrix, rate, acceleration];
-            let numbers = given(got, row).into_iter().zip(wanted);
+            let numbers = numbers_of(got, row).into_iter().zip(wanted);
             for ((table, scales), (got, want)) in tables.iter_mut().zip(scales).zip(numbers) {
                 let column = |j: usize| kind.column_name(j);
                 let units = |j: usize| match j {
@@ -293,7 +302,7 @@ impl MpcCase {
 }
 
 /// The numbers of an equation, in the order of [`MpcCase::QUANTITIES`]; what is missing is not a number.
-fn given(got: &Evaluation<f64>, row: usize) -> [Vec<f64>; MpcCase::QUANTITIES.len()] {
+fn numbers_of(got: &Evaluation<f64>, row: usize) -> [Vec<f64>; MpcCase::QUANTITIES.len()] {
     let one = |rows: &Rows<f64>| vec![rows[row].unwrap_or(f64::NAN)];
     let matrix = got.hessian[row].as_ref();
     [

@@ -19,7 +19,7 @@ macro_rules! causes {
             }
 
             /// What the numbers equal.
-            pub(super) const fn relation(self) -> &'static str {
+            pub(crate) const fn relation(self) -> &'static str {
                 match self { $(Self::$variant => $relation),+ }
             }
 
@@ -103,6 +103,10 @@ causes! {
     CouplingMissing = DiagnosisContactForceHeld, "what is expected with the contact force held", "coupling to what presses missing";
     ElasticForViscous = DiagnosisElasticForViscous, "what is expected of each other", "elastic and viscous slopes exchanged";
     SecantForTangent = DiagnosisSecant, "force / displacement over the whole motion or increment", "the secant instead of the tangent";
+    ParametersSwapped = DiagnosisParametersSwapped, "what is expected with two lengths exchanged", "parameters exchanged";
+    SumForNorm = DiagnosisSumForNorm, "what is expected with the sum of magnitudes for their norm", "a norm taken as a sum";
+    OtherCoefficient = DiagnosisOtherCoefficient, "what is expected with another coefficient", "μ twice, or not at all";
+    ContinuumForConsistent = DiagnosisContinuumTangent, "the tangent of an increment that goes to zero", "continuum for consistent tangent";
     Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";
     Offset = DiagnosisOffset, "what is expected and a constant", "a constant offset";
     Dropped = DiagnosisDropped, "zero", "entry dropped";

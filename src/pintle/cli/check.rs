@@ -5,11 +5,14 @@ use super::eval::{read, source};
 use super::tell::complain;
 use super::{Failure, connection, fit, page_width};
 use clap::{ArgGroup, Args};
+use pintle_audit::FrictionSubject;
 use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
+use pintle_kinematics::mpc::{Constraint, Kind};
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
 use pintle_scene::Label;
@@ -66,8 +69,9 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 #[command(after_long_help = HELP)]
 #[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header", "answers"])))]
 pub(crate) struct Check {
-    /// A connection type, or two basic ones in quotes; or a connector of a scene, SCENE:ELEMENT
-    #[arg(value_name = "TYPE|SCENE:ELEMENT", required_unless_present = "header")]
+    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT; a constraint, "MPC KIND"; or the friction
+    /// of a type or connector, "FRICTION TYPE"
+    #[arg(value_name = "TYPE|SCENE:ELEMENT|MPC KIND|FRICTION …", required_unless_present = "header")]
     of: Option<String>,
     /// The command that starts the routine, for a shell
     #[arg(long, value_name = "COMMAND")]
@@ -178,15 +182,7 @@ pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
         let source = source(scene)?;
         let (scene, _) = read(source, None)?;
         let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
-        let plan = Plan::compile(&model, &Selection::Named(vec![element.to_string()]), Request::nothing(0))
-            .map_err(|error| Failure::Usage(error.to_string()))?;
-        let [one] = plan.connectors.as_slice() else {
-            let count = plan.connectors.len();
-            return Err(Failure::Usage(format!(
-                "{element} names {count} connectors: name one by its element number"
-            )));
-        };
-        let element = &model.connectors[*one];
+        let element = &model.connectors[one_connector(&model, element)?];
         return Ok(Subject { definition: element.definition(), nodes: element.nodes, is_of_scene: true });
     }
     let connection = type_of(name)?;
@@ -198,13 +194,82 @@ pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
     Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
 }
 
-/// The connector that a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, or a connector of a scene,
-/// `SCENE:ELEMENT`.
+/// The multi-point constraint of a kind: nodes that are apart, along no global axis, and axes of hinges at a right angle.
+fn constraint(kind: &str) -> Result<Constraint<f64>, Failure> {
+    let kind = Kind::named(kind).ok_or_else(|| {
+        let kinds: Vec<&str> = Kind::ALL.into_iter().map(Kind::name).collect();
+        Failure::Usage(format!("there is no MPC {kind}; there are {}", kinds.join(", ")))
+    })?;
+    let hinges = [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]];
+    Ok(Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], hinges))
+}
+
+/// What a routine is to be, as the command line names it.
+fn found(name: &str) -> Result<pintle_check::Subject, Failure> {
+    match name.trim().split_once(char::is_whitespace) {
+        Some((word, kind)) if word.eq_ignore_ascii_case("MPC") => Ok((&constraint(kind.trim())?).into()),
+        Some((word, of)) if word.eq_ignore_ascii_case("FRICTION") => Ok(friction(of.trim())?.into()),
+        _ => Ok((&named(name)?.definition).into()),
+    }
+}
+
+/// The friction of a connector of a scene, or the predefined one of a type; a number in front is that of one of several, from 1 on.
+fn friction(name: &str) -> Result<FrictionSubject, Failure> {
+    let numbered = name.split_once(char::is_whitespace);
+    let numbered = numbered.and_then(|(number, of)| Some((number.parse::<usize>().ok()?, of.trim())));
+    let (number, of) = numbered.map_or((None, name), |(number, of)| (Some(number), of));
+    let Some((scene, element)) = of.rsplit_once(':').filter(|(scene, _)| *scene != "gallery") else {
+        let connection = type_of(of)?;
+        let found = FrictionSubject::predefined(&connection, number.unwrap_or(1).saturating_sub(1));
+        let lacks = || match number {
+            Some(number) => format!("{of} has no predefined friction {number} of a criterion Φ = P − μ F_N"),
+            None => format!("{of} has no predefined friction of a criterion Φ = P − μ F_N"),
+        };
+        return found.ok_or_else(|| Failure::Usage(lacks()));
+    };
+    let source = source(scene)?;
+    let (scene, _) = read(source, None)?;
+    let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    let element = one_connector(&model, element)?;
+    let connector = &model.connectors[element];
+    let frictions = &connector.behavior.behavior.friction.frictions;
+    let friction = match (number, frictions.as_slice()) {
+        (None, [one]) => one,
+        (Some(number), all) if number > 0 && number <= all.len() => &all[number - 1],
+        (_, []) => return Err(Failure::Usage(format!("{of} has no friction of a criterion Φ = P − μ F_N"))),
+        (_, all) => {
+            return Err(Failure::Usage(format!(
+                "{of} has {} frictions: name one, as \"FRICTION 1 {of}\"",
+                all.len()
+            )));
+        }
+    };
+    let definition = connector.definition();
+    let length = Some(norm(definition.initial.reference)).filter(|length| *length > 0.0).unwrap_or(1.0);
+    FrictionSubject::new(of.to_string(), (*definition.connection).clone(), friction.clone(), length)
+        .map_err(Failure::Usage)
+}
+
+/// The place of the one connector that an element names.
+fn one_connector(model: &Model, element: &str) -> Result<usize, Failure> {
+    let plan = Plan::compile(model, &Selection::Named(vec![element.to_string()]), Request::nothing(0))
+        .map_err(|error| Failure::Usage(error.to_string()))?;
+    match plan.connectors.as_slice() {
+        [one] => Ok(*one),
+        all => Err(Failure::Usage(format!(
+            "{element} names {} connectors: name one by its element number",
+            all.len()
+        ))),
+    }
+}
+
+/// What a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, a connector of a scene, `SCENE:ELEMENT`, or
+/// a multi-point constraint, `MPC KIND`, or a friction, `FRICTION TYPE` or `FRICTION SCENE:ELEMENT`.
 ///
 /// # Errors
 /// In words, where there is none of that name.
-pub fn subject(name: &str) -> Result<Definition, String> {
-    named(name).map(|subject| subject.definition).map_err(|failure| failure.to_string())
+pub fn subject(name: &str) -> Result<pintle_check::Subject, String> {
+    found(name).map_err(|failure| failure.to_string())
 }
 
 /// The conventions that a file declares.
@@ -243,8 +308,8 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         return Ok(io::stdout().lock().write_all(pintle_element::HEADER.as_bytes())?);
     }
     let of = arguments.of.as_deref().unwrap_or_default();
-    let subject = named(of)?;
     if let (Some(answers), Some(at)) = (&arguments.answers, &arguments.at) {
+        let subject = named(of)?;
         let scene = match of.rsplit_once(':').filter(|_| subject.is_of_scene) {
             Some((scene, _)) => Some(read(source(scene)?, None)?.0),
             None => None,
@@ -253,7 +318,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         fit::tell(&found, &subject.definition)?;
         return if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) };
     }
-    let Subject { definition, .. } = subject;
+    let subject = found(of)?;
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
@@ -263,10 +328,13 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
     let misbehaved = |misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string());
     if arguments.fit_convention {
+        let pintle_check::Subject::Connector(definition) = &subject else {
+            return Err(Failure::Usage("--fit-convention finds the conventions of a connector".into()));
+        };
         let found = Process::start(&command, patience)
-            .and_then(|process| pintle_check::fit_convention(process, &definition, &arguments.seed))
+            .and_then(|process| pintle_check::fit_convention(process, definition, &arguments.seed))
             .map_err(misbehaved)?;
-        fit::tell(&found, &definition)?;
+        fit::tell(&found, definition)?;
         println!();
         convention = Some(found.convention);
     }
@@ -280,14 +348,19 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
     };
     let springs = arguments.springs.unwrap_or_default();
     let asked = Asked { settings, histories: arguments.histories, convention, springs };
-    let checked = Process::start(&command, patience)
-        .and_then(|process| pintle_check::check(process, &definition, asked));
+    let checked =
+        Process::start(&command, patience).and_then(|process| pintle_check::check(process, &subject, asked));
     let checked = checked.map_err(misbehaved)?;
     let notes = checked.notes();
     if matches!(arguments.format, AuditFormat::Human) {
         let mut out = BufWriter::new(anstream::stdout().lock());
-        let of = definition.connection.name.as_ref();
-        pintle_report::audit::checked(&mut out, &checked.report, of, &notes, page_width(&io::stdout()))?;
+        pintle_report::audit::checked(
+            &mut out,
+            &checked.report,
+            &subject.name(),
+            &notes,
+            page_width(&io::stdout()),
+        )?;
         out.flush()?;
     } else {
         notes.iter().for_each(|note| complain("note", note));

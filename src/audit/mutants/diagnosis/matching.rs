@@ -446,7 +446,12 @@ impl Matching<'_> {
 
     /// At how many of the states, in words, where there is more than one.
     pub(super) fn at(&self, states: usize, open: usize) -> String {
-        if self.states.len() > 1 { format!(", at {states} of {open} states") } else { String::new() }
+        if self.states.len() > 1 { Self::at_states(states, open) } else { String::new() }
+    }
+
+    /// At so many of the states, in words.
+    pub(super) fn at_states(states: usize, open: usize) -> String {
+        format!(", at {states} of {open} states")
     }
 
     /// What the numbers equal, with the triads in question.

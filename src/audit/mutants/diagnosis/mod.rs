@@ -37,7 +37,7 @@ use serde::Serialize;
 pub use crate::mutants::cause::Cause;
 pub use component::{Symptoms, conventions, diagnose, diagnose_all};
 pub use sample::Sample;
-pub use table::diagnose_table;
+pub use table::{diagnose_table, diagnose_tables};
 
 /// One mistake that explains wrong entries.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]

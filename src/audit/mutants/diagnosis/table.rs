@@ -1,12 +1,51 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
-use crate::judge::table::ResultTable;
+use crate::case::quantity::Quantity;
+use crate::judge::table::{Convention, ResultTable};
 use crate::mutants::diagnosis::matching::{AtState, Cell, Datum, Hypothesis, Matching, Words, ranges};
-use crate::mutants::diagnosis::{Cause, Diagnosis};
+use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use std::collections::BTreeSet;
 
 /// Why numbers are wrong; `None` where none is. Tried are the mistakes that the table knows, and those that every number can suffer.
 pub fn diagnose_table(table: &ResultTable) -> Option<Diagnosis> {
+    diagnose_tables(&[table])
+}
+
+/// The same of one quantity at several states, all with the same rows and columns: a cause is one that holds at nearly all of them.
+pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
+    let table = *tables.first()?;
+    let words = TableWords { table, width: table.width() };
+    let is_finite = |table: &&&ResultTable| table.entries.iter().all(|entry| entry.got.is_finite());
+    let states = tables.iter().filter(is_finite).map(|table| at_state(table)).collect();
+    // One constant may put off a row, or all of it, wherever several states tell that it is one.
+    let rows = (0..table.rows.len()).map(|row| (0..words.width).map(|j| (row, j)).collect());
+    let mut regions: Vec<Vec<Cell>> = if tables.len() > 1 { rows.collect() } else { Vec::new() };
+    if regions.len() > 1 {
+        regions.push(regions.concat());
+    }
+    let has_offsets = tables.len() > 1 && table.quantity == Quantity::Value;
+    let matching = Matching { states, regions, has_offsets, words: &words };
+    let found = matching.diagnosis();
+    let lost: Vec<_> = tables.iter().filter(|table| !is_finite(table)).collect();
+    if lost.is_empty() {
+        return found;
+    }
+    let mut found = found.unwrap_or_default();
+    let of_table = |table: &&&ResultTable| {
+        let lost = table.entries.iter().enumerate().filter(|(_, entry)| !entry.got.is_finite());
+        lost.map(|(i, _)| (i / words.width, i % words.width)).collect::<Vec<Cell>>()
+    };
+    let region: BTreeSet<Cell> = lost.iter().flat_map(of_table).collect();
+    let place = words.region(&region);
+    let equals = if place.contains(", ") { "equal" } else { "equals" };
+    let (cause, at) = (Cause::NotANumber, Matching::at_states(lost.len(), tables.len()));
+    let sentence = format!("{place} {equals} {}: {}{at}", cause.relation(), cause.meaning());
+    found.causes.push(Explained { cause, code: cause.code(), sentence, also: Vec::new() });
+    Some(found)
+}
+
+/// The numbers of a table, with what may explain them.
+fn at_state(table: &ResultTable) -> AtState {
     let width = table.width();
     let place = |i: usize| (i / width, i % width);
     let data = table.entries.iter().enumerate().map(|(i, entry)| {
@@ -24,12 +63,13 @@ pub fn diagnose_table(table: &ResultTable) -> Option<Diagnosis> {
         let changes = changes.map(|(i, entry)| (i % width, -entry.want.to_f64()));
         hypotheses.push(Hypothesis::of_row(Cause::Reversed, row, changes));
     }
-    let conventions = table.conventions.iter();
-    hypotheses.extend(conventions.map(|(cause, changes)| Hypothesis::many(*cause, placed(changes))));
-    let words = TableWords { table, width };
+    hypotheses.extend(table.conventions.iter().map(|Convention { cause, relation, changes }| Hypothesis {
+        relation: relation.clone(),
+        ..Hypothesis::many(*cause, placed(changes))
+    }));
     let mut state = AtState { data: data.collect(), hypotheses };
     state.add_mistakes_of_entries();
-    Matching { states: vec![state], regions: Vec::new(), has_offsets: false, words: &words }.diagnosis()
+    state
 }
 
 struct TableWords<'a> {

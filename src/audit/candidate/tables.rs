@@ -1,0 +1,94 @@
+//! What a routine gave at all states, as tables: checks, why they are wrong, the report.
+
+use crate::case::quantity::Quantity;
+use crate::engine::checks_of;
+use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
+use crate::judge::table::ResultTable;
+use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
+use crate::mutants::diagnosis::diagnose_tables;
+use crate::oracles::certificate::Certificate;
+use crate::oracles::oracle::Oracle;
+use crate::settings::Settings;
+use crate::share::spread;
+
+/// Of how many states wrong numbers are kept, to say why they are.
+const KEPT: usize = 16;
+
+/// Checks, and the tables of what is wrong.
+#[derive(Default)]
+pub(super) struct Tables {
+    checks: Vec<Check>,
+    wrong: Vec<ResultTable>,
+}
+
+impl Tables {
+    /// Judges a table at a state, with mutants where `proves`; `explain` adds what may explain it where it is wrong.
+    pub(super) fn see(
+        &mut self,
+        mut table: ResultTable,
+        (state, proves): (&str, bool),
+        explain: impl FnOnce(&mut ResultTable),
+    ) {
+        let mut check = table.check(proves, state, None);
+        if matches!(check.verdict, Verdict::Wrong | Verdict::Invalid) {
+            explain(&mut table);
+            self.wrong.push(table);
+        }
+        // It is told when every state was seen.
+        check.diagnosis = None;
+        self.checks.push(check);
+    }
+
+    /// An entry that must be there and is not, or the other way round.
+    pub(super) fn misplaced(&mut self, quantity: Quantity, entry: String, state: &str) {
+        let worst = Some(Finding::new(entry, [f64::NAN; 2], 0.0, f64::INFINITY));
+        let mut check = Check::new(Some(quantity), Against::Oracle(Oracle::WideDifferences));
+        let judgement = Judgement { verdict: Verdict::Wrong, worst, compared: 1 };
+        check.add_at(judgement, Score::default(), state, None);
+        self.checks.push(check);
+    }
+
+    /// All states together.
+    pub(super) fn merged(all: impl IntoIterator<Item = Self>) -> Self {
+        let mut found = Self::default();
+        for Self { checks, wrong } in all {
+            checks_of(&mut found.checks, checks);
+            found.wrong.extend(wrong);
+        }
+        for check in &mut found.checks {
+            let of_quantity = found.wrong.iter().filter(|table| Some(table.quantity) == check.quantity);
+            let tables: Vec<&ResultTable> = of_quantity.collect();
+            let kept: Vec<&ResultTable> =
+                spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
+            if !kept.is_empty() {
+                check.diagnosis = diagnose_tables(&kept).map(Box::new);
+            }
+        }
+        found
+    }
+
+    /// The report of a routine at so many states. The verdict on its formula is that of the first of these quantities that was judged.
+    pub(super) fn report(
+        self,
+        name: &str,
+        (settings, states): (&Settings, usize),
+        certificate: Option<Certificate>,
+        offers: &[Quantity],
+        formulas: &[Quantity],
+    ) -> Report {
+        let expected = Expected::numbers(offers);
+        let mut subject = Subject::new(name.to_string(), certificate, states as u64, self.checks, &expected);
+        let of = |quantity: &Quantity| subject.checks.iter().find(|check| check.quantity == Some(*quantity));
+        let formula = formulas.iter().find_map(of);
+        subject.formula = formula.map_or(Verdict::Undecided, |check| check.verdict);
+        Report {
+            version: pintle_kinematics::VERSION,
+            settings: settings.clone(),
+            constant: crate::C,
+            subjects: vec![subject],
+            sampled: Vec::new(),
+            atlas: Vec::new(),
+            models: Vec::new(),
+        }
+    }
+}

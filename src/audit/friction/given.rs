@@ -1,0 +1,421 @@
+//! Somebody else's friction: what it gives at a state, and what may explain it.
+
+use crate::case::failing::FrictionCase;
+use crate::case::quantity::Quantity;
+use crate::friction::by_differences;
+use crate::friction::increment::{output, partials, result_name, results};
+use crate::judge::table::{Change, Convention, ResultTable};
+use crate::mutants::diagnosis::Cause;
+use pintle_kinematics::catalog::{ConnectionType, Contact};
+use pintle_model::behavior::friction::{
+    Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential,
+};
+
+/// What a routine gives of a friction at a state; `None` for what it has not.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrictionNumbers {
+    /// P, F_C, F_N and Φ at the given forces.
+    pub criterion: [Option<f64>; 4],
+    /// Their derivatives by the six forces.
+    pub gradients: [Option<[f64; 6]>; 4],
+    /// After the increment: the friction forces CSF1 … CSM3, then Δγ, F_N, the limit and the accumulated slip.
+    pub forces: [Option<f64>; 10],
+    /// The derivatives of the friction forces by the six Δu, then by the six forces that press.
+    pub tangent: [Option<[f64; 12]>; 6],
+}
+
+/// A friction that a routine is to be: one with a coefficient that is a number.
+#[derive(Clone, Debug)]
+pub struct FrictionSubject {
+    /// The connection type, or the connector.
+    pub name: String,
+    /// The friction.
+    pub friction: Friction,
+    /// μ.
+    pub coefficient: f64,
+    /// The parameters of a predefined friction, by the manual's symbols.
+    pub parameters: Vec<(&'static str, f64)>,
+    /// The size of lengths.
+    pub length: f64,
+    /// The type.
+    pub connection: ConnectionType,
+    /// Frictions that are mistaken for it.
+    others: Vec<(Cause, String, Friction)>,
+}
+
+impl FrictionSubject {
+    /// One of a connector, with its characteristic length.
+    ///
+    /// # Errors
+    /// In words, where its coefficient is no number.
+    pub fn new(
+        name: String,
+        connection: ConnectionType,
+        friction: Friction,
+        length: f64,
+    ) -> Result<Self, String> {
+        let Coefficient::Constant(coefficient) = friction.coefficient else {
+            return Err(format!(
+                "the coefficient of the friction of {name} is a table or decays: give a number"
+            ));
+        };
+        let with = |coefficient: f64| Friction {
+            coefficient: Coefficient::Constant(coefficient),
+            ..friction.clone()
+        };
+        let others = vec![
+            (
+                Cause::OtherCoefficient,
+                "what is expected with μ² for μ".into(),
+                with(coefficient * coefficient),
+            ),
+            (Cause::OtherCoefficient, "what is expected without μ".into(), with(1.0)),
+        ];
+        Ok(Self { name, friction, coefficient, parameters: Vec::new(), length, connection, others })
+    }
+
+    /// The predefined friction of a type, of that number (from 0), with parameters and a coefficient of its own; none of a type without,
+    /// and of a belt around a ring, whose law is another.
+    pub fn predefined(connection: &ConnectionType, number: usize) -> Option<Self> {
+        /// No two are alike, and none is 1.
+        const NUMBERS: [f64; 6] = [0.35, 1.7, 0.8, 2.4, 0.55, 1.25];
+        let catalogued =
+            connection.friction.filter(|f| f.criteria.iter().all(|c| c.contact != Contact::Belt))?;
+        let numbers: Vec<f64> = NUMBERS.iter().cycle().take(catalogued.parameters.len()).copied().collect();
+        let criterion = |numbers: &[f64]| {
+            let numbers: Vec<Option<f64>> = numbers.iter().map(|x| Some(*x)).collect();
+            Criterion::predefined(&catalogued, &numbers, &[], false).ok()?.into_iter().nth(number)
+        };
+        let friction = |criterion: Criterion| Friction {
+            criterion,
+            coefficient: Coefficient::Constant(0.3),
+            maximum: None,
+            stick_stiffness: StickStiffness::Given(40.0),
+            radius: 1.0,
+        };
+        let own = friction(criterion(&numbers)?);
+        let mut found = Self::new(connection.name.to_string(), connection.clone(), own, 1.0).ok()?;
+        let symbol = |i: usize| catalogued.parameters[i].symbol;
+        for i in 0..numbers.len() {
+            for j in 0..i {
+                let mut exchanged = numbers.clone();
+                exchanged.swap(i, j);
+                let relation = format!("what is expected with {} and {} exchanged", symbol(j), symbol(i));
+                let other = criterion(&exchanged).map(friction).filter(|other| *other != found.friction);
+                found.others.extend(other.map(|other| (Cause::ParametersSwapped, relation, other)));
+            }
+        }
+        found.parameters = numbers.iter().enumerate().map(|(i, x)| (symbol(i), *x)).collect();
+        Some(found)
+    }
+}
+
+/// Some rows and columns of a table, with what may explain them.
+fn selected(table: ResultTable, rows: &[usize], columns: &[usize]) -> ResultTable {
+    let width = table.width();
+    let places: Vec<usize> = rows.iter().flat_map(|i| columns.iter().map(move |j| i * width + j)).collect();
+    let moved = |changes: Vec<(usize, f64)>| -> Vec<(usize, f64)> {
+        let at = |place: usize| places.iter().position(|known| *known == place);
+        changes.into_iter().filter_map(|(place, x)| Some((at(place)?, x))).collect()
+    };
+    let mistakes = table.mistakes.into_iter();
+    let mistakes = mistakes.map(|Change { mistake, changes }| Change { mistake, changes: moved(changes) });
+    let names = |of: &[String], chosen: &[usize]| -> Vec<String> {
+        chosen.iter().filter_map(|i| of.get(*i).cloned()).collect()
+    };
+    ResultTable {
+        quantity: table.quantity,
+        rows: names(&table.rows, rows),
+        columns: names(&table.columns, columns),
+        entries: places.iter().filter_map(|place| table.entries.get(*place).cloned()).collect(),
+        mistakes: mistakes.filter(|change| !change.changes.is_empty()).collect(),
+        conventions: Vec::new(),
+        undecided: table.undecided,
+    }
+}
+
+/// What a routine is told of a state.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    /// The forces at which the criterion is asked for: tractions in the sliding components, what presses in the others.
+    pub forces: [f64; 6],
+    /// Δu of the increment; angles in rad.
+    pub displacement: [f64; 6],
+    /// What presses at its end.
+    pub pressing: [f64; 6],
+    /// The friction forces before it.
+    pub forces_before: [f64; 6],
+    /// The slip accumulated before it.
+    pub slip_before: f64,
+    /// K_s, where the default rule has set it before.
+    pub stick_stiffness: Option<f64>,
+    /// Positions (CP) at its end.
+    pub position: [f64; 6],
+    /// Displacements from the constitutive reference (CCU) at its end.
+    pub motion: [f64; 6],
+}
+
+impl FrictionCase {
+    /// What a routine is told of this state.
+    pub const fn told(&self) -> Told {
+        Told {
+            forces: self.point,
+            displacement: self.displacement,
+            pressing: self.forces,
+            forces_before: self.before.force,
+            slip_before: self.before.accumulated_slip,
+            stick_stiffness: self.before.stick_stiffness,
+            position: self.position,
+            motion: self.motion,
+        }
+    }
+
+    /// What the product gives at this state.
+    pub fn product(&self) -> FrictionNumbers {
+        let parts = self.derivatives(&self.friction.criterion, &self.point);
+        let (outcome, tangent) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let [f1, f2, f3, m1, m2, m3] = outcome.force;
+        let rest = [outcome.slip_increment, outcome.normal, outcome.limit, outcome.accumulated_slip];
+        let [slip, normal, limit, accumulated] = rest;
+        let rows = partials(&tangent);
+        FrictionNumbers {
+            criterion: [0, 1, 2, 3].map(|p| Some(parts[p].value)),
+            gradients: [0, 1, 2, 3].map(|p| Some(parts[p].gradient)),
+            forces: [f1, f2, f3, m1, m2, m3, slip, normal, limit, accumulated].map(Some),
+            tangent: [0, 1, 2, 3, 4, 5].map(|k| Some(std::array::from_fn(|j| rows[k][j]))),
+        }
+    }
+
+    /// The components that slide (from 0).
+    pub(crate) fn sliding(&self) -> Vec<usize> {
+        self.friction.criterion.tangential.components()
+    }
+
+    /// What must be of these quantities, with the product's own numbers.
+    pub(crate) fn tables_of_subject(&self, wants: &[Quantity]) -> Vec<ResultTable> {
+        let settings = by_differences();
+        let mut judged = Vec::new();
+        if wants.iter().any(|of| matches!(of, Quantity::FrictionCriterion | Quantity::FrictionGradient)) {
+            judged.extend(self.criterion_tables(&settings, true));
+        }
+        if wants.iter().any(|of| matches!(of, Quantity::FrictionForce | Quantity::FrictionTangent)) {
+            judged.extend(self.increment_tables(&settings, true));
+        }
+        let sliding = self.sliding();
+        let tables = judged.into_iter().map(|(_, table)| table);
+        tables
+            .filter(|table| wants.contains(&table.quantity))
+            .map(|table| match table.quantity {
+                Quantity::FrictionTangent => selected(table, &sliding, &(0..12).collect::<Vec<_>>()),
+                _ => table,
+            })
+            .collect()
+    }
+
+    /// Puts a routine's numbers into a table of [`FrictionCase::tables_of_subject`]: what it does not give of Δγ, F_N, the limit and the
+    /// slip is left out.
+    ///
+    /// # Errors
+    /// The name of what is missing.
+    pub(crate) fn put(&self, table: ResultTable, given: &FrictionNumbers) -> Result<ResultTable, String> {
+        if table.undecided.is_some() {
+            return Ok(table);
+        }
+        let sliding = self.sliding();
+        let numbers: Vec<Vec<Option<f64>>> = match table.quantity {
+            Quantity::FrictionCriterion => given.criterion.iter().map(|x| vec![*x]).collect(),
+            Quantity::FrictionGradient => {
+                given.gradients.iter().map(|row| (0..6).map(|j| Some((*row)?[j])).collect()).collect()
+            }
+            Quantity::FrictionTangent => {
+                sliding.iter().map(|k| (0..12).map(|j| Some(given.tangent[*k]?[j])).collect()).collect()
+            }
+            _ => sliding.iter().copied().chain(6..10).map(|i| vec![given.forces[i]]).collect(),
+        };
+        let may_lack = |row: usize| table.quantity == Quantity::FrictionForce && row >= sliding.len();
+        let has = |row: &usize| numbers.get(*row).is_some_and(|of| of.iter().all(Option::is_some));
+        if let Some(row) = (0..numbers.len()).find(|row| !has(row) && !may_lack(*row)) {
+            return Err(table.rows.get(row).cloned().unwrap_or_default());
+        }
+        let rows: Vec<usize> = (0..numbers.len()).filter(has).collect();
+        let columns: Vec<usize> = (0..table.width()).collect();
+        let mut table = selected(table, &rows, &columns);
+        let given = rows.iter().flat_map(|row| numbers[*row].iter().flatten());
+        for (entry, x) in table.entries.iter_mut().zip(given) {
+            entry.got = *x;
+        }
+        Ok(table)
+    }
+
+    /// Gives a table of a routine's numbers what may explain them.
+    pub(crate) fn explain(&self, table: &mut ResultTable, subject: &FrictionSubject) {
+        let sliding = self.sliding();
+        let names: Vec<String> = table.rows.clone();
+        // The numbers of a mistaken friction, by the names of rows.
+        let mut found: Vec<(Cause, String, Vec<(String, Vec<f64>)>)> = Vec::new();
+        for (cause, relation, friction) in &subject.others {
+            let coefficient = match friction.coefficient {
+                Coefficient::Constant(coefficient) => coefficient,
+                _ => self.coefficient,
+            };
+            let other = Self { friction: friction.clone(), coefficient, ..self.clone() };
+            found.push((*cause, relation.clone(), other.own(table.quantity)));
+        }
+        found.extend(self.sums(table.quantity));
+        if table.quantity == Quantity::FrictionTangent {
+            found.extend(self.other_tangents(&sliding));
+        }
+        let width = table.width();
+        for (cause, relation, rows) in found {
+            let mut changes = Vec::new();
+            for (name, numbers) in rows {
+                let Some(at) = names.iter().position(|known| *known == name) else { continue };
+                let row = numbers.iter().copied().enumerate().take(width);
+                changes.extend(row.map(|(j, x)| (at * width + j, x)));
+            }
+            // What it leaves as it is says nothing of it, and a kink has no one number.
+            changes.retain(|(place, x)| {
+                table.entries.get(*place).is_some_and(|entry| {
+                    entry.sides.is_none() && (x - entry.want.to_f64()).abs() > entry.tolerance()
+                })
+            });
+            table.conventions.push(Convention::new(cause, changes).related(relation));
+        }
+    }
+
+    /// The product's numbers of a quantity, by the names of rows.
+    fn own(&self, quantity: Quantity) -> Vec<(String, Vec<f64>)> {
+        use crate::friction::criterion::PARTS;
+        let parts = || self.derivatives(&self.friction.criterion, &self.point);
+        let title = |name: &str| format!("{name}{}", self.title);
+        let updated = || self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        match quantity {
+            Quantity::FrictionCriterion => {
+                PARTS.iter().zip(parts()).map(|(name, part)| (title(name), vec![part.value])).collect()
+            }
+            Quantity::FrictionGradient => PARTS
+                .iter()
+                .zip(parts())
+                .map(|(name, part)| (format!("∂{}", title(name)), part.gradient.to_vec()))
+                .collect(),
+            Quantity::FrictionForce => {
+                let (outcome, _) = updated();
+                let mut all: Vec<(String, Vec<f64>)> =
+                    (0..6).map(|k| (title(&output(k)), vec![outcome.force[k]])).collect();
+                let rest = [
+                    ("Δγ", outcome.slip_increment),
+                    ("CNF", outcome.normal),
+                    ("limit", outcome.limit),
+                    ("CASU", outcome.accumulated_slip),
+                ];
+                all.extend(rest.map(|(name, x)| (title(name), vec![x])));
+                all
+            }
+            _ => {
+                let (outcome, tangent) = updated();
+                let rows = partials(&tangent).into_iter().take(results(&outcome).len());
+                rows.enumerate().map(|(i, row)| (format!("∂{}", title(result_name(i))), row)).collect()
+            }
+        }
+    }
+
+    /// P with a sum of magnitudes for the norm, and F_C with sums for the norms of its terms.
+    fn sums(&self, quantity: Quantity) -> Vec<(Cause, String, Vec<(String, Vec<f64>)>)> {
+        let criterion = &self.friction.criterion;
+        let (Tangential::Norm(components), Internal::Constant(internal)) =
+            (&criterion.tangential, &criterion.internal)
+        else {
+            return Vec::new();
+        };
+        let parts = self.derivatives(&self.friction.criterion, &self.point);
+        let mut tangential = (0.0, [0.0; 6]);
+        for (k, radius) in components {
+            let force = self.point[*k];
+            tangential.0 += force.abs() / radius;
+            tangential.1[*k] = force.signum() / radius;
+        }
+        let summed = criterion.contact_of_sums(&self.point);
+        let (contact, along) = summed.unwrap_or((parts[1].value, parts[1].gradient));
+        let sign = if parts[2].value == 0.0 { 0.0 } else { (parts[1].value + internal).signum() };
+        let normal = (contact + internal).abs();
+        let title = |name: &str| format!("{name}{}", self.title);
+        let mut found = Vec::new();
+        let (of_traction, of_contact) = (components.len() > 1, summed.is_some());
+        let all = [(true, false), (false, true), (true, true)];
+        let made = all.into_iter().filter(|(p, c)| (of_traction || !p) && (of_contact || !c));
+        for (of_traction, of_contact) in made {
+            let (p, dp) = if of_traction { tangential } else { (parts[0].value, parts[0].gradient) };
+            let (c, dc, n) = if of_contact {
+                (contact, along, normal)
+            } else {
+                (parts[1].value, parts[1].gradient, parts[2].value)
+            };
+            let dn = dc.map(|x| sign * x);
+            let excess = p - self.coefficient * n;
+            let slopes: [f64; 6] = std::array::from_fn(|j| dp[j] - self.coefficient * dn[j]);
+            let rows = match quantity {
+                Quantity::FrictionCriterion => {
+                    vec![("P", vec![p]), ("F_C", vec![c]), ("F_N", vec![n]), ("Φ", vec![excess])]
+                }
+                Quantity::FrictionGradient => vec![
+                    ("∂P", dp.to_vec()),
+                    ("∂F_C", dc.to_vec()),
+                    ("∂F_N", dn.to_vec()),
+                    ("∂Φ", slopes.to_vec()),
+                ],
+                _ => return Vec::new(),
+            };
+            let rows = rows.into_iter().map(|(name, row)| (title(name), row)).collect();
+            let relation = match (of_traction, of_contact) {
+                (true, false) => "what is expected with the sum of magnitudes for the norm in P",
+                (false, true) => "what is expected with the sum of magnitudes for the norm in F_C",
+                _ => "what is expected with sums of magnitudes for the norms in P and F_C",
+            };
+            found.push((Cause::SumForNorm, relation.to_string(), rows));
+        }
+        found
+    }
+
+    /// The tangent of an increment that goes to zero, that of slip with the slope of the limit left out, and its symmetric part.
+    fn other_tangents(&self, sliding: &[usize]) -> Vec<(Cause, String, Vec<(String, Vec<f64>)>)> {
+        let input = self.input(0, 0.0);
+        let (outcome, tangent) = self.friction.tangent(&self.before, &input, Branch::Decided);
+        let own = partials(&tangent);
+        let name = |k: usize| format!("∂{}{}", result_name(k), self.title);
+        let mut found = Vec::new();
+        let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<(String, Vec<f64>)> {
+            sliding.iter().map(|k| (name(*k), (0..12).map(|j| of(*k, j)).collect())).collect()
+        };
+        let symmetric = rows(&|k, j| if j < 6 { (own[k][j] + own[j][k]) / 2.0 } else { 0.0 });
+        found.push((Cause::Symmetrised, Cause::Symmetrised.relation().to_string(), symmetric));
+        let Some(stiffness) = outcome.stick_stiffness.filter(|_| outcome.status == Status::Slip) else {
+            return found;
+        };
+        let mut at_end = self.clone();
+        for k in sliding {
+            at_end.point[*k] = outcome.force[*k];
+        }
+        let [parts, ..] = at_end.derivatives(&self.friction.criterion, &at_end.point);
+        let mut elastic = [0.0; 6];
+        for (k, radius) in self.friction.radii() {
+            elastic[k] = stiffness * radius * radius;
+        }
+        let g = parts.gradient;
+        let square: f64 = sliding.iter().map(|k| elastic[*k] * g[*k] * g[*k]).sum();
+        let continuum = |k: usize, j: usize| {
+            let own = if k == j { elastic[k] } else { 0.0 };
+            own - elastic[k] * g[k] * elastic[j] * g[j] / square
+        };
+        for coupled in [true, false] {
+            let of = |k: usize, j: usize| match j {
+                0..6 if sliding.contains(&j) => continuum(k, j),
+                6..12 if coupled => own[k][j],
+                0..6 if coupled => own[k][j],
+                _ => 0.0,
+            };
+            let cause = Cause::ContinuumForConsistent;
+            found.push((cause, cause.relation().to_string(), rows(&of)));
+        }
+        found
+    }
+}

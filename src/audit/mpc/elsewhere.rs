@@ -1,0 +1,433 @@
+//! The same constraint by another formula than the one that is meant: at other nodes, with other angles, along other axes, with other
+//! parameters of the rotation. Each with the cause that it is.
+
+use crate::case::failing::MpcCase;
+use crate::case::quantity::Quantity;
+use crate::judge::table::Convention;
+use crate::mpc::numbers_of;
+use crate::mutants::diagnosis::Cause;
+use pintle_kinematics::mpc::{
+    Body, Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
+    Translation, XM,
+};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Matrix, Vector, add, apply, apply_transposed, cross, dot, identity, product, scale, sub, transpose,
+};
+
+/// Numbers of another formula.
+pub(super) struct Elsewhere {
+    cause: Cause,
+    relation: String,
+    numbers: [Vec<Vec<f64>>; MpcCase::QUANTITIES.len()],
+}
+
+impl Elsewhere {
+    /// One that says something of these kinds of numbers.
+    fn new(cause: Cause, relation: &str, got: &Evaluation<f64>, of: &[Quantity]) -> Self {
+        let mut numbers: [Vec<Vec<f64>>; MpcCase::QUANTITIES.len()] = Default::default();
+        for row in 0..ROWS {
+            for ((quantity, into), numbers) in
+                MpcCase::QUANTITIES.iter().zip(&mut numbers).zip(numbers_of(got, row))
+            {
+                into.push(if of.contains(quantity) { numbers } else { Vec::new() });
+            }
+        }
+        Self { cause, relation: relation.to_string(), numbers }
+    }
+
+    /// What it makes of a quantity of these equations, of all and of those of one vector; what is none of it changes nothing.
+    pub(super) fn of<'a>(
+        &'a self,
+        quantity: Quantity,
+        equations: &'a [usize],
+    ) -> impl Iterator<Item = Convention> + 'a {
+        [0..ROWS, 0..RHO, RHO..FLOW].into_iter().map(move |range| {
+            let at = MpcCase::QUANTITIES.iter().position(|known| *known == quantity);
+            let width = match quantity {
+                Quantity::FirstDerivatives => DOFS,
+                Quantity::SecondDerivatives => DOFS * DOFS,
+                _ => 1,
+            };
+            let mut changes = Vec::new();
+            for (place, equation) in equations.iter().enumerate().filter(|(_, row)| range.contains(row)) {
+                let numbers = at.and_then(|at| self.numbers[at].get(*equation));
+                let finite = numbers.into_iter().flatten().enumerate().filter(|(_, x)| x.is_finite());
+                changes.extend(finite.map(|(i, x)| (place * width + i, *x)));
+            }
+            Convention::new(self.cause, changes).related(self.relation.clone())
+        })
+    }
+}
+
+const VALUES: [Quantity; 1] = [Quantity::Value];
+const FIRST: [Quantity; 3] = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate];
+const RATES: [Quantity; 2] = [Quantity::Rate, Quantity::Acceleration];
+
+/// The equations of a vector: δ where there are three, ρ.
+fn vectors(got: &Evaluation<f64>) -> impl Iterator<Item = usize> {
+    let has = |start: &usize| got.residual[*start..start + 3].iter().all(Option::is_some);
+    [0, RHO].into_iter().filter(has).collect::<Vec<_>>().into_iter()
+}
+
+fn vector(of: &Rows<f64>, start: usize) -> Vector<f64> {
+    [0, 1, 2].map(|i| of[start + i].unwrap_or(f64::NAN))
+}
+
+fn put(into: &mut Rows<f64>, start: usize, v: Vector<f64>) {
+    into[start..start + 3].iter_mut().zip(v).for_each(|(entry, x)| *entry = Some(x));
+}
+
+/// The column of a vector's rows by a degree of freedom.
+fn column(of: &Rows<Dofs<f64>>, start: usize, j: usize) -> Vector<f64> {
+    [0, 1, 2].map(|i| of[start + i].map_or(f64::NAN, |row| row[j]))
+}
+
+fn put_column(into: &mut Rows<Dofs<f64>>, start: usize, j: usize, v: Vector<f64>) {
+    for (row, x) in into[start..start + 3].iter_mut().zip(v) {
+        if let Some(row) = row {
+            row[j] = x;
+        }
+    }
+}
+
+fn part(of: &Dofs<f64>, at: usize) -> Vector<f64> {
+    [of[at], of[at + 1], of[at + 2]]
+}
+
+impl MpcCase {
+    /// The same state and constraint, changed.
+    fn changed(&self, change: impl FnOnce(&mut State<f64>, &mut Constraint<f64>)) -> Evaluation<f64> {
+        let mut other = self.clone();
+        change(&mut other.state, &mut other.constraint);
+        other.said()
+    }
+
+    /// Other formulas, each with its numbers.
+    pub(super) fn elsewhere(&self) -> Vec<Elsewhere> {
+        let got = self.said();
+        let mut found = self.other_states(&got);
+        found.extend(self.other_axes(&got));
+        found.extend(self.other_measures(&got));
+        found.extend(self.other_rates(&got));
+        found
+    }
+
+    /// At other nodes, or other angles of the hinges.
+    fn other_states(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
+        let mut found = Vec::new();
+        let with_kind = |kind: Kind| {
+            let axes = self.constraint.initial_axes().map(|axis| axis.unwrap_or([0.0, 0.0, 1.0]));
+            Constraint::with_axes(kind, self.constraint.arm(), axes)
+        };
+        let all = MpcCase::QUANTITIES;
+        let mut swapped = self.changed(|state, constraint| {
+            std::mem::swap(&mut state.slave, &mut state.master);
+            state.velocity[..PHI].rotate_left(XM);
+            state.acceleration[..PHI].rotate_left(XM);
+            let axes = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0, 0.0, 1.0]));
+            let other = Constraint::with_axes(constraint.kind(), scale(constraint.arm(), -1.0), axes);
+            *constraint = if constraint.rows()[FLOW] { other.with_flow() } else { other };
+        });
+        swapped.jacobian.iter_mut().flatten().for_each(|row| row[..PHI].rotate_left(XM));
+        found.push(Elsewhere::new(
+            Cause::NodesSwapped,
+            "what is expected with S and M exchanged",
+            &swapped,
+            &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
+        ));
+        let hinges = self.constraint.kind().entry().angles.len();
+        if hinges > 0 {
+            for (cause, factor, relation) in [
+                (Cause::Reversed, -1.0, "what is expected with −φ for φ"),
+                (Cause::DegreesForRadians, 180.0 / std::f64::consts::PI, "what is expected with φ × 180/π"),
+                (Cause::DegreesForRadians, std::f64::consts::PI / 180.0, "what is expected with φ × π/180"),
+                (Cause::MotionIgnored, 0.0, "what is expected with φ left out"),
+            ] {
+                let mut other = self.changed(|state, _| {
+                    state.angles = got.taken.map(|angle| Some(factor * angle));
+                    for of in [&mut state.velocity, &mut state.acceleration] {
+                        of[PHI..].iter_mut().for_each(|x| *x *= factor);
+                    }
+                });
+                other
+                    .jacobian
+                    .iter_mut()
+                    .flatten()
+                    .for_each(|row| row[PHI..].iter_mut().for_each(|x| *x *= factor));
+                found.push(Elsewhere::new(
+                    cause,
+                    relation,
+                    &other,
+                    &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
+                ));
+            }
+        }
+        let rest = |body: &Body<f64>| Body { rotation: identity(), ..*body };
+        type Change = fn(&mut State<f64>, &dyn Fn(&Body<f64>) -> Body<f64>);
+        let left_out: [(&str, Change); 2] = [
+            ("what is expected with the rotation of S left out", |state, rest| {
+                state.slave = rest(&state.slave)
+            }),
+            ("what is expected with the rotation of M left out", |state, rest| {
+                state.master = rest(&state.master);
+            }),
+        ];
+        for (relation, change) in left_out {
+            let other = self.changed(|state, _| change(state, &rest));
+            found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &VALUES));
+        }
+        if hinges == 2 {
+            let other = self.changed(|state, constraint| {
+                let [first, second] = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0; 3]));
+                *constraint = Constraint::with_axes(constraint.kind(), constraint.arm(), [second, first]);
+                state.angles = [got.taken[1], got.taken[0]].map(Some);
+                state.velocity.swap(PHI, PHI + 1);
+                state.acceleration.swap(PHI, PHI + 1);
+            });
+            let mut other = other;
+            other.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
+            found.push(Elsewhere::new(
+                Cause::OtherOrder,
+                "what is expected with C(φ1 a1) C(φ2 a2) for C(φ2 a2) C(φ1 a1)",
+                &other,
+                &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
+            ));
+        }
+        match self.constraint.kind().entry().translation {
+            Translation::Carried => {
+                let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Tie));
+                let relation = "u_S − u_M: the arm X_S − X_M does not turn with M";
+                // Of rows that is what is expected without the term of the arm.
+                let others: Vec<Quantity> =
+                    all.into_iter().filter(|of| *of != Quantity::FirstDerivatives).collect();
+                found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &others));
+            }
+            Translation::Equal => {
+                let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Beam));
+                let relation = "x_S − x_M − C_M (X_S − X_M): the initial separation turned with M";
+                let mut other = other;
+                // Of a PIN the rotations are none.
+                if self.constraint.kind().entry().hinges.is_none() {
+                    other.residual[RHO..].fill(None);
+                }
+                found.push(Elsewhere::new(Cause::InitialTurned, relation, &other, &all));
+            }
+            _ => {}
+        }
+        found
+    }
+
+    /// Vectors along other axes, and axes of hinges that do not turn with M.
+    fn other_axes(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
+        let mut found = Vec::new();
+        let State { slave, master, velocity, acceleration, .. } = &self.state;
+        for (cause, relation, body, theta) in [
+            (Cause::AxesOfB, "what is expected along the axes of M", master, THETA_M),
+            (Cause::AxesOfA, "what is expected along the axes of S", slave, THETA_S),
+        ] {
+            let mut other = got.clone();
+            let local = |v: Vector<f64>| apply_transposed(&body.rotation, v);
+            let (spin, spin_rate) = (part(velocity, theta), part(acceleration, theta));
+            for start in vectors(got) {
+                let v = vector(&got.residual, start);
+                put(&mut other.residual, start, local(v));
+                for j in 0..DOFS {
+                    let axis = |i: usize| if j == theta + i { 1.0 } else { 0.0 };
+                    let turned = cross([0, 1, 2].map(axis), v);
+                    let along = sub(column(&got.jacobian, start, j), turned);
+                    put_column(&mut other.jacobian, start, j, local(along));
+                }
+                let (rate, second) =
+                    (vector(&got.residual_rate, start), vector(&got.residual_acceleration, start));
+                put(&mut other.residual_rate, start, local(sub(rate, cross(spin, v))));
+                let coriolis = add(scale(cross(spin, rate), 2.0), cross(spin_rate, v));
+                let seen = add(sub(second, coriolis), cross(spin, cross(spin, v)));
+                put(&mut other.residual_acceleration, start, local(seen));
+            }
+            other.hessian = Default::default();
+            found.push(Elsewhere::new(cause, relation, &other, &MpcCase::QUANTITIES));
+        }
+        if !self.constraint.kind().entry().angles.is_empty() {
+            // C_S [C(φ a0) C_M]ᵀ is what C_S C_Mᵀ violates at a master that does not turn.
+            let relative = product(&slave.rotation, &transpose(&master.rotation));
+            let mut other = self.changed(|state, _| {
+                (state.slave.rotation, state.master.rotation) = (relative, identity());
+                let of_master = apply(&relative, part(velocity, THETA_M));
+                let spin = sub(part(velocity, THETA_S), of_master);
+                state.velocity[THETA_S..THETA_S + 3].copy_from_slice(&spin);
+                state.velocity[THETA_M..THETA_M + 3].fill(0.0);
+            });
+            for row in other.jacobian.iter_mut().flatten() {
+                let of_master = scale(apply_transposed(&relative, part(row, THETA_S)), -1.0);
+                row[THETA_M..THETA_M + 3].copy_from_slice(&of_master);
+            }
+            let relation = "what is expected with the initial axes of the hinges";
+            found.push(Elsewhere::new(Cause::InitialAxes, relation, &other, &FIRST));
+        }
+        found
+    }
+
+    /// Another measure of a length or a rotation, and rows of other Jacobians.
+    fn other_measures(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
+        let mut found = Vec::new();
+        let arm = self.constraint.arm();
+        let State { slave, master, .. } = &self.state;
+        let apart = add(arm, sub(slave.displacement, master.displacement));
+        match self.constraint.kind().entry().translation {
+            Translation::Distance => {
+                let (length, initial) = (dot(apart, apart).sqrt(), dot(arm, arm).sqrt());
+                let of = |value: f64, slope: f64| {
+                    let mut other = got.clone();
+                    other.residual[0] = Some(value);
+                    other.jacobian[0] = got.jacobian[0].map(|row| row.map(|x| slope * x));
+                    other.residual_rate[0] = got.residual_rate[0].map(|x| slope * x);
+                    other
+                };
+                let squares = length * length - initial * initial;
+                for (cause, relation, value, slope) in [
+                    (Cause::InitialKept, "|x_S − x_M|", length, 1.0),
+                    (Cause::OtherLength, "(|x_S − x_M|² − |X_S − X_M|²) / 2", squares / 2.0, length),
+                    (Cause::OtherLength, "|x_S − x_M|² − |X_S − X_M|²", squares, 2.0 * length),
+                    (
+                        Cause::OtherLength,
+                        "ln (|x_S − x_M| / |X_S − X_M|)",
+                        (length / initial).ln(),
+                        1.0 / length,
+                    ),
+                    (
+                        Cause::OtherLength,
+                        "|x_S − x_M| / |X_S − X_M| − 1",
+                        length / initial - 1.0,
+                        1.0 / initial,
+                    ),
+                ] {
+                    found.push(Elsewhere::new(cause, relation, &of(value, slope), &FIRST));
+                }
+            }
+            Translation::Carried | Translation::Equal => {
+                let mut other = got.clone();
+                put(&mut other.residual, 0, apart);
+                found.push(Elsewhere::new(Cause::InitialKept, "x_S − x_M", &other, &VALUES));
+            }
+            Translation::Free => {}
+        }
+        if self.constraint.kind().entry().hinges.is_some() {
+            found.extend(self.other_rotations(got));
+        }
+        found
+    }
+
+    /// Another vector of the rotation whose vector is ρ, and rows that belong to other Jacobians of it.
+    fn other_rotations(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
+        let mut found = Vec::new();
+        let rho = vector(&got.residual, RHO);
+        let angle = dot(rho, rho).sqrt();
+        let mut add_mapped = |cause: Cause, relation: &str, value: Option<f64>, map: &Matrix<f64>| {
+            let mut other = got.clone();
+            if let Some(factor) = value {
+                put(&mut other.residual, RHO, scale(rho, factor));
+                put(&mut other.residual_rate, RHO, apply(map, vector(&got.residual_rate, RHO)));
+            }
+            for j in 0..DOFS {
+                put_column(&mut other.jacobian, RHO, j, apply(map, column(&got.jacobian, RHO, j)));
+            }
+            let of: &[Quantity] = if value.is_some() { &FIRST } else { &[Quantity::FirstDerivatives] };
+            // The equations of translation are not concerned.
+            other.residual[..RHO].fill(None);
+            other.jacobian[..RHO].fill(None);
+            other.residual_rate[..RHO].fill(None);
+            other.residual[FLOW] = None;
+            other.jacobian[FLOW] = None;
+            other.residual_rate[FLOW] = None;
+            found.push(Elsewhere::new(cause, relation, &other, of));
+        };
+        if angle > 1e-3 {
+            let (sine, half, cosine) = (angle.sin(), angle / 2.0, (angle / 2.0).cos());
+            // f(θ) ρ/θ and f′(θ).
+            for (relation, f, slope) in [
+                ("sin θ n, the axial vector", sine, angle.cos()),
+                ("sin(θ/2) n, the quaternion's vector", half.sin(), cosine / 2.0),
+                ("2 sin(θ/2) n, twice the quaternion's vector", 2.0 * half.sin(), cosine),
+                ("tan(θ/2) n, the Rodrigues vector", half.tan(), 0.5 / (cosine * cosine)),
+                ("2 tan(θ/2) n, twice the Rodrigues vector", 2.0 * half.tan(), 1.0 / (cosine * cosine)),
+                (
+                    "4 tan(θ/4) n, the Wiener-Milenković vector",
+                    4.0 * (half / 2.0).tan(),
+                    (half / 2.0).cos().powi(-2),
+                ),
+            ] {
+                let n = scale(rho, 1.0 / angle);
+                let across = f / angle;
+                let map = [0, 1, 2].map(|i| {
+                    [0, 1, 2].map(|j| {
+                        let along = n[i] * n[j];
+                        (slope - across) * along + if i == j { across } else { 0.0 }
+                    })
+                });
+                add_mapped(Cause::OtherParameters, relation, Some(across), &map);
+            }
+        }
+        let left = so3::left_jacobian(rho);
+        let inverse = so3::inverse_left_jacobian(rho);
+        for (relation, map) in [
+            ("δθS − δθM − a δφ, the row where the constraint holds", left),
+            ("the row of the right inverse Jacobian of ρ", product(&transpose(&inverse), &left)),
+            ("the row of the Jacobian of ρ, not inverted", product(&left, &left)),
+            ("the row of the transposed Jacobian of ρ, not inverted", product(&transpose(&left), &left)),
+        ] {
+            add_mapped(Cause::OtherJacobian, relation, None, &map);
+        }
+        found
+    }
+
+    /// Rates of other velocities, and accelerations with another part quadratic in them.
+    fn other_rates(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
+        let mut found = Vec::new();
+        let along = |rates: &Dofs<f64>| -> Rows<f64> {
+            got.jacobian.map(|row| row.map(|row| row.iter().zip(rates).map(|(x, rate)| x * rate).sum()))
+        };
+        let (linear, crossed) = (along(&self.state.acceleration), along(&self.state.velocity));
+        let bias: Rows<f64> = std::array::from_fn(|row| Some(got.residual_acceleration[row]? - linear[row]?));
+        let combined = |part: f64, of_bias: f64| {
+            let mut other = got.clone();
+            other.residual_acceleration =
+                std::array::from_fn(|row| Some(part * linear[row]? + of_bias * bias[row]?));
+            other
+        };
+        let of = &[Quantity::Acceleration];
+        found.push(Elsewhere::new(
+            Cause::LinearPartMissing,
+            Cause::LinearPartMissing.relation(),
+            &combined(0.0, 1.0),
+            of,
+        ));
+        for factor in [2.0, 0.5, -1.0] {
+            let cause = Cause::QuadraticPartDoubled;
+            let relation = format!("what is expected with {factor} × the part quadratic in the rates");
+            found.push(Elsewhere::new(cause, &relation.replace('-', "−"), &combined(1.0, factor), of));
+        }
+        let mut other = got.clone();
+        (other.residual_rate, other.residual_acceleration) = (linear, crossed);
+        let cause = Cause::RateForAcceleration;
+        found.push(Elsewhere::new(cause, cause.relation(), &other, &RATES));
+        for forth in [false, true] {
+            let other = self.changed(|state, _| {
+                for (body, theta) in [(state.slave, THETA_S), (state.master, THETA_M)] {
+                    for of in [&mut state.velocity, &mut state.acceleration] {
+                        let spin = part(of, theta);
+                        let turned = if forth {
+                            apply(&body.rotation, spin)
+                        } else {
+                            apply_transposed(&body.rotation, spin)
+                        };
+                        of[theta..theta + 3].copy_from_slice(&turned);
+                    }
+                }
+            });
+            let cause = Cause::BodyRates;
+            found.push(Elsewhere::new(cause, cause.relation(), &other, &RATES));
+        }
+        found
+    }
+}

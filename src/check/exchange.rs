@@ -1,0 +1,170 @@
+//! Messages with a routine, whatever it is to be: hello, open, evaluate, close.
+
+use crate::convention::{Convention, Own};
+use crate::process::{Door, Misbehaviour};
+use crate::protocol::{self, Answer, Hello, Layout, Offers, PROTOCOL};
+use pintle_audit::Quantity;
+use serde_json::{Map, Value};
+
+/// A routine that was greeted.
+#[derive(Debug)]
+pub(crate) struct Exchange<D> {
+    door: D,
+    pub(crate) hello: Hello,
+    asked: u64,
+    /// The first question, and what came: asked again at the end, of a routine without memory.
+    first: Option<(Vec<Quantity>, Value, String)>,
+}
+
+impl<D: Door> Exchange<D> {
+    /// Greets a routine. A convention given here stands for that of its hello.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn greet(mut door: D, convention: Option<&Convention>) -> Result<Self, Misbehaviour> {
+        const DUE: &str = "say hello";
+        door.send(&protocol::hello(), DUE)?;
+        let mut answer = door.receive(DUE)?;
+        let hello = answer.remove("hello").ok_or_else(|| {
+            Misbehaviour::BadHello(format!(
+                "it has no \"hello\", but {}",
+                protocol::excerpt(&Value::Object(answer).to_string())
+            ))
+        })?;
+        let spoken = hello.get("protocol").and_then(Value::as_str).unwrap_or("none");
+        if spoken != PROTOCOL {
+            return Err(Misbehaviour::BadHello(format!("its protocol is {spoken:?}")));
+        }
+        let mut hello: Hello =
+            serde_json::from_value(hello).map_err(|error| Misbehaviour::BadHello(error.to_string()))?;
+        if let Some(convention) = convention {
+            hello.convention = convention.clone();
+        }
+        Ok(Self { door, hello, asked: 0, first: None })
+    }
+
+    /// What it offers, of what it may.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn offers(&self, known: &Offers) -> Result<Vec<Quantity>, Misbehaviour> {
+        let offers = self.hello.offers(known).map_err(Misbehaviour::BadHello)?;
+        if offers.is_empty() { Err(Misbehaviour::OffersNothing) } else { Ok(offers) }
+    }
+
+    /// Says what the routine is to be.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn open(&mut self, message: &Value) -> Result<(), Misbehaviour> {
+        const OPEN: &str = "open the connector";
+        self.door.send(message, OPEN)?;
+        let answer = self.door.receive(OPEN)?;
+        if let Some(why) = answer.get("error") {
+            return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
+        }
+        if answer.get("opened") != Some(&Value::Bool(true)) {
+            let what = protocol::excerpt(&Value::Object(answer).to_string());
+            return Err(Misbehaviour::NoMessage {
+                due: OPEN,
+                what: format!("{what} is not {{\"opened\": true}}"),
+            });
+        }
+        Ok(())
+    }
+
+    /// How many requests it got.
+    pub(crate) const fn asked(&self) -> u64 {
+        self.asked
+    }
+
+    /// Asks at several states, as messages have them.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn evaluate(
+        &mut self,
+        wants: &[Quantity],
+        states: Vec<Value>,
+        layout: &dyn Fn(Quantity) -> Layout,
+    ) -> Result<Vec<Answer>, Misbehaviour> {
+        let count = states.len();
+        let answer = self.request(wants, states)?;
+        let id = self.asked;
+        protocol::answers(&answer, layout, wants, count).map_err(|what| Misbehaviour::WrongShape { id, what })
+    }
+
+    /// A request at several states, and the message with its number that answers it.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn request(
+        &mut self,
+        wants: &[Quantity],
+        states: Vec<Value>,
+    ) -> Result<Map<String, Value>, Misbehaviour> {
+        const DUE: &str = "answer";
+        // What is there before the question is no answer to it.
+        self.door.is_silent()?;
+        self.asked += 1;
+        let id = self.asked;
+        self.door.send(&protocol::evaluate(id, wants, states), DUE)?;
+        let answer = self.door.receive(DUE)?;
+        match answer.get("id") {
+            Some(got) if got.as_u64() == Some(id) => Ok(answer),
+            Some(got) if got.as_u64().is_some_and(|got| got < id) => {
+                Err(Misbehaviour::Again { got: got.as_u64().unwrap_or_default(), asked: id })
+            }
+            got => {
+                let got = got.map_or_else(|| "none".to_string(), ToString::to_string);
+                Err(Misbehaviour::WrongId { got: protocol::excerpt(&got), asked: id })
+            }
+        }
+    }
+
+    /// The same of a routine without a memory, whose answers are what it gives; `None` at a state that it does not cover. The first
+    /// state is kept, to be asked again.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn answers(
+        &mut self,
+        wants: &[Quantity],
+        states: Vec<Value>,
+        layout: &dyn Fn(Quantity) -> Layout,
+    ) -> Result<Vec<Option<Own>>, Misbehaviour> {
+        let first = states.first().cloned();
+        let answers = self.evaluate(wants, states, layout)?;
+        if let (Some(state), Some(answer), None) = (first, answers.first(), &self.first) {
+            self.first = Some((wants.to_vec(), state, format!("{answer:?}")));
+        }
+        let asked = self.asked;
+        let given = answers.into_iter().map(|answer| match answer {
+            Answer::Given(own) => Ok(Some(*own)),
+            Answer::OutOfDomain(_) => Ok(None),
+            Answer::Error(why) => Err(Misbehaviour::Failed { id: asked, why }),
+        });
+        given.collect()
+    }
+
+    /// Asks for the first state once more.
+    ///
+    /// # Errors
+    /// [`Misbehaviour::Changed`], and what else may happen.
+    pub(crate) fn ask_again(&mut self, layout: &dyn Fn(Quantity) -> Layout) -> Result<(), Misbehaviour> {
+        let Some((wants, state, answer)) = self.first.take() else { return Ok(()) };
+        let again = self.evaluate(&wants, vec![state], layout)?;
+        // Bit for bit, NaN included.
+        let is_same = again.first().is_some_and(|again| format!("{again:?}") == answer);
+        if is_same { Ok(()) } else { Err(Misbehaviour::Changed) }
+    }
+
+    /// Says goodbye.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn close(mut self) -> Result<(), Misbehaviour> {
+        self.door.send(&protocol::close(), "end")?;
+        self.door.close()
+    }
+}
