@@ -174,6 +174,43 @@ fn residuals_are_flagged() {
     assert!(told.contains("model::node-vanishes") && told.contains("state 1 leaves out node 2"), "{told}");
 }
 
+/// So are the residuals of MPCs and relations, each by its own name.
+#[test]
+fn residuals_of_constraints_are_flagged() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 5., 0., 0.\n5, 1., 2., 0.\n\
+        *NSET, NSET=BODY\n2,\n*NSET, NSET=CLOUD\n2, 3, 5\n*NSET, NSET=ALL\n1, 2, 3, 4, 5\n\
+        *MPC\nPIN, 3, 1\n*EQUATION\n2\n4, 1, 2., 3, 1, -1.\n*RIGID BODY, REF NODE=1, PIN NSET=BODY\n\
+        *SURFACE, TYPE=NODE, NAME=S\nCLOUD,\n\
+        *COUPLING, REF NODE=4, CONSTRAINT NAME=C, SURFACE=S\n*DISTRIBUTING\n";
+    let deck = file("constraints.inp", deck);
+    let flags = |rows: &str| -> Vec<String> {
+        let states = file("constraints.csv", &format!("state,time,node,u1,u2\n{rows}"));
+        let text =
+            stdout(&pintle(&["eval", &deck, "--states", &states, "--format", "json"]).assert().code(0));
+        let document: Value = serde_json::from_str(&text).unwrap();
+        let state = &document["scenes"][0]["states"][0];
+        let of = |kind: &str| state[kind].as_array().cloned().unwrap_or_default();
+        let all: Vec<Value> = of("mpcs").into_iter().chain(of("relations")).collect();
+        assert_eq!(all.len(), 4, "{state}");
+        let told = |(place, one): (usize, &Value)| -> Vec<String> {
+            let flags = one["flags"].as_array().cloned().unwrap_or_default();
+            let name = |flag: &Value| {
+                assert_eq!(flag["flag"], "off-constraint", "{flag}");
+                format!("{place} {}", flag["component"].as_str().unwrap())
+            };
+            flags.iter().map(name).collect()
+        };
+        all.iter().enumerate().flat_map(told).collect()
+    };
+    assert_eq!(flags("0,1,1,0,0\n"), Vec::<String>::new());
+    // Everything moves by 0.5, but for the sixth digit, and the equation halves that.
+    let moved = |last: &str| format!("0,1,1,0.5,0\n,,2,0.5,0.0000009\n,,3,0.5,0\n,,5,0.5,0\n,,4,{last},0\n");
+    assert_eq!(flags(&moved("0.5")), ["1 g"]);
+    assert_eq!(flags(&moved("0.2500004")), ["3 δ1"]);
+    let off = "0,1,1,0,0\n,,2,0.1,0\n,,3,0,0.1\n,,5,0,0\n,,4,0,0\n";
+    assert_eq!(flags(off), ["0 δ2", "2 δ1", "3 δ1", "3 δ2", "3 ρ3"]);
+}
+
 /// 200 warnings in the same words are one, with a count, wherever a scene is read.
 #[test]
 fn warnings_are_shown_once() {

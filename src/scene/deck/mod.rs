@@ -430,7 +430,7 @@ impl Deck<'_> {
 }
 
 /// What cannot be: errors that were there are not any more.
-fn lost() -> Diagnostic {
+pub(super) fn lost() -> Diagnostic {
     Diagnostic::error(Code::Unreadable, Span::default(), "an error was lost", "")
 }
 

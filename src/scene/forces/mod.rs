@@ -29,12 +29,12 @@ mod table;
 pub(super) use document::JsonForces;
 pub use file::{ForceFile, ForceStream, StateIndex};
 
-use crate::diagnostic::{Code, Result};
+use crate::diagnostic::Code;
 use crate::label::Label;
 use crate::model::{Mpc, Scene};
 use crate::span::{Span, Spanned};
 use crate::states;
-use crate::states::Fault;
+use crate::states::{Fault, Faults};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -226,18 +226,21 @@ impl ElementForces {
 /// Component forces as a state names them: by element, then by name, each with its place.
 pub(super) type GivenForces = Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>;
 
-/// The forces of one state that a scene itself gives: by element number, each by name.
-pub(super) fn of_scene(given: GivenForces, scene: &Scene) -> Result<StateForces> {
+/// The forces of one state that a scene itself gives: by element number, each by name. What is wrong is added to the faults.
+pub(super) fn of_scene(given: GivenForces, scene: &Scene, faults: &mut Faults) -> StateForces {
     let mut found = StateForces::default();
     for (element, named) in given {
-        let owner = Owner::named(&element.value, scene);
-        let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
-        let owner = owner.map_err(|fault| fault.at(element.span, "this element"))?;
         let mut forces = ElementForces { span: element.span, ..ElementForces::default() };
         for (name, value) in named {
-            forces.set(&name.value, value.value).map_err(|fault| fault.at(name.span, "this force"))?;
+            if let Err(fault) = forces.set(&name.value, value.value) {
+                faults.add(fault.at(name.span, "this force"));
+            }
         }
-        found.insert(owner, forces);
+        let owner = Owner::named(&element.value, scene);
+        match owner.and_then(|owner| found.check(&owner).map(|()| owner)) {
+            Ok(owner) => found.insert(owner, forces),
+            Err(fault) => faults.add(fault.at(element.span, "this element")),
+        }
     }
-    Ok(found)
+    found
 }

@@ -422,12 +422,14 @@ pub(super) fn of_scene(
     scene: &Scene,
 ) -> Result<Vec<State>> {
     let mut read = Vec::new();
+    let mut faults = Faults::default();
     let freedom = NodeFreedom::of(scene);
     for Spanned { value: Given { number, time, nodes, forces }, span } in states {
-        check_number(read.last().map(|last: &State| last.number), number)
-            .map_err(|fault| fault.at(span, "this state"))?;
+        if let Err(fault) = check_number(read.last().map(|last: &State| last.number), number) {
+            faults.add(fault.at(span, "this state"));
+        }
         let mut state = State { number, time, ..State::default() };
-        let given = forces::of_scene(forces, scene)?;
+        let given = forces::of_scene(forces, scene, &mut faults);
         (state.forces, state.mpc_forces) = (given.elements, given.mpcs);
         for (name, motion) in nodes {
             let node =
@@ -436,10 +438,14 @@ pub(super) fn of_scene(
                 let motion = motion.checked()?;
                 check_motion(node, &motion, &freedom).map(|()| (node, motion))
             });
-            let (node, motion) = motion.map_err(|fault| fault.at(name.span, "this node"))?;
-            state.nodes.insert(node, motion);
+            match motion {
+                Ok((node, motion)) => {
+                    state.nodes.insert(node, motion);
+                }
+                Err(fault) => faults.add(fault.at(name.span, "this node")),
+            }
         }
         read.push(state);
     }
-    Ok(read)
+    faults.end().map(|()| read)
 }
