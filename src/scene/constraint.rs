@@ -46,6 +46,9 @@ pub struct RigidBody {
     pub reference: Label,
     /// Elements whose nodes belong to it: with their rotations, where they have some.
     pub element_set: Option<Spanned<String>>,
+    /// Nodes of those of the elements that are of types which are not read, as far as anything else is about them.
+    #[serde(skip)]
+    pub others: Vec<Label>,
     /// Nodes that belong to it without their rotations.
     pub pin_set: Option<Spanned<String>>,
     /// Nodes that belong to it with their rotations.
@@ -193,7 +196,9 @@ impl Scene {
             labels.into_iter().map(move |node| (node, Some(tied)))
         };
         // What a set says comes before what follows from elements.
-        let all = of_set(&body.tie_set, true).chain(of_set(&body.pin_set, false)).chain(of_elements());
+        let others = body.others.iter().map(|node| (*node, None));
+        let of_sets = of_set(&body.tie_set, true).chain(of_set(&body.pin_set, false));
+        let all = of_sets.chain(of_elements()).chain(others);
         let mut known = LabelSet::default();
         all.filter(|(node, _)| *node != body.reference && known.insert(*node)).collect()
     }

@@ -8,7 +8,7 @@ use crate::choice::choices;
 use crate::constraint::{Coupling, Equation, RigidBody, Surface, Tie};
 use crate::diagnostic::{Diagnostic, Result};
 use crate::label::Label;
-use crate::label::labelled::{Beside, ByLabel};
+use crate::label::labelled::{Beside, ByLabel, LabelSet};
 use crate::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use crate::span::{Span, Spanned};
 use crate::states::State;
@@ -186,6 +186,9 @@ pub struct Set {
     pub unsorted: bool,
     /// Members that are elements of types that the scene does not have; for a set of nodes, elements whose nodes it lacks.
     pub unmodelled: u64,
+    /// The ranges in which the former are.
+    #[serde(skip)]
+    pub(crate) others: Vec<(Label, u64, u64)>,
     /// Where it was first defined.
     #[serde(skip)]
     pub span: Span,
@@ -815,6 +818,9 @@ pub struct Skipped {
     /// Those of the keywords that constrain nodes, such as `*EQUATION`, in order.
     #[serde(skip)]
     pub constraints: Vec<SkippedConstraint>,
+    /// The nodes of connectors and constraints that are nodes of elements of such types, too; none where those are not known.
+    #[serde(skip)]
+    pub nodes: Option<LabelSet>,
 }
 
 /// A keyword that was skipped, and constrains nodes.

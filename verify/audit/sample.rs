@@ -141,6 +141,9 @@ fn what_is_not_read_is_not_asked_to_be_held() {
     assert!(!beside.contains("hold or drive"), "{beside}");
     let beside = beside.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(beside.contains("elements that are not read (B31) may hold it"), "{beside}");
+    // Elsewhere they hold nothing that moves here.
+    let apart = page("apart.inp", "*NODE\n8, 9., 0., 0.\n9, 9., 1., 0.\n*ELEMENT, TYPE=B31\n7, 8, 9\n");
+    assert!(apart.contains("in statics, hold or drive the motion") && !apart.contains("B31) may"), "{apart}");
 }
 
 /// `eval` flags what the state violates, and says what holds it.

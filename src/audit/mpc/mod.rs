@@ -75,7 +75,7 @@ impl MpcCase {
 
     /// All checks at this state, if differences on 237 bits are among the oracles asked; with mutants where `proves`.
     pub fn audit(&self, settings: &Settings, proves: bool) -> Vec<Check> {
-        if !settings.oracles.contains(&Oracle::WideDifferences) {
+        if !settings.asks_for_everything() {
             return Vec::new();
         }
         let mut tables = self.judged();

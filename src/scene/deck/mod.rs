@@ -8,6 +8,7 @@ mod behavior;
 mod connector;
 mod constraint;
 mod errors;
+mod faces;
 mod generate;
 mod history;
 mod keywords;
@@ -33,7 +34,8 @@ use crate::span::{Span, Spanned};
 use errors::Errors;
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage, Strange};
-use sets::{OtherElements, SetBuilder};
+use faces::OtherElements;
+use sets::SetBuilder;
 use std::io::BufRead;
 use std::path::Path;
 

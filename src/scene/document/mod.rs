@@ -143,7 +143,7 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
         Format::Toml => tree::of_toml(content, &lines)?,
         Format::Deck | Format::Json => tree::of_json(content, &lines, &mut errors)?,
     };
-    let read: Option<Document> = de::whole(&mut tree, &mut errors);
+    let read: Option<Document> = de::read(&mut tree, &mut errors);
     let schema = read.as_ref().and_then(|document| document.schema.as_ref());
     errors.extend(schema.filter(|schema| schema.value != SCHEMA).map(|schema| {
         let message = format!("the schema is `{}`", schema.value.escape_debug());
