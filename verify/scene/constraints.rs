@@ -217,7 +217,9 @@ fn elements_that_are_not_read_give_their_nodes() {
     assert_eq!(found, want);
     // What is written gives the same nodes.
     let again = read(&scene.write(Format::Deck).unwrap().text);
-    let without = |titles: Vec<String>| titles.into_iter().filter(|title| !title.starts_with("RIGID")).collect::<Vec<_>>();
+    let without = |titles: Vec<String>| {
+        titles.into_iter().filter(|title| !title.starts_with("RIGID")).collect::<Vec<_>>()
+    };
     assert_eq!(without(titles(&model(&again))), without(want));
 }
 
@@ -226,19 +228,24 @@ fn elements_that_are_not_read_give_their_nodes() {
 fn what_is_left_out_is_named() {
     let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 0.\n\
          *ELEMENT, TYPE=C3D8, ELSET=SOLID\n7, 1, 2, 3, 1, 2, 3, 1, 2\n";
-    let surfaces =
-        "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n\
+    let surfaces = "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n\
          *SURFACE, TYPE=NODE, NAME=APART\n4,\n";
     let left_out = [
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*DISTRIBUTING", "COUPLING"),
-        ("*SURFACE, NAME=SKIN\nSOLID,\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*KINEMATIC", "COUPLING"),
+        (
+            "*SURFACE, NAME=SKIN\nSOLID,\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*KINEMATIC",
+            "COUPLING",
+        ),
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING\n1, 3", "COUPLING"),
         (
             "*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING, COUPLING=STRUCTURAL",
             "COUPLING",
         ),
         ("*TIE, NAME=T\nAPART, FACES", "TIE"),
-        ("*ELEMENT, TYPE=C3D8, ELSET=TORN\n8, 1, 2, 3, SPOT, 1, 2, 3, 1\n*RIGID BODY, REF NODE=1, ELSET=TORN", "RIGID BODY"),
+        (
+            "*ELEMENT, TYPE=C3D8, ELSET=TORN\n8, 1, 2, 3, SPOT, 1, 2, 3, 1\n*RIGID BODY, REF NODE=1, ELSET=TORN",
+            "RIGID BODY",
+        ),
         ("*RIGID BODY, NSET=N, REF NODE=1, ROT NODE=2", "RIGID BODY"),
         ("*FASTENER", "FASTENER"),
         ("*STEP\n*STATIC\n0.1, 1.\n*EQUATION, REMOVE\n2\n*END STEP", "EQUATION"),

@@ -2,8 +2,8 @@
 
 use super::Failure;
 use pintle_scene::{
-    Diagnostic, ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile, StateForces,
-    StateIndex, StateMark, StateStream, Vanishing,
+    Diagnostic, ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile,
+    StateForces, StateIndex, StateMark, StateStream, Vanishing,
 };
 use std::cell::RefCell;
 use std::collections::BTreeMap;

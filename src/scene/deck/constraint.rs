@@ -1,6 +1,5 @@
 //! Equations, rigid bodies, couplings and ties. What of them cannot be read is named as a constraint that was not read.
 
-use crate::constraint::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::deck::errors::Errors;
 use crate::deck::faces::Element;
 use crate::deck::lookup::{check_orientation, element_set, node_set, node_target, target};
@@ -10,6 +9,7 @@ use crate::grammar;
 use crate::label::labelled::LabelSet;
 use crate::label::{Instance, Label};
 use crate::lexer::{Keyword, Value};
+use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::model::{Scene, SkippedConstraint, Target};
 use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
@@ -78,7 +78,8 @@ pub(super) struct Raw {
 impl Raw {
     /// The number of constraints and surfaces, which an instance copies.
     pub(super) fn len(&self) -> usize {
-        let of_surfaces = self.surfaces.values().map(|raw| 1 + raw.surface.members.len() + raw.faces.len()).sum::<usize>();
+        let of_surfaces =
+            self.surfaces.values().map(|raw| 1 + raw.surface.members.len() + raw.faces.len()).sum::<usize>();
         self.equations.len() + of_surfaces + self.bodies.len() + self.couplings.len() + self.ties.len()
     }
 
@@ -94,8 +95,11 @@ impl Raw {
             names.map(|name| name.value.as_str())
         }
         let terms = self.equations.iter().flat_map(|(terms, _)| terms).map(|term| &term.node);
-        let members =
-            self.surfaces.values().filter(|raw| raw.kind == SurfaceKind::Nodes).flat_map(|raw| &raw.surface.members);
+        let members = self
+            .surfaces
+            .values()
+            .filter(|raw| raw.kind == SurfaceKind::Nodes)
+            .flat_map(|raw| &raw.surface.members);
         let targets = terms.chain(members.map(|(member, _)| member));
         let targets = targets.chain(self.bodies.iter().map(|body| &body.reference));
         let targets = targets.chain(self.couplings.iter().map(|coupling| &coupling.reference));
@@ -607,12 +611,16 @@ fn body(deck: &mut Deck<'_>, body: RawBody) -> Result<()> {
 fn used_nodes(scene: &Scene) -> LabelSet {
     let mut used = unread::bearing(scene);
     used.extend(scene.rigid_bodies.iter().map(|body| body.reference));
-    used.extend(scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]).flatten());
+    used.extend(
+        scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]).flatten(),
+    );
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
     for boundary in boundaries {
         match &boundary.target.value {
             Target::Label(label) => drop(used.insert(*label)),
-            Target::Set(name) => used.extend(scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels)),
+            Target::Set(name) => {
+                used.extend(scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels))
+            }
         }
     }
     used

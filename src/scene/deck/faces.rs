@@ -191,20 +191,8 @@ impl OtherElements {
 /// Edges of a solid that have a node in their middle, by the numbers of their ends, in the order of these nodes.
 const TETRAHEDRON: &[[usize; 2]] = &[[1, 2], [2, 3], [3, 1], [1, 4], [2, 4], [3, 4]];
 const WEDGE: &[[usize; 2]] = &[[1, 2], [2, 3], [3, 1], [4, 5], [5, 6], [6, 4], [1, 4], [2, 5], [3, 6]];
-const BRICK: &[[usize; 2]] = &[
-    [1, 2],
-    [2, 3],
-    [3, 4],
-    [4, 1],
-    [5, 6],
-    [6, 7],
-    [7, 8],
-    [8, 5],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-    [4, 8],
-];
+const BRICK: &[[usize; 2]] =
+    &[[1, 2], [2, 3], [3, 4], [4, 1], [5, 6], [6, 7], [7, 8], [8, 5], [1, 5], [2, 6], [3, 7], [4, 8]];
 
 impl Element<'_> {
     /// Its nodes.
@@ -221,18 +209,13 @@ impl Element<'_> {
                 return Some(self.labels(faces.get(side(face, 'S')?)?, TETRAHEDRON, 4));
             }
             (Shape::Solid, 6 | 15, _) => {
-                let faces: [&[usize]; 5] = [&[1, 2, 3], &[4, 6, 5], &[1, 4, 5, 2], &[2, 5, 6, 3], &[3, 6, 4, 1]];
+                let faces: [&[usize]; 5] =
+                    [&[1, 2, 3], &[4, 6, 5], &[1, 4, 5, 2], &[2, 5, 6, 3], &[3, 6, 4, 1]];
                 return Some(self.labels(faces.get(side(face, 'S')?)?, WEDGE, 6));
             }
             (Shape::Solid, 8 | 20, _) => {
-                let faces = [
-                    [1, 2, 3, 4],
-                    [5, 8, 7, 6],
-                    [1, 5, 6, 2],
-                    [2, 6, 7, 3],
-                    [3, 7, 8, 4],
-                    [4, 8, 5, 1],
-                ];
+                let faces =
+                    [[1, 2, 3, 4], [5, 8, 7, 6], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 8, 4], [4, 8, 5, 1]];
                 return Some(self.labels(faces.get(side(face, 'S')?)?, BRICK, 8));
             }
             (Shape::Shell, 3..=9, "SPOS" | "SNEG") => return Some(self.nodes().collect()),
@@ -311,7 +294,10 @@ mod tests {
                 compared += 1;
             }
             let corners = edges.iter().flatten().max().unwrap();
-            assert!(known[corners + 1..=count as usize].iter().all(|times| *times == 2), "{type_name} {known:?}");
+            assert!(
+                known[corners + 1..=count as usize].iter().all(|times| *times == 2),
+                "{type_name} {known:?}"
+            );
         }
         assert_eq!(compared, 54);
     }

@@ -5,12 +5,12 @@ use crate::deck::Deck;
 use crate::deck::connector::RawMpc;
 use crate::deck::constraint;
 use crate::deck::errors::Errors;
+use crate::deck::faces::OtherElements;
 use crate::deck::lookup::{
     check_name, check_orientation, complete_node_set, element_set, node_set, node_target, undefined, unknown,
 };
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
-use crate::deck::faces::OtherElements;
 use crate::deck::sets::{Kind, Known, Member, unknown_set};
 use crate::deck::unread;
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};

@@ -113,7 +113,8 @@ pub(super) fn of_toml<'a>(text: &'a str, lines: &Lines<'_>) -> Result<Tree<'a>> 
     let told = |error: toml::de::Error| {
         let span = error.span().unwrap_or(0..0);
         // An error at the end of a line may be said to stand at the beginning of the next one.
-        let start = if span.start == text.len() { text.trim_end().len().saturating_sub(1) } else { span.start };
+        let start =
+            if span.start == text.len() { text.trim_end().len().saturating_sub(1) } else { span.start };
         let place = lines.place(start, span.end.max(start + 1));
         if error.message().contains("recursion") {
             return too_deep(place);
@@ -128,7 +129,11 @@ pub(super) fn of_toml<'a>(text: &'a str, lines: &Lines<'_>) -> Result<Tree<'a>> 
             .help("keep one of the two, or write both into one table");
         }
         let message = format!("malformed TOML: {}", error.message().lines().next().unwrap_or_default());
-        malformed(message, place, "write name = value, tables as [name], lists of tables as [[name]]; texts stand in quotation marks")
+        malformed(
+            message,
+            place,
+            "write name = value, tables as [name], lists of tables as [[name]]; texts stand in quotation marks",
+        )
     };
     // What follows on a line that is wrong follows from that.
     let mut errors: Vec<Diagnostic> = errors.into_iter().map(told).collect();

@@ -1,8 +1,9 @@
 //! Forces from JSON, as they are read.
 
 use crate::diagnostic::{Code, Result};
-use crate::forces::{ElementForces, ForceSign, Group, Owner, StateForces, Take};
+use crate::forces::{Group, Owner, Take};
 use crate::model::Scene;
+use crate::model::{ElementForces, ForceSign, StateForces};
 use crate::states;
 use crate::states::{Context, Documents, Fault, Source};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};

@@ -1,10 +1,12 @@
 //! Files of component forces: held as a whole, or read state by state.
 
 use crate::diagnostic::{Code, Diagnostic, Result};
-use crate::forces::{ForceSign, Group, StateForces, Take, document, table};
+use crate::forces::{Group, Take, document, table};
 use crate::model::Scene;
+use crate::model::State;
+use crate::model::{ForceSign, StateForces};
 use crate::states;
-use crate::states::{Source, State, StateMark};
+use crate::states::{Source, StateMark};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

@@ -31,7 +31,7 @@ pub use file::{ForceFile, ForceStream, StateIndex};
 
 use crate::diagnostic::Code;
 use crate::label::Label;
-use crate::model::{Mpc, Scene};
+use crate::model::{ElementForces, ForceSign, Mpc, Scene, StateForces};
 use crate::span::{Span, Spanned};
 use crate::states;
 use crate::states::{Fault, Faults};
@@ -39,39 +39,6 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-
-/// What a positive force means.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ForceSign {
-    /// Every force resists growth of its component when it is positive: the total adds up as CEF + CVF + CSF + CRF − CCF.
-    #[default]
-    Internal,
-    /// The forces of constrained components are those applied at node b to enforce the constraint: minus the internal ones.
-    ConstraintsOnB,
-}
-
-/// The forces of one connector at one state, as given.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ElementForces {
-    /// f1 … m3, CTF and CTM.
-    pub total: [Option<f64>; 6],
-    /// CRF and CRM.
-    pub reaction: [Option<f64>; 6],
-    /// What a positive force of a constraint means.
-    pub sign: ForceSign,
-    /// Where they stand in their file.
-    pub span: Span,
-}
-
-/// The forces of one state.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct StateForces {
-    /// Those of connectors, by element number.
-    pub elements: BTreeMap<Label, ElementForces>,
-    /// Those of multi-point constraints, by their nodes (`10-20-30`).
-    pub mpcs: BTreeMap<String, ElementForces>,
-}
 
 /// What forces are of.
 enum Owner {

@@ -3,9 +3,10 @@
 use crate::diagnostic::{Code, Diagnostic, MAX_ERRORS, Result};
 use crate::freedom::NodeFreedom;
 use crate::model::Scene;
+use crate::model::State;
 use crate::span::Span;
 use crate::states::source::{Source, unreadable};
-use crate::states::{Fault, State, check_number};
+use crate::states::{Fault, check_number};
 use serde::de::DeserializeSeed;
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
@@ -127,7 +128,9 @@ impl<'a> Documents<'a> {
             self.passed_over.bytes.set(0);
             let inner = source.reader(0).map_err(|error| unreadable(&error))?;
             let counted = Counted { inner, count: &self.passed_over };
-            let Err(error) = through(seed, &mut serde_json::Deserializer::from_reader(counted)) else { break };
+            let Err(error) = through(seed, &mut serde_json::Deserializer::from_reader(counted)) else {
+                break;
+            };
             let span = json_place(source, error.line(), error.column());
             let Some(fault) = self.fault.take() else {
                 faults.add(broken(error, span, form));
@@ -280,7 +283,8 @@ mod tests {
         assert_eq!(csv("state,element,f1\n0,9,1\n1,9,2\n"), []);
         assert_eq!(lines(csv("state,element,f1\n0,7,1\n0,9,abc\n1,8,2\n")), [2, 3, 4]);
         assert_eq!(lines(csv("state,element,f1\n0,9,1\n5,9,2\n7,9,3\n")), [3, 4]);
-        let document = |states: &str| format!("{{\"schema\": \"pintle-forces/1\", \"states\": [\n{states}]}}");
+        let document =
+            |states: &str| format!("{{\"schema\": \"pintle-forces/1\", \"states\": [\n{states}]}}");
         let sound = document("{\"state\": 0, \"forces\": {\"9\": {\"f1\": 1}}}");
         assert_eq!(json(&sound), []);
         let told = json(&document(

@@ -4,13 +4,13 @@ mod behavior;
 mod text;
 
 use crate::behavior::{Independent, Row};
-use crate::constraint::CouplingKind;
 use crate::deck;
 use crate::diagnostic::Result;
 use crate::document::form;
 use crate::document::form::{Document, Entries, Item, placeless};
 use crate::document::{Format, SCHEMA};
 use crate::label::Label;
+use crate::model::CouplingKind;
 use crate::model::{
     Amplitude, Application, Boundary, ConditionKind, ConnectorMotion, Dimension, Discrete, MotionType,
     MpcKind, Operation, Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
