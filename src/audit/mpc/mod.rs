@@ -20,7 +20,7 @@ use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::Verdict;
 use crate::oracles::differences;
 use crate::oracles::differences::{Directions, FIRST_STEP, NOISE};
-use crate::oracles::oracle::{Oracle, nearness};
+use crate::oracles::oracle::nearness;
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;

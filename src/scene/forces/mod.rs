@@ -20,7 +20,7 @@
 //! its first, dependent node, global components. Those that it does not transmit may be 0.
 //!
 //! # Signs
-//! [`ForceSign`]: internal, positive resists growth of the component, unless the forces of constraints are said to be those on b.
+//! [`ForceSign`](crate::ForceSign): internal, positive resists growth of the component, unless the forces of constraints are said to be those on b.
 
 mod document;
 mod file;
@@ -31,13 +31,12 @@ pub use file::{ForceFile, ForceStream, StateIndex};
 
 use crate::diagnostic::Code;
 use crate::label::Label;
-use crate::model::{ElementForces, ForceSign, Mpc, Scene, StateForces};
+use crate::model::{ElementForces, Mpc, Scene, StateForces};
 use crate::span::{Span, Spanned};
 use crate::states;
 use crate::states::{Fault, Faults};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// What forces are of.

@@ -14,6 +14,7 @@ use crate::orientation::{Definition, GLOBAL, Orientation, System, Triad};
 use crate::written::Written;
 use indexmap::IndexMap;
 use serde::Serialize;
+use std::collections::BTreeSet;
 /// A model: nodes, connectors and what acts on them.
 ///
 /// All references between its parts have been checked: a name or number that occurs in it is defined in it.

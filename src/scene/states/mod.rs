@@ -33,7 +33,6 @@ use crate::span::{Span, Spanned};
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 

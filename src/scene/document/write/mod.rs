@@ -269,8 +269,8 @@ fn entries<K: ToString, T, F, S>(given: &indexmap::IndexMap<K, T, S>, form: impl
     given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
 }
 
-fn entries_of(state: &crate::states::State) -> Entries<Entries<Spanned<f64>>> {
-    let named = |forces: &crate::forces::ElementForces| {
+fn entries_of(state: &crate::model::State) -> Entries<Entries<Spanned<f64>>> {
+    let named = |forces: &crate::model::ElementForces| {
         forces.named().map(|(name, value)| (name.to_owned(), placeless(value))).collect()
     };
     let elements = state.forces.iter().map(|(element, forces)| (element.to_string(), named(forces)));
