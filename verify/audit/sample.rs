@@ -123,6 +123,56 @@ fn numbers_are_written_as_by_hand() {
     );
 }
 
+/// A page begins with one sentence for those who do not know its words.
+#[test]
+fn a_page_begins_with_a_sentence() {
+    let deck = |more: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\n{more}"
+        )
+    };
+    let page = |name: &str, more: &str, code: i32| {
+        let words = ["audit", &file(name, &deck(more)), "--model-only", "--format", "html"];
+        stdout(&pintle(&words).assert().code(code))
+    };
+    for (name, more, code, sentence) in [
+        ("beam.inp", "BEAM\n*BOUNDARY\n1, 1, 6\n", 0, "The model is sound; nothing was found"),
+        ("axial.inp", "AXIAL\n*BOUNDARY\n1, 1, 3\n", 0, "The model is sound; one remark"),
+    ] {
+        let page = page(name, more, code);
+        let first = page.find(sentence).unwrap_or_else(|| panic!("{sentence}: {page}"));
+        let detail = page.find("<h2").unwrap_or(page.len());
+        assert!(first < detail, "{name}: {first} {detail}");
+    }
+}
+
+/// Without states on 237 bits nobody judges constraints, and that is undecided. Of a coupling of many nodes the report says how many of their
+/// columns are compared.
+#[test]
+fn what_is_not_compared_of_constraints_is_said() {
+    let mut deck = "*NODE\n100, 0., 0., 1.\n".to_string();
+    for node in 1..=20_u8 {
+        let angle = f64::from(node);
+        deck += &format!("{node}, {:.6}, {:.6}, {:.6}\n", angle.cos(), angle.sin(), 0.01 * angle);
+    }
+    deck += "*NSET, NSET=ALL, GENERATE\n1, 20\n*SURFACE, TYPE=NODE, NAME=S\nALL,\n*COUPLING, REF NODE=100, CONSTRAINT NAME=C, SURFACE=S\n\
+             *DISTRIBUTING\n*NODE\n200, 0., 0., 0.\n*MPC\nPIN, 200, 100\n";
+    let deck = file("compared.inp", &deck);
+    let subjects = |wide: &str, code: i32| -> Vec<Value> {
+        let words = ["audit", &deck, "--wide-states", wide, "--format", "json"];
+        let document: Value = serde_json::from_str(&stdout(&pintle(&words).assert().code(code))).unwrap();
+        document["subjects"].as_array().unwrap().clone()
+    };
+    let judged = subjects("1", 0);
+    let names: Vec<&str> = judged.iter().map(|subject| subject["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["MPC PIN 200-100", "DISTRIBUTING COUPLING 100 (columns of 8 of its 21 nodes)"]);
+    assert!(judged.iter().all(|subject| !subject["checks"].as_array().unwrap().is_empty()));
+    for subject in subjects("0", 0) {
+        assert_eq!(subject["checks"].as_array().unwrap().len(), 0, "{subject}");
+        assert_eq!(subject["derivative"], "undecided", "{subject}");
+    }
+}
+
 /// Elements that are not read may hold what moves: the audit does not ask to hold it.
 #[test]
 fn what_is_not_read_is_not_asked_to_be_held() {
