@@ -173,6 +173,27 @@ fn what_is_not_compared_of_constraints_is_said() {
     }
 }
 
+/// A zero has no sign, whatever it comes from.
+#[test]
+fn zeros_have_no_sign() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n\
+        *CONNECTOR SECTION, ELSET=E\nCARTESIAN, CARDAN\n*MPC\nREVOLUTE, 2, 1, 3\n";
+    let (deck, states) =
+        (file("zeros.inp", deck), file("zeros.csv", "state,node,u1,u2,ur3\n0,2,-0.0,-0.0,0.5\n"));
+    for format in ["csv", "json", "human"] {
+        let page = stdout(
+            &pintle(&["eval", &deck, "--states", &states, "--order", "2", "--format", format])
+                .assert()
+                .code(0),
+        );
+        let is_number = |c: char| c.is_ascii_digit() || matches!(c, '-' | '.' | 'e');
+        let cells = page.split(|c: char| !is_number(c)).filter(|cell| cell.contains('0'));
+        let signed: Vec<&str> = cells.filter(|cell| matches!(*cell, "-0" | "-0.0")).collect();
+        assert_eq!(signed, Vec::<&str>::new(), "{format}: {page}");
+        assert!(page.contains("0.5"), "{page}");
+    }
+}
+
 /// Elements that are not read may hold what moves: the audit does not ask to hold it.
 #[test]
 fn what_is_not_read_is_not_asked_to_be_held() {
