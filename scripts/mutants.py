@@ -7,7 +7,7 @@ ones first, until one fails. What does not compile is left out and counted. A mu
 must be explained in `verify/mutants.toml`.
 
     pip install -r scripts/requirements-mutants.txt && cargo install cargo-mutants
-    python scripts/mutants.py build 'src/measure.rs' 'src/so3.rs' 'src/scalar/**/*.rs' 'src/behavior/**/*.rs'
+    python scripts/mutants.py build 'src/kinematics/measure.rs' 'src/kinematics/so3.rs' 'src/model/behavior/**/*.rs'
     python scripts/mutants.py run --jobs 4
     python scripts/mutants.py report        # fails on a survivor without an explanation, or an explanation without survivor
 
@@ -37,6 +37,8 @@ HOME = pathlib.Path(os.environ.get("PINTLE_MUTANTS", ROOT / "target" / "mutants"
 TREE, LIST, TESTS, RESULTS = HOME / "tree", HOME / "mutants.json", HOME / "tests.json", HOME / "results.jsonl"
 FORMER = HOME / "former.json"
 EXPLAINED = ROOT / "verify" / "mutants.toml"
+# The crate that every other one uses.
+LOWEST = "kinematics"
 
 SWITCH = """//! Which mutant is on: the number in `PINTLE_MUTANT`, none if it is absent. If `PINTLE_REACHED` names a file, the numbers of the
 //! mutants whose place is reached are added to it instead, each at most once.
@@ -103,6 +105,16 @@ def identify(mutants):
     return mutants
 
 
+def crate(file):
+    """The crate of a file: its folder under `src`."""
+    return pathlib.PurePath(file).parts[1]
+
+
+def switches(file):
+    """How a file calls the module of the switches, which stands in the lowest crate."""
+    return b"crate::mutated" if crate(file) == LOWEST else b"pintle_%s::mutated" % LOWEST.encode()
+
+
 def key(mutant):
     """How `verify/mutants.toml` names a mutant: file, function and change, without line numbers."""
     return re.sub(r"^([^:]+):\d+:\d+: ", r"\1: ", mutant["name"])
@@ -128,12 +140,14 @@ def remember():
 
 
 def constants(files):
-    """The constants whose value has mutants, {name: path of its module}: each becomes a function too, which what is no constant calls."""
-    found = {}
+    """The constants whose value has mutants, {crate: {name: path of its module}}: each becomes a function too, which what is no constant of
+    the crate calls."""
+    found = collections.defaultdict(dict)
     for file, mutants in files.items():
         source = (ROOT / file).read_bytes()
         lines = {m["span"]["start"]["line"] - 1 for m in mutants if m["genre"] in ("UnaryOperator", "BinaryOperator")}
-        module = "crate::" + "::".join(pathlib.PurePath(file).with_suffix("").parts[1:]).removesuffix("::mod")
+        parts = pathlib.PurePath(file).with_suffix("").parts[2:]
+        module = "::".join(("crate", *(part for part in parts if part not in ("mod", "lib"))))
         nodes = [syntax(source)]
         while nodes:
             node = nodes.pop()
@@ -141,7 +155,7 @@ def constants(files):
             value = node.child_by_field_name("value") if node.type == "const_item" else None
             if value and lines & set(range(value.start_point.row, value.end_point.row + 1)):
                 path = module + "::" if node.parent.type == "source_file" else ""
-                found[node.child_by_field_name("name").text] = path.encode()
+                found[crate(file)][node.child_by_field_name("name").text] = path.encode()
     return found
 
 
@@ -153,10 +167,10 @@ def syntax(source):
     return tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language())).parse(source).root_node
 
 
-def render(source, mutants, dropped, called):
+def render(source, mutants, dropped, called, mutated):
     """The text of a file with its mutants behind switches, for each line of it the mutants that stand there, and all of them.
 
-    The constants `called` are read through their functions.
+    The constants `called` are read through their functions; `mutated` is the module of the switches.
     """
     lines = source.split(b"\n")
 
@@ -192,8 +206,8 @@ def render(source, mutants, dropped, called):
 
     def choice(alternatives, original):
         arms = b"".join(b"\n/*%d*/ %d => { %s }" % (k, k, alternative) for k, alternative in alternatives)
-        return b"match crate::mutated::among(%d, %d) {%s\n_ => { %s } }" % (
-            alternatives[0][0], alternatives[-1][0], arms, original,
+        return b"match %s::among(%d, %d) {%s\n_ => { %s } }" % (
+            mutated, alternatives[0][0], alternatives[-1][0], arms, original,
         )
 
     def walk(node):
@@ -206,7 +220,7 @@ def render(source, mutants, dropped, called):
                 op = operator.text
                 if op in (b"&&", b"||"):
                     k = found[0]["k"]
-                    stop = b"crate::mutated::on(%d)" % k if op == b"&&" else b"!crate::mutated::on(%d)" % k
+                    stop = b"%s::on(%d)" % (mutated, k) if op == b"&&" else b"!%s::on(%d)" % (mutated, k)
                     return b"({\n/*%d*/ let l__ = %s; if l__ == %s { l__ } else { %s } })" % (k, left, stop, right)
                 by = b"&" if op.decode() in COMPARISONS else b""
                 alternatives = [(m["k"], b"l__ %s r__" % m["replacement"].encode()) for m in found]
@@ -234,7 +248,7 @@ def render(source, mutants, dropped, called):
                 pattern, value = node.child_by_field_name("pattern"), node.child_by_field_name("value")
                 condition = pattern.child_by_field_name("condition")
                 head = source[pattern.start_byte : condition.start_byte if condition else pattern.end_byte]
-                guard = b"\n/*%d*/ !crate::mutated::on(%d)" % (k, k)
+                guard = b"\n/*%d*/ !%s::on(%d)" % (k, mutated, k)
                 if condition:
                     return head + guard + b" && (" + guarded(condition) + b") => " + walk(value) + b","
                 return head + b" if" + guard + b" => " + walk(value) + b","
@@ -281,8 +295,8 @@ def render(source, mutants, dropped, called):
                     returned.text[5:], choice(alternatives, b"Box::new(" + text(body) + b")"),
                 )
             for m in found:
-                result += b"\n/*%d*/ if crate::mutated::on(%d) { return %s; }\n" % (
-                    m["k"], m["k"], m["replacement"].encode(),
+                result += b"\n/*%d*/ if %s::on(%d) { return %s; }\n" % (
+                    m["k"], mutated, m["k"], m["replacement"].encode(),
                 )
             return result + text(body)[1:]
         return text(node)
@@ -292,9 +306,9 @@ def render(source, mutants, dropped, called):
         result = walk(condition)
         for m in found:
             result = (
-                b"\n/*%d*/ (crate::mutated::on(%d) || (%s))\n" if m["replacement"] == "true"
-                else b"\n/*%d*/ (!crate::mutated::on(%d) && (%s))\n"
-            ) % (m["k"], m["k"], result)
+                b"\n/*%d*/ (%s::on(%d) || (%s))\n" if m["replacement"] == "true"
+                else b"\n/*%d*/ (!%s::on(%d) && (%s))\n"
+            ) % (m["k"], mutated, m["k"], result)
         return result
 
     rendered = walk(syntax(source))
@@ -307,7 +321,7 @@ def render(source, mutants, dropped, called):
 
 def build(patterns):
     """Writes the tree and compiles it, leaving out what does not compile."""
-    listing = ["cargo", "mutants", "--list", "--json"]
+    listing = ["cargo", "mutants", "--workspace", "--list", "--json"]
     for pattern in patterns:
         listing += ["--file", pattern]
     mutants = identify(json.loads(subprocess.check_output(listing, cwd=ROOT)))
@@ -319,9 +333,10 @@ def build(patterns):
         if name:
             (TREE / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, TREE / name)
-    (TREE / "src" / "mutated.rs").write_text(SWITCH)
-    library = TREE / "src" / "lib.rs"
-    library.write_text(library.read_text().replace("pub mod audit;", "#[doc(hidden)]\npub mod mutated;\npub mod audit;"))
+    (TREE / "src" / LOWEST / "mutated.rs").write_text(SWITCH)
+    library = TREE / "src" / LOWEST / "lib.rs"
+    with library.open("a") as text:
+        text.write("#[doc(hidden)]\npub mod mutated;\n")
     files = collections.defaultdict(list)
     for mutant in mutants:
         files[mutant["file"]].append(mutant)
@@ -333,7 +348,7 @@ def build(patterns):
             source = (ROOT / file).read_bytes()
             if changed[file] is None:
                 changed[file] = strip(source, constant)
-            rendered, places[file], here = render(changed[file], its, dropped, called)
+            rendered, places[file], here = render(changed[file], its, dropped, called[crate(file)], switches(file))
             used |= here
             if (TREE / file).read_bytes() != rendered:
                 (TREE / file).write_bytes(rendered)
@@ -363,7 +378,7 @@ def build(patterns):
     for stale in (RESULTS, TESTS):
         stale.unlink(missing_ok=True)
     compiled = subprocess.run(
-        ["cargo", "test", "--all-features", "--no-run", "--lib", "--test", "verify", "--message-format=json"],
+        ["cargo", "test", "--workspace", "--all-features", "--no-run", "--lib", "--test", "verify", "--message-format=json"],
         cwd=TREE, stdout=subprocess.PIPE, check=True, text=True,
     )
     programs = [
@@ -399,7 +414,7 @@ def strip(source, constant):
 def errors():
     """The errors of the compiler, each with its places, or None."""
     checked = subprocess.run(
-        ["cargo", "check", "--all-features", "--lib", "--message-format=json"], cwd=TREE, stdout=subprocess.PIPE,
+        ["cargo", "check", "--workspace", "--all-features", "--lib", "--message-format=json"], cwd=TREE, stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL, text=True,
     )
     if checked.returncode == 0:

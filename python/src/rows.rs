@@ -126,7 +126,10 @@ impl Rows {
 impl Rows {
     #[new]
     fn new(of: &str) -> PyResult<Self> {
-        let definition = pintle::check::subject(of).map_err(PyValueError::new_err)?;
+        let subject = pintle::check::subject(of).map_err(PyValueError::new_err)?;
+        let pintle::check::Subject::Connector(definition) = subject else {
+            return Err(PyValueError::new_err(format!("{of} is no connector: rows are those of one")));
+        };
         let connector = Connector::new(&definition);
         let batch =
             Batch::new(&connector, [true; 6]).map_err(|error| PyValueError::new_err(error.to_string()))?;

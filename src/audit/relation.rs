@@ -24,7 +24,6 @@ use crate::laws::{Asked, Demand, IsConditioned, Related, TURN, Term, What, axis,
 use crate::mutants::mutant::{Changes, Mistake, Mutant, of_angle, of_rate};
 use crate::oracles::differences;
 use crate::oracles::differences::FIRST_STEP;
-use crate::oracles::oracle::Oracle;
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use pintle_kinematics::connector::{Request, Tally};
@@ -37,6 +36,12 @@ use pintle_kinematics::vector::{Matrix, Vector, add, apply, cross, product, scal
 
 /// Nodes besides the reference node whose columns are differentiated again.
 const SAMPLED: usize = 8;
+
+/// Of how many of a relation's nodes the columns are differentiated again.
+pub(crate) fn differentiated(nodes: usize) -> usize {
+    let others = nodes.saturating_sub(1);
+    nodes.min(1 + others.div_ceil(others.div_ceil(SAMPLED).max(1)))
+}
 
 /// Closer to half a turn, or to whole turns of a node of an equation, (rad) nobody can say on which side a number is.
 const UNDETERMINED: f64 = 1e-9;
@@ -353,7 +358,7 @@ impl RelationCase {
 
     /// All checks at this state, if differences on 237 bits are among the oracles asked; with mutants where `proves`.
     pub fn audit(&self, settings: &Settings, proves: bool) -> Vec<Check> {
-        if !settings.oracles.contains(&Oracle::WideDifferences) {
+        if !settings.asks_for_everything() {
             return Vec::new();
         }
         let mut tables = self.tables();

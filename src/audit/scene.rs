@@ -12,6 +12,7 @@ use crate::judge::verdict::Verdict;
 use crate::oracles::certificate::{
     certificate, certificate_named, certificate_of_mpc, certifies_frictions, certifies_springs,
 };
+use crate::relation::differentiated;
 use crate::sampling::about_initial;
 use crate::sampling::coverage::{Coverage, Sample};
 use crate::settings::{Budget, Settings};
@@ -483,7 +484,12 @@ fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
     let relations = plan.relations.iter().filter_map(|at| {
         let element = model.relations.get(*at)?;
         let of_kind = certificate_named(element.type_name);
-        Some((element.title(), of_kind, true, Expected::of_relation(&element.relation)))
+        let (nodes, compared) = (element.nodes.len(), differentiated(element.nodes.len()));
+        let title = match element.title() {
+            title if compared == nodes => title,
+            title => format!("{title} (columns of {compared} of its {nodes} nodes)"),
+        };
+        Some((title, of_kind, true, Expected::of_relation(&element.relation)))
     });
     let named = connectors.chain(mpcs).chain(relations).zip(gathered);
     named

@@ -148,8 +148,14 @@ impl Reader {
         let node = |body: &Body<f64>, at: [f64; 3], from: usize| {
             let place = add(at, body.displacement);
             let triad = transpose(&body.rotation);
-            let mut node =
-                protocol::node_of(place, body.displacement, triad, &body.rotation, body.flow, &self.convention);
+            let mut node = protocol::node_of(
+                place,
+                body.displacement,
+                triad,
+                &body.rotation,
+                body.flow,
+                &self.convention,
+            );
             if has_rates {
                 for (kind, of) in [("velocity", &state.velocity), ("acceleration", &state.acceleration)] {
                     protocol::add_rates(&mut node, kind, &of[from..from + 7], length);

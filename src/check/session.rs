@@ -174,10 +174,12 @@ impl<'a, D: Door> Session<'a, D> {
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
         let of = (self.definition, &self.connector);
         let convention = &self.exchange.hello.convention;
-        let states: Vec<Value> = asked.iter().map(|asked| protocol::state(asked, of, convention, None)).collect();
+        let states: Vec<Value> =
+            asked.iter().map(|asked| protocol::state(asked, of, convention, None)).collect();
         let answer = self.exchange.request(first.wants, states)?;
         let id = self.exchange.asked();
-        protocol::as_it_is(answer.get("answers"), asked.len()).map_err(|what| Misbehaviour::WrongShape { id, what })
+        protocol::as_it_is(answer.get("answers"), asked.len())
+            .map_err(|what| Misbehaviour::WrongShape { id, what })
     }
 
     /// Asks for the first state once more: a routine has no memory but what it is given.

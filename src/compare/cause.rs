@@ -85,7 +85,10 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
     }
     // Another output of the same connector, or of another one.
     let known = alternatives.others()?;
-    let of_same = known.get(&series.element).into_iter().flat_map(|numbers| numbers.keys().map(|of| (&series.element, *of)));
+    let of_same = known
+        .get(&series.element)
+        .into_iter()
+        .flat_map(|numbers| numbers.keys().map(|of| (&series.element, *of)));
     let of_others = known
         .iter()
         .filter(|(element, _)| **element != series.element)
@@ -112,7 +115,11 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
     let is_angle = series.name.contains('R') && !series.name.starts_with("CRF");
     if is_angle && all(series, |_, point| point.want + TAU * turns(point)) {
         let count = turns(&points[first_wrong]);
-        let whole = if count.abs() == 1.0 { "a whole turn is".to_string() } else { format!("{} whole turns are", count.abs()) };
+        let whole = if count.abs() == 1.0 {
+            "a whole turn is".to_string()
+        } else {
+            format!("{} whole turns are", count.abs())
+        };
         let lost = if count * points[first_wrong].want.signum() < 0.0 { "lost" } else { "too much" };
         let from = points[first_wrong].at;
         let principal = points.iter().all(|point| point.got.abs() <= PI + point.allowed);
@@ -129,7 +136,9 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
     if points.len() > 2 && points.iter().all(|point| is(point, point.want + offset)) {
         let is_flat = points.iter().all(|point| is(point, points[0].got));
         if !is_flat {
-            return Some(format!("a constant {offset:.6} is added: an initial value or a reference is subtracted otherwise"));
+            return Some(format!(
+                "a constant {offset:.6} is added: an initial value or a reference is subtracted otherwise"
+            ));
         }
     }
     let largest = points.iter().max_by(|one, other| one.want.abs().total_cmp(&other.want.abs()))?;
@@ -137,5 +146,11 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
     if factor.is_finite() && points.len() > 2 && all(series, |_, point| factor * point.want) {
         return Some(format!("it is {factor:.6} times what it must be"));
     }
-    (first_wrong > 0).then(|| format!("it is right up to {}, and wrong from {} on", points[first_wrong - 1].at, points[first_wrong].at))
+    (first_wrong > 0).then(|| {
+        format!(
+            "it is right up to {}, and wrong from {} on",
+            points[first_wrong - 1].at,
+            points[first_wrong].at
+        )
+    })
 }

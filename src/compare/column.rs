@@ -124,7 +124,9 @@ impl Map {
         }
         for (heading, meaning) in &map.columns {
             if !meaning.eq_ignore_ascii_case("ignore") && standard(meaning) == Column::Other {
-                return Err(format!("columns.{heading:?} = {meaning:?}: no such output, motion, time, node or element"));
+                return Err(format!(
+                    "columns.{heading:?} = {meaning:?}: no such output, motion, time, node or element"
+                ));
             }
         }
         Ok(map)
@@ -188,7 +190,8 @@ fn standard(heading: &str) -> Column {
         let components: Vec<usize> = (0..6).filter(|k| wanted.wants(output, *k)).collect();
         (components.len() == 1).then(|| Column::Output(output, components[0]))
     });
-    one.filter(|column| !matches!(column, Column::Output(output, _) if output.is_nodal())).unwrap_or(Column::Other)
+    one.filter(|column| !matches!(column, Column::Output(output, _) if output.is_nodal()))
+        .unwrap_or(Column::Other)
 }
 
 #[cfg(test)]

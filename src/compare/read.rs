@@ -95,7 +95,10 @@ impl Results {
                         && key(next, next.time.is_some()) < earliest
                     {
                         let at = key(next, next.time.is_some());
-                        return Err(format!("{}: {at} comes after {earliest}: times must not go back", stream.file));
+                        return Err(format!(
+                            "{}: {at} comes after {earliest}: times must not go back",
+                            stream.file
+                        ));
                     }
                 }
             }
@@ -123,14 +126,17 @@ impl Frames {
         let file = path.display().to_string();
         let named = |error: std::io::Error| format!("cannot read {file}: {error}");
         let opened = || File::open(path).map(BufReader::new).map_err(named);
-        let extension = path.extension().map(|x| x.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        let extension =
+            path.extension().map(|x| x.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
         let rows: Rows = match extension.as_str() {
             "csv" => csv_rows(file.clone(), opened()?, map.clone())?,
             "jsonl" | "ndjson" => json_lines(file.clone(), opened()?, map.clone()),
             "json" => json_rows(&file, opened()?, map)?,
             "dat" => printed_rows(file.clone(), opened()?, map.clone()),
             other => {
-                return Err(format!("{file}: there is no reader for .{other}; there are .csv, .json, .jsonl and .dat"));
+                return Err(format!(
+                    "{file}: there is no reader for .{other}; there are .csv, .json, .jsonl and .dat"
+                ));
             }
         };
         Ok(Self { file, rows, next: None, counted: 0, map: map.clone() })
@@ -159,7 +165,9 @@ impl Frames {
                             label.as_ref().is_none_or(|label| !known(label))
                         };
                         is_new(&node, &|label| known.nodes.contains_key(label) && !row.motions.is_empty())
-                            && is_new(&element, &|label| known.elements.contains_key(label) && !row.outputs.is_empty())
+                            && is_new(&element, &|label| {
+                                known.elements.contains_key(label) && !row.outputs.is_empty()
+                            })
                             && (node.is_some() || element.is_some())
                     }
                 };
@@ -176,7 +184,10 @@ impl Frames {
             });
             if !row.motions.is_empty() {
                 let Some(node) = node else {
-                    return Some(Err(format!("{}: a motion of no node: name a column node, or node in the map", row.place)));
+                    return Some(Err(format!(
+                        "{}: a motion of no node: name a column node, or node in the map",
+                        row.place
+                    )));
                 };
                 of.nodes.entry(node).or_default().extend(row.motions);
             }
@@ -232,7 +243,8 @@ fn excerpt(text: &str) -> String {
 }
 
 fn csv_rows(file: String, from: impl Read + 'static, map: Map) -> Result<Rows, String> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(from);
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(from);
     let headings = reader.headers().map_err(|error| format!("{file}: {error}"))?.clone();
     let columns: Vec<(Column, String)> =
         headings.iter().map(|heading| (map.column(heading), heading.to_string())).collect();
@@ -275,7 +287,8 @@ fn of_object(place: String, text: &str, map: &Map) -> Result<Row, String> {
 }
 
 fn json_lines(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
-    let lines = lines(file.clone(), from).filter(|line| line.as_ref().is_ok_and(|(_, line)| !line.trim().is_empty()) || line.is_err());
+    let lines = lines(file.clone(), from)
+        .filter(|line| line.as_ref().is_ok_and(|(_, line)| !line.trim().is_empty()) || line.is_err());
     Box::new(lines.map(move |line| {
         let (number, line) = line?;
         of_object(format!("{file}:{number}"), &line, &map)
@@ -285,8 +298,9 @@ fn json_lines(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
 fn json_rows(file: &str, mut from: impl BufRead, map: &Map) -> Result<Rows, String> {
     let mut text = String::new();
     from.read_to_string(&mut text).map_err(|error| format!("cannot read {file}: {error}"))?;
-    let records: Vec<Box<RawValue>> = serde_json::from_str(&text)
-        .map_err(|error| format!("{file}: {error}; it is to be a list of records {{\"time\": …, \"node\": …, \"U1\": …}}"))?;
+    let records: Vec<Box<RawValue>> = serde_json::from_str(&text).map_err(|error| {
+        format!("{file}: {error}; it is to be a list of records {{\"time\": …, \"node\": …, \"U1\": …}}")
+    })?;
     let rows: Vec<Result<Row, String>> = records
         .iter()
         .enumerate()
@@ -296,7 +310,10 @@ fn json_rows(file: &str, mut from: impl BufRead, map: &Map) -> Result<Rows, Stri
 }
 
 /// Lines with their numbers.
-fn lines(file: String, mut from: impl BufRead + 'static) -> impl Iterator<Item = Result<(usize, String), String>> {
+fn lines(
+    file: String,
+    mut from: impl BufRead + 'static,
+) -> impl Iterator<Item = Result<(usize, String), String>> {
     let mut number = 0;
     std::iter::from_fn(move || {
         let mut bytes = Vec::new();
@@ -314,7 +331,10 @@ fn lines(file: String, mut from: impl BufRead + 'static) -> impl Iterator<Item =
 /// What a table of a `.dat` file holds.
 enum Table {
     /// Of nodes or elements, by columns.
-    Of { is_node: bool, columns: Vec<(Column, String)> },
+    Of {
+        is_node: bool,
+        columns: Vec<(Column, String)>,
+    },
     None,
 }
 
@@ -340,7 +360,8 @@ fn printed_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
             time = Printed::parse(told).map(|time| time.x);
             let is_displacement = upper.trim_start().starts_with("DISPLACEMENTS");
             table = if is_displacement {
-                let columns = [0, 1, 2].map(|i| (Column::Motion(Motion::Displacement(i)), format!("v{}", ["x", "y", "z"][i])));
+                let columns = [0, 1, 2]
+                    .map(|i| (Column::Motion(Motion::Displacement(i)), format!("v{}", ["x", "y", "z"][i])));
                 Table::Of { is_node: true, columns: columns.to_vec() }
             } else {
                 Table::None
@@ -363,7 +384,11 @@ fn printed_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
         };
         let mut row = Row { place, time, ..Row::default() };
         let owner = Some(label(label_of));
-        if *is_node { row.node = owner } else { row.element = owner }
+        if *is_node {
+            row.node = owner
+        } else {
+            row.element = owner
+        }
         for ((column, heading), text) in columns.iter().zip(&words[first..]) {
             if let Err(error) = row.put(*column, heading, text, &map) {
                 return Some(Err(error));

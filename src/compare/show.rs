@@ -57,7 +57,11 @@ impl Comparison {
                 })
                 .collect();
             writeln!(out)?;
-            write!(out, "{}", table(&["connector", "output", "", "wrong", "difference/allowed", "at"], &rows))?;
+            write!(
+                out,
+                "{}",
+                table(&["connector", "output", "", "wrong", "difference/allowed", "at"], &rows)
+            )?;
         }
         for series in self.series.iter().filter(|series| series.wrong > 0).take(SHOWN) {
             writeln!(out)?;
@@ -112,7 +116,13 @@ impl Comparison {
         writeln!(out, "</table>")?;
         let wrong = self.series.iter().filter(|series| series.wrong > 0);
         for series in wrong {
-            writeln!(out, "<h2>{} of {}</h2><p>{}</p>", series.name, escaped(&series.element), escaped(&series.sentence()))?;
+            writeln!(
+                out,
+                "<h2>{} of {}</h2><p>{}</p>",
+                series.name,
+                escaped(&series.element),
+                escaped(&series.sentence())
+            )?;
             write!(out, "{}", picture(series))?;
         }
         for unjudged in &self.unjudged {
@@ -137,7 +147,13 @@ impl Series {
     fn sentence(&self) -> String {
         let mut words = format!("{} of {}", self.name, self.element);
         if let Some(first) = self.first {
-            let _ = write!(words, " differs from {} on: got {}, want {}", shown(first.at), shown(first.got), shown(first.want));
+            let _ = write!(
+                words,
+                " differs from {} on: got {}, want {}",
+                shown(first.at),
+                shown(first.got),
+                shown(first.want)
+            );
         }
         let _ = match &self.cause {
             Some(cause) => write!(words, "; {cause}."),
@@ -167,13 +183,16 @@ fn escaped(text: &str) -> String {
 fn picture(series: &Series) -> String {
     let points = &series.points;
     let range = |of: &dyn Fn(&Point) -> f64, all: &[&dyn Fn(&Point) -> f64]| {
-        let every = || points.iter().flat_map(|point| all.iter().map(move |of| of(point))).filter(|x| x.is_finite());
+        let every =
+            || points.iter().flat_map(|point| all.iter().map(move |of| of(point))).filter(|x| x.is_finite());
         let (low, high) = (every().fold(f64::INFINITY, f64::min), every().fold(f64::NEG_INFINITY, f64::max));
         let _ = of;
         if high > low { (low, high) } else { (low - 1.0, low + 1.0) }
     };
-    let (got, want): (&dyn Fn(&Point) -> f64, &dyn Fn(&Point) -> f64) = (&|point| point.got, &|point| point.want);
-    let (at, apart): (&dyn Fn(&Point) -> f64, &dyn Fn(&Point) -> f64) = (&|point| point.at, &|point| point.got - point.want);
+    let (got, want): (&dyn Fn(&Point) -> f64, &dyn Fn(&Point) -> f64) =
+        (&|point| point.got, &|point| point.want);
+    let (at, apart): (&dyn Fn(&Point) -> f64, &dyn Fn(&Point) -> f64) =
+        (&|point| point.at, &|point| point.got - point.want);
     let times = range(at, &[at]);
     let values = range(got, &[got, want]);
     let differences = range(apart, &[apart]);

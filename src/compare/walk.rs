@@ -58,7 +58,8 @@ struct Motions {
 
 impl Motions {
     fn new(scene: &Scene, map: &Map) -> Self {
-        let labels = scene.nodes.keys().map(|label| (label.to_string().to_ascii_uppercase(), *label)).collect();
+        let labels =
+            scene.nodes.keys().map(|label| (label.to_string().to_ascii_uppercase(), *label)).collect();
         Self { labels, map: map.clone(), turned: BTreeMap::new() }
     }
 
@@ -155,9 +156,13 @@ pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Compar
         let mut motions = frame.nodes.values().flatten();
         survey.has_motion |= !frame.nodes.is_empty();
         survey.has_rates |= motions.clone().any(|(of, _)| {
-            !matches!(of, Motion::Displacement(_) | Motion::Rotation(_) | Motion::Quaternion(_) | Motion::Flow)
+            !matches!(
+                of,
+                Motion::Displacement(_) | Motion::Rotation(_) | Motion::Quaternion(_) | Motion::Flow
+            )
         });
-        survey.has_rotations |= motions.any(|(of, _)| matches!(of, Motion::Rotation(_) | Motion::Quaternion(_)));
+        survey.has_rotations |=
+            motions.any(|(of, _)| matches!(of, Motion::Rotation(_) | Motion::Quaternion(_)));
         survey.elements += frame.elements.len() as u64;
         Ok(())
     })?;
@@ -194,16 +199,22 @@ fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
     let mut found = Vec::new();
     if survey.has_rotations && map.rotation_angles == Angle::Radian {
         let changed = Map { rotation_angles: Angle::Degree, ..map.clone() };
-        found.push((changed, "the rotations of nodes are in degrees: rotation_angles = \"deg\" in the map".to_string()));
+        found.push((
+            changed,
+            "the rotations of nodes are in degrees: rotation_angles = \"deg\" in the map".to_string(),
+        ));
     }
     if survey.has_rotations && map.rotations == Rotations::Total {
         let changed = Map { rotations: Rotations::Incremental, ..map.clone() };
         found.push((
             changed,
-            "the rotations of nodes are those since the frame before: rotations = \"incremental\" in the map".to_string(),
+            "the rotations of nodes are those since the frame before: rotations = \"incremental\" in the map"
+                .to_string(),
         ));
     }
-    for (length, words) in [(1e-3, "mm of a scene in m"), (1e3, "m of a scene in mm"), (0.0254, "inches of a scene in m")] {
+    for (length, words) in
+        [(1e-3, "mm of a scene in m"), (1e3, "m of a scene in mm"), (0.0254, "inches of a scene in m")]
+    {
         let changed = Map { length: map.length * length, ..map.clone() };
         found.push((changed, format!("lengths are in {words}: length = {length} in the map")));
     }
@@ -213,9 +224,12 @@ fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
 /// What a file cannot tell.
 fn gaps(model: &Model, survey: &Survey) -> Vec<String> {
     let mut found = Vec::new();
-    if !survey.has_rotations && model.connectors.iter().any(|element| element.nodes.iter().flatten().count() > 0) {
+    if !survey.has_rotations
+        && model.connectors.iter().any(|element| element.nodes.iter().flatten().count() > 0)
+    {
         found.push(
-            "no rotation of a node: nodes are taken not to turn; add UR to *NODE PRINT or *NODE OUTPUT".to_string(),
+            "no rotation of a node: nodes are taken not to turn; add UR to *NODE PRINT or *NODE OUTPUT"
+                .to_string(),
         );
     }
     if !survey.has_rates {
@@ -308,12 +322,16 @@ fn run(
                     .filter(|((other, _), _)| *other == *output)
                     .map(|(_, x)| x.abs())
                     .fold(printed.x.abs(), f64::max);
-                let point =
-                    Point { at, got: printed.x, want: *want, allowed: printed.half + ROUNDINGS * largest.max(1e-3) };
+                let point = Point {
+                    at,
+                    got: printed.x,
+                    want: *want,
+                    allowed: printed.half + ROUNDINGS * largest.max(1e-3),
+                };
                 let key = (element.clone(), *output, *k);
-                let of = series
-                    .entry(key.clone())
-                    .or_insert_with(|| Series::new(element.clone(), numbers.type_name.clone(), name.clone(), *k));
+                let of = series.entry(key.clone()).or_insert_with(|| {
+                    Series::new(element.clone(), numbers.type_name.clone(), name.clone(), *k)
+                });
                 if point.is_wrong() && (of.wrong < SURE || point.units() < 100.0) {
                     suspects.push((key, point));
                 } else {
@@ -330,7 +348,8 @@ fn run(
             }
             if alternatives.len() < KEPT {
                 let of_files = right.iter().filter(|(element, _)| frame.elements.contains_key(*element));
-                alternatives.add(at, of_files.map(|(element, numbers)| (element.clone(), numbers.values.clone())));
+                alternatives
+                    .add(at, of_files.map(|(element, numbers)| (element.clone(), numbers.values.clone())));
             }
         }
         Ok(())
@@ -383,10 +402,13 @@ fn digits_of_motion(
     };
     let mut found = Vec::new();
     for (node, motions) in &frame.nodes {
-        let Some(label) = labels.get(node).filter(|label| counts(label) && state.nodes.contains_key(*label)) else {
+        let Some(label) = labels.get(node).filter(|label| counts(label) && state.nodes.contains_key(*label))
+        else {
             continue;
         };
-        found.extend(motions.iter().filter(|(_, of)| of.half > 0.0).map(|(motion, of)| (*label, *motion, of.half)));
+        found.extend(
+            motions.iter().filter(|(_, of)| of.half > 0.0).map(|(motion, of)| (*label, *motion, of.half)),
+        );
     }
     found
 }

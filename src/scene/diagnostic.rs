@@ -702,10 +702,15 @@ impl Diagnostic {
     #[must_use]
     pub fn with_source(self, source: impl BufRead) -> Self {
         let name = self.0.file.clone();
-        let mut diagnostics = [self];
-        Self::attach(&mut diagnostics, &name, source);
-        let [diagnostic] = diagnostics;
-        diagnostic
+        self.shown_in(&name, source)
+    }
+
+    /// The same, and those that it carries, in the file `name` with this text.
+    pub(crate) fn shown_in(self, name: &str, source: impl BufRead) -> Self {
+        let (mut all, unsaid) = self.apart();
+        Self::attach(&mut all, name, source);
+        let first = all.remove(0);
+        all.into_iter().fold(first, Self::and).with_unsaid(unsaid)
     }
 
     /// Fetches the source lines of all `diagnostics` in one pass over their file: of each line the [`WINDOW`] that is nearest to the mark.

@@ -51,7 +51,6 @@
 
 mod behavior;
 mod choice;
-mod constraint;
 mod deck;
 mod diagnostic;
 mod digits;
@@ -77,13 +76,12 @@ pub use behavior::{
     RateInterpolation, Row, Softening, Source, Stop, TableOptions,
 };
 pub use choice::Choice;
-pub use constraint::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, MAX_ERRORS, Result, Severity};
 pub use digits::{Digits, DigitsOfState};
 pub use document::in_words_of;
 pub use document::{Converted, Format, MAX_DOCUMENT, schema};
-pub use forces::{ElementForces, ForceFile, ForceSign, ForceStream, StateForces, StateIndex};
+pub use forces::{ForceFile, ForceStream, StateIndex};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
@@ -93,12 +91,14 @@ pub use label::{Instance, Label, LabelError};
 pub use lexer::MAX_LINE;
 pub use model::{
     Amplitude, AmplitudeDefinition, AmplitudeTime, AmplitudeValue, Application, Boundary, ConcentratedLoad,
-    ConditionKind, ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, DefaultAmplitude,
-    Dimension, Discrete, DistributedLoad, End, InitialVelocity, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind,
-    Node, Operation, OutputRequest, PointElement, PointKind, Procedure, RotaryInertia, Scene, Set, Skipped,
-    SkippedConstraint, SkippedItem, Solver, Step, Target, Times, Transform, TransformKind,
+    ConditionKind, ConnectorElement, ConnectorLoad, ConnectorMotion, ConnectorSection, Coupling,
+    CouplingKind, DefaultAmplitude, Dimension, Discrete, DistributedLoad, ElementForces, End, Equation,
+    EquationTerm, ForceSign, InitialVelocity, MAX_WARNINGS, Mass, MotionType, Mpc, MpcKind, Node, NodeMotion,
+    Operation, OutputRequest, PointElement, PointKind, Procedure, RigidBody, RotaryInertia, Rotation, Scene,
+    Set, Skipped, SkippedConstraint, SkippedItem, Solver, State, StateForces, Step, Surface, Target, Tie,
+    Times, Transform, TransformKind, Weighting,
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
-pub use states::{MAX_ROTATION, NodeMotion, Rotation, State, StateFile, StateMark, StateStream, Vanishing};
+pub use states::{MAX_ROTATION, StateFile, StateMark, StateStream, Vanishing};
 pub use written::{Placement, WrittenNode};

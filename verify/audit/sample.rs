@@ -123,6 +123,77 @@ fn numbers_are_written_as_by_hand() {
     );
 }
 
+/// A page begins with one sentence for those who do not know its words.
+#[test]
+fn a_page_begins_with_a_sentence() {
+    let deck = |more: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\n{more}"
+        )
+    };
+    let page = |name: &str, more: &str, code: i32| {
+        let words = ["audit", &file(name, &deck(more)), "--model-only", "--format", "html"];
+        stdout(&pintle(&words).assert().code(code))
+    };
+    for (name, more, code, sentence) in [
+        ("beam.inp", "BEAM\n*BOUNDARY\n1, 1, 6\n", 0, "The model is sound; nothing was found"),
+        ("axial.inp", "AXIAL\n*BOUNDARY\n1, 1, 3\n", 0, "The model is sound; one remark"),
+    ] {
+        let page = page(name, more, code);
+        let first = page.find(sentence).unwrap_or_else(|| panic!("{sentence}: {page}"));
+        let detail = page.find("<h2").unwrap_or(page.len());
+        assert!(first < detail, "{name}: {first} {detail}");
+    }
+}
+
+/// Without states on 237 bits nobody judges constraints, and that is undecided. Of a coupling of many nodes the report says how many of their
+/// columns are compared.
+#[test]
+fn what_is_not_compared_of_constraints_is_said() {
+    let mut deck = "*NODE\n100, 0., 0., 1.\n".to_string();
+    for node in 1..=20_u8 {
+        let angle = f64::from(node);
+        deck += &format!("{node}, {:.6}, {:.6}, {:.6}\n", angle.cos(), angle.sin(), 0.01 * angle);
+    }
+    deck += "*NSET, NSET=ALL, GENERATE\n1, 20\n*SURFACE, TYPE=NODE, NAME=S\nALL,\n*COUPLING, REF NODE=100, CONSTRAINT NAME=C, SURFACE=S\n\
+             *DISTRIBUTING\n*NODE\n200, 0., 0., 0.\n*MPC\nPIN, 200, 100\n";
+    let deck = file("compared.inp", &deck);
+    let subjects = |wide: &str, code: i32| -> Vec<Value> {
+        let words = ["audit", &deck, "--wide-states", wide, "--format", "json"];
+        let document: Value = serde_json::from_str(&stdout(&pintle(&words).assert().code(code))).unwrap();
+        document["subjects"].as_array().unwrap().clone()
+    };
+    let judged = subjects("1", 0);
+    let names: Vec<&str> = judged.iter().map(|subject| subject["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["MPC PIN 200-100", "DISTRIBUTING COUPLING 100 (columns of 8 of its 21 nodes)"]);
+    assert!(judged.iter().all(|subject| !subject["checks"].as_array().unwrap().is_empty()));
+    for subject in subjects("0", 4) {
+        assert_eq!(subject["checks"].as_array().unwrap().len(), 0, "{subject}");
+        assert_eq!(subject["derivative"], "undecided", "{subject}");
+    }
+}
+
+/// A zero has no sign, whatever it comes from.
+#[test]
+fn zeros_have_no_sign() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n\
+        *CONNECTOR SECTION, ELSET=E\nCARTESIAN, CARDAN\n*MPC\nREVOLUTE, 2, 1, 3\n";
+    let (deck, states) =
+        (file("zeros.inp", deck), file("zeros.csv", "state,node,u1,u2,ur3\n0,2,-0.0,-0.0,0.5\n"));
+    for format in ["csv", "json", "human"] {
+        let page = stdout(
+            &pintle(&["eval", &deck, "--states", &states, "--order", "2", "--format", format])
+                .assert()
+                .code(0),
+        );
+        let is_number = |c: char| c.is_ascii_digit() || matches!(c, '-' | '.' | 'e');
+        let cells = page.split(|c: char| !is_number(c)).filter(|cell| cell.contains('0'));
+        let signed: Vec<&str> = cells.filter(|cell| matches!(*cell, "-0" | "-0.0")).collect();
+        assert_eq!(signed, Vec::<&str>::new(), "{format}: {page}");
+        assert!(page.contains("0.5"), "{page}");
+    }
+}
+
 /// Elements that are not read may hold what moves: the audit does not ask to hold it.
 #[test]
 fn what_is_not_read_is_not_asked_to_be_held() {
@@ -141,6 +212,9 @@ fn what_is_not_read_is_not_asked_to_be_held() {
     assert!(!beside.contains("hold or drive"), "{beside}");
     let beside = beside.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(beside.contains("elements that are not read (B31) may hold it"), "{beside}");
+    // Elsewhere they hold nothing that moves here.
+    let apart = page("apart.inp", "*NODE\n8, 9., 0., 0.\n9, 9., 1., 0.\n*ELEMENT, TYPE=B31\n7, 8, 9\n");
+    assert!(apart.contains("in statics, hold or drive the motion") && !apart.contains("B31) may"), "{apart}");
 }
 
 /// `eval` flags what the state violates, and says what holds it.
@@ -172,6 +246,44 @@ fn residuals_are_flagged() {
     let states = file("vanish.csv", "state,time,node,u1\n0,0,2,0.1\n1,0.5,1,0\n2,1,1,0\n");
     let told = stderr(&pintle(&["eval", &deck, "--states", &states]).assert().code(0));
     assert!(told.contains("model::node-vanishes") && told.contains("state 1 leaves out node 2"), "{told}");
+}
+
+/// So are the residuals of MPCs and relations, each by its own name.
+#[test]
+fn residuals_of_constraints_are_flagged() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 5., 0., 0.\n5, 1., 2., 0.\n\
+        *NSET, NSET=BODY\n2,\n*NSET, NSET=CLOUD\n2, 3, 5\n*NSET, NSET=ALL\n1, 2, 3, 4, 5\n\
+        *MPC\nPIN, 3, 1\n*EQUATION\n2\n4, 1, 2., 3, 1, -1.\n*RIGID BODY, REF NODE=1, PIN NSET=BODY\n\
+        *SURFACE, TYPE=NODE, NAME=S\nCLOUD,\n\
+        *COUPLING, REF NODE=4, CONSTRAINT NAME=C, SURFACE=S\n*DISTRIBUTING\n";
+    let deck = file("constraints.inp", deck);
+    let flags = |rows: &str| -> Vec<String> {
+        let states = file("constraints.csv", &format!("state,time,node,u1,u2\n{rows}"));
+        let text =
+            stdout(&pintle(&["eval", &deck, "--states", &states, "--format", "json"]).assert().code(0));
+        let document: Value = serde_json::from_str(&text).unwrap();
+        let state = &document["scenes"][0]["states"][0];
+        let of = |kind: &str| state[kind].as_array().cloned().unwrap_or_default();
+        let all: Vec<Value> = of("mpcs").into_iter().chain(of("relations")).collect();
+        assert_eq!(all.len(), 4, "{state}");
+        let told = |(place, one): (usize, &Value)| -> Vec<String> {
+            let flags = one["flags"].as_array().cloned().unwrap_or_default();
+            let name = |flag: &Value| {
+                assert_eq!(flag["flag"], "off-constraint", "{flag}");
+                format!("{place} {}", flag["component"].as_str().unwrap())
+            };
+            flags.iter().map(name).collect()
+        };
+        all.iter().enumerate().flat_map(told).collect()
+    };
+    assert_eq!(flags("0,1,1,0,0\n"), Vec::<String>::new());
+    // Everything moves by 0.5, but for the sixth digit, and the equation halves that.
+    let moved =
+        |last: &str| format!("0,1,1,0.5,0\n0,1,2,0.5,0.0000009\n0,1,3,0.5,0\n0,1,5,0.5,0\n0,1,4,{last},0\n");
+    assert_eq!(flags(&moved("0.5")), ["1 g"]);
+    assert_eq!(flags(&moved("0.2500004")), ["3 δ1"]);
+    let off = "0,1,1,0,0\n0,1,2,0.1,0\n0,1,3,0,0.1\n0,1,5,0,0\n0,1,4,0,0\n";
+    assert_eq!(flags(off), ["0 δ2", "2 δ1", "3 δ1", "3 δ2", "3 ρ3"]);
 }
 
 /// 200 warnings in the same words are one, with a count, wherever a scene is read.

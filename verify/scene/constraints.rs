@@ -192,21 +192,60 @@ S,
     assert_eq!(titles(&model(&again)), want);
 }
 
+/// Elements of types that are not read give their nodes to sets, surfaces and rigid bodies. Of a rigid mesh the nodes that bear on nothing are
+/// left out; a generated element has the nodes of its master, counted on.
+#[test]
+fn elements_that_are_not_read_give_their_nodes() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.\n\
+        11, 0., 0., 1.\n12, 1., 0., 1.\n13, 1., 1., 1.\n14, 0., 1., 1.\n15, 0., 0., 2.\n16, 1., 0., 2.\n17, 1., 1., 2.\n18, 0., 1., 2.\n20, 5., 5., 5.\n21, 6., 5., 5.\n\
+        *ELEMENT, TYPE=C3D8R, ELSET=LOW\n1, 1, 2, 3, 4, 5, 6,\n7, 8\n*ELGEN, ELSET=ALL\n1, 2, 10, 1\n*ELSET, ELSET=HIGH\n2,\n\
+        *SURFACE, NAME=TOP\nLOW, S2\n*SURFACE, TYPE=ELEMENT, NAME=BOTTOM\n2, S1\n*SURFACE, NAME=ROOF\nHIGH, S2\n\
+        *NSET, NSET=UP, ELSET=HIGH\n*NSET, NSET=ENDS\n15, 16\n\
+        *TIE, NAME=GLUE\nBOTTOM, TOP\n*COUPLING, CONSTRAINT NAME=C, REF NODE=20, SURFACE=ROOF\n*KINEMATIC\n1, 3\n\
+        *RIGID BODY, REF NODE=21, ELSET=LOW\n";
+    let scene = read(deck);
+    assert_eq!(scene.skipped.constraints, [], "{:?}", scene.skipped);
+    assert!(!scene.skipped.keywords.contains_key("SURFACE"), "{:?}", scene.skipped);
+    let numbers: Vec<u64> = scene.node_sets["UP"].labels.iter().map(|label| label.number()).collect();
+    assert_eq!(numbers, [11, 12, 13, 14, 15, 16, 17, 18]);
+    let found = titles(&model(&scene));
+    let pairs = [[11, 5], [12, 6], [13, 7], [14, 8]];
+    let ties = pairs.iter().flat_map(|[s, m]| (1..=3).map(move |dof| format!("TIE {s}({dof})-{m}({dof})")));
+    let bodies = [5, 6, 7, 8].map(|node| format!("RIGID BODY {node}-21"));
+    let couplings = [15, 18, 17, 16].map(|node| format!("KINEMATIC COUPLING {node}-20"));
+    let want: Vec<String> = bodies.into_iter().chain(couplings).chain(ties).collect();
+    assert_eq!(found, want);
+    // What is written gives the same nodes.
+    let again = read(&scene.write(Format::Deck).unwrap().text);
+    let without = |titles: Vec<String>| {
+        titles.into_iter().filter(|title| !title.starts_with("RIGID")).collect::<Vec<_>>()
+    };
+    assert_eq!(without(titles(&model(&again))), without(want));
+}
+
 /// What cannot be read is named, and refuses nothing; what is wrong is an error.
 #[test]
 fn what_is_left_out_is_named() {
-    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=C3D8, ELSET=SOLID\n7, 1, 2, 3, 1, 2, 3, 1, 2\n";
-    let surfaces =
-        "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n";
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 0.\n\
+         *ELEMENT, TYPE=C3D8, ELSET=SOLID\n7, 1, 2, 3, 1, 2, 3, 1, 2\n";
+    let surfaces = "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n\
+         *SURFACE, TYPE=NODE, NAME=APART\n4,\n";
     let left_out = [
-        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*KINEMATIC", "COUPLING"),
+        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*DISTRIBUTING", "COUPLING"),
+        (
+            "*SURFACE, NAME=SKIN\nSOLID,\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*KINEMATIC",
+            "COUPLING",
+        ),
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING\n1, 3", "COUPLING"),
         (
             "*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=DOTS\n*DISTRIBUTING, COUPLING=STRUCTURAL",
             "COUPLING",
         ),
-        ("*TIE, NAME=T\nFACES, DOTS", "TIE"),
-        ("*RIGID BODY, REF NODE=1, ELSET=SOLID", "RIGID BODY"),
+        ("*TIE, NAME=T\nAPART, FACES", "TIE"),
+        (
+            "*ELEMENT, TYPE=C3D8, ELSET=TORN\n8, 1, 2, 3, SPOT, 1, 2, 3, 1\n*RIGID BODY, REF NODE=1, ELSET=TORN",
+            "RIGID BODY",
+        ),
         ("*RIGID BODY, NSET=N, REF NODE=1, ROT NODE=2", "RIGID BODY"),
         ("*FASTENER", "FASTENER"),
         ("*STEP\n*STATIC\n0.1, 1.\n*EQUATION, REMOVE\n2\n*END STEP", "EQUATION"),

@@ -714,7 +714,14 @@ fn moves(
     state: Option<u64>,
     excludes: bool,
 ) -> Finding {
-    let others: Vec<&str> = scene.skipped.element_types.keys().map(String::as_str).take(NAMED).collect();
+    // Whether a node that moves is one of an element that is not read.
+    let may_hold = scene.skipped.nodes.as_ref().is_none_or(|known| {
+        let is_told = |mode: &&&Mode| mode.moving.is_some_and(|count| count <= mode.nodes.len());
+        !modes.iter().all(|mode| is_told(&mode))
+            || modes.iter().flat_map(|mode| &mode.nodes).any(|node| known.contains(node))
+    });
+    let types = scene.skipped.element_types.keys().map(String::as_str);
+    let others: Vec<&str> = types.filter(|_| may_hold).take(NAMED).collect();
     let reason = if unread::is_any(scene) {
         "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
          elements are not looked at"

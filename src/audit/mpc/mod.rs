@@ -24,7 +24,7 @@ use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::Verdict;
 use crate::oracles::differences;
 use crate::oracles::differences::{Directions, FIRST_STEP, NOISE};
-use crate::oracles::oracle::{Oracle, nearness};
+use crate::oracles::oracle::nearness;
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;
@@ -80,7 +80,7 @@ impl MpcCase {
 
     /// All checks at this state, if differences on 237 bits are among the oracles asked; with mutants where `proves`.
     pub fn audit(&self, settings: &Settings, proves: bool) -> Vec<Check> {
-        if !settings.oracles.contains(&Oracle::WideDifferences) {
+        if !settings.asks_for_everything() {
             return Vec::new();
         }
         let mut tables = self.judged();

@@ -535,6 +535,12 @@ impl Search<'_> {
                 for (n, other) in
                     Variation::ALL.into_iter().enumerate().filter(|(n, _)| *n == 0 || said.rotations[1])
                 {
+                    // A node without rotational columns goes with the other.
+                    let (one, other) = match said.rotations {
+                        [true, false] => (one, one),
+                        [false, true] => (other, other),
+                        _ => (one, other),
+                    };
                     let of_variations = if one == other {
                         cost_of_variation(one)
                     } else {

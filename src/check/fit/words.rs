@@ -141,7 +141,7 @@ fn describe_angle(angle: Angle) -> String {
 }
 
 fn describe_length(x: f64) -> String {
-    if x == 1.0 { "that of the states".to_string() } else { format!("{x} of that of the states") }
+    if x == 1.0 { "that of the states".to_string() } else { format!("{x} of the unit of the states") }
 }
 
 const fn describe_variation(variation: Variation) -> &'static str {

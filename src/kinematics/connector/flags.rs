@@ -255,6 +255,12 @@ impl Flag {
         Self::ForcesRefused { component: "all", code }
     }
 
+    /// A residual, where it is more than rounding makes of coordinates of that size: 2e-6 of it.
+    pub fn off(component: &'static str, by: Holding, residual: f64, size: f64) -> Option<Self> {
+        let is_off = residual.is_finite() && residual.abs() > CERTAIN_RESIDUAL * size;
+        is_off.then_some(Self::OffConstraint { component, by, residual })
+    }
+
     /// The name, as JSON has it.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -396,13 +402,12 @@ impl Connector<f64> {
         let size = |measure: Measure| if measure.unit() == Unit::Length { extent(pair) } else { 1.0 };
         (0..6).filter_map(move |k| {
             let (residual, measure) = (residual[k]?, self.differentiated(k)?);
-            let is_off = residual.is_finite() && residual.abs() > CERTAIN_RESIDUAL * size(measure);
             let by = match () {
                 () if driven[k] => Holding::Motion,
                 () if self.is_constrained(k) => Holding::Constraint,
                 () => Holding::Limit,
             };
-            is_off.then_some(Flag::OffConstraint { component: crate::catalog::COMPONENT[k], by, residual })
+            Flag::off(crate::catalog::COMPONENT[k], by, residual, size(measure))
         })
     }
 

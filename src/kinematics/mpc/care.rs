@@ -1,10 +1,10 @@
 //! What needs care at a state: singular sets and how near they are, violations of the axes, turns that are not certain.
 
 use crate::connector::{
-    CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, Flag, ILL_CONDITIONED, Turned, Turns,
+    CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, Flag, Holding, ILL_CONDITIONED, Turned, Turns,
 };
 use crate::measure::{Margin, Unit};
-use crate::mpc::{Constraint, Evaluation, Kind, RHO, ROWS, Rows, State, Turning, angle_between};
+use crate::mpc::{Constraint, Evaluation, FLOW, Kind, RHO, ROWS, Rows, State, Turning, angle_between};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Differentiable, Real};
 use crate::so3;
@@ -65,7 +65,7 @@ impl Constraint<f64> {
     }
 
     /// What needs care at a state: no angles about the axes, a violation near half a turn, coincident nodes of a LINK, an
-    /// increment too large to count its turns.
+    /// increment too large to count its turns, a residual beyond rounding of the coordinates.
     pub fn flags(
         &self,
         state: &State<f64>,
@@ -102,6 +102,14 @@ impl Constraint<f64> {
                 flags.push(Flag::LargeIncrement { component, of: Turned::Component, change });
             }
         }
+        let sizes = |row| match row {
+            RHO..FLOW => 1.0,
+            FLOW => state.slave.flow.abs().max(state.master.flow.abs()),
+            _ => self.extent(state),
+        };
+        flags.extend(evaluation.residual.iter().enumerate().filter_map(|(row, residual)| {
+            Flag::off(self.kind.row_name(row), Holding::Constraint, (*residual)?, sizes(row))
+        }));
         flags
     }
 
@@ -140,9 +148,11 @@ mod tests {
     #[test]
     fn half_turns_are_flagged() {
         let revolute = |of_slave| flags(Kind::Revolute, of_slave, [0.0; 3]);
-        assert!(revolute([0.1, 0.2, 0.3]).is_empty());
+        assert!(revolute([0.0, 0.0, 0.3]).is_empty());
         let across = revolute([PI, 0.0, 0.0]);
         assert!(is(&across, "φJ", "ill-conditioned"), "{across:?}");
+        let tilted = revolute([0.1, 0.2, 0.3]);
+        assert!(is(&tilted, "ρ1", "off-constraint") && is(&tilted, "ρ2", "off-constraint"), "{tilted:?}");
         let about = revolute([0.0, 0.0, 3.1]);
         assert!(matches!(about[..], [Flag::LargeIncrement { component: "φJ", .. }]), "{about:?}");
     }
@@ -151,7 +161,7 @@ mod tests {
     #[test]
     fn parallel_axes_are_flagged() {
         let universal = |of_slave| flags(Kind::Universal, of_slave, [0.0; 3]);
-        assert!(universal([0.1, 0.2, 0.3]).is_empty());
+        assert!(universal([0.1, 0.0, 0.0]).is_empty());
         let locked = universal([0.0, PI / 2.0, 0.0]);
         assert!(is(&locked, "φ1", "ill-conditioned") && is(&locked, "φ2", "ill-conditioned"), "{locked:?}");
     }
@@ -159,10 +169,14 @@ mod tests {
     /// A link whose nodes meet has no direction; a rigid beam that turned by half has no sign.
     #[test]
     fn links_and_beams_are_flagged() {
-        assert!(flags(Kind::Link, [0.0; 3], [1.0, 2.0, 3.0]).is_empty());
+        assert!(flags(Kind::Link, [0.0; 3], [-3.0, 3.0, 0.0]).is_empty());
+        assert!(flags(Kind::Link, [0.0; 3], [-3.0, 3.000_005, 0.0]).is_empty());
+        assert!(is(&flags(Kind::Link, [0.0; 3], [-3.0, 3.000_007, 0.0]), "δl", "off-constraint"));
         assert!(is(&flags(Kind::Link, [0.0; 3], [-3.0, 0.0, 0.0]), "δl", "singular"));
         assert!(is(&flags(Kind::Link, [0.0; 3], [-3.0, 1e-9, 0.0]), "δl", "ill-conditioned"));
         assert!(is(&flags(Kind::Beam, [PI - 1e-9, 0.0, 0.0], [0.0; 3]), "ρ1", "ill-conditioned"));
-        assert!(flags(Kind::Pin, [PI, 0.0, 0.0], [9.0; 3]).is_empty());
+        let pin = flags(Kind::Pin, [PI, 0.0, 0.0], [9.0; 3]);
+        assert!(pin.len() == 3 && is(&pin, "δ2", "off-constraint"), "{pin:?}");
+        assert!(flags(Kind::Pin, [PI, 0.0, 0.0], [0.0; 3]).is_empty());
     }
 }

@@ -275,6 +275,39 @@ impl<R: Differentiable> Relation<R> {
 }
 
 impl Relation<f64> {
+    /// The size of what each residual is formed from: rounding of the nodes makes some part of it. Of a length it is the largest of the lengths;
+    /// of an angle 1 rad, of a mean rotation more where displacements exceed the arms; of an equation Σ |A q| with q of the whole node.
+    pub fn sizes(&self, nodes: &[Point<f64>]) -> Vec<f64> {
+        let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let moved = nodes.iter().fold(0.0, |most, node| largest(&node.displacement).max(most));
+        match &self.form {
+            Form::Linear(terms) => {
+                let size = |term: &Term<f64>| {
+                    let node = nodes.get(term.place)?;
+                    let of_node = match term.quantity {
+                        Quantity::Displacement => largest(&node.displacement),
+                        Quantity::Rotation | Quantity::Angle => largest(&node.vector).max(1.0),
+                        Quantity::Flow => node.flow.abs(),
+                    };
+                    Some(term.factor.abs() * of_node)
+                };
+                vec![terms.iter().filter_map(size).sum()]
+            }
+            Form::Carried { arm, fixed, .. } => {
+                let of = |i: usize| if i < 3 { moved.max(largest(arm)) } else { 1.0 };
+                (0..6).filter(|i| fixed[*i]).map(of).collect()
+            }
+            Form::Mean { lever, shares, turns, .. } => {
+                let arms = shares.iter().fold(largest(lever), |most, share| most.max(largest(&share.arm)));
+                let turned = |turn: &Vector<f64>| {
+                    let each = shares.iter().map(|share| share.weight * norm(cross(share.arm, *turn)));
+                    (moved * each.sum::<f64>()).max(1.0)
+                };
+                [moved.max(arms); 3].into_iter().chain(turns.iter().map(turned)).collect()
+            }
+        }
+    }
+
     /// How far the rotation of S against M is from half a turn (rad), where all of it is fixed: there ρ jumps.
     pub fn to_half_turn(&self, nodes: &[Point<f64>]) -> Option<f64> {
         let Form::Carried { fixed: [.., true, true, true], .. } = self.form else { return None };

@@ -55,6 +55,11 @@ impl Real for f64 {
     }
 
     #[inline(always)]
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
+        crate::so3::dominant_eigenvector(r)
+    }
+
+    #[inline(always)]
     fn with_turns(principal: Self, n: Self) -> Self {
         // 2πn as a sum of two doubles, then the sum with its rounding error (Knuth).
         let whole = n * TAU;

@@ -343,10 +343,7 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
 
     /// The unit quaternion, either sign, of the rotation nearest to a rotation matrix with rounding errors. On lanes errors of the
     /// matrix are not taken out: where it is orthonormal to δ only, the quaternion is a unit, and right, to about 0.4 δ.
-    #[inline(always)]
-    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
-        crate::so3::dominant_eigenvector(r)
-    }
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4];
 
     /// (sin x, cos x), x in radians.
     fn sine_cosine(self) -> (Self, Self);

@@ -222,6 +222,11 @@ impl Real for Wide {
         Self(consts::PI)
     }
 
+    #[inline(always)]
+    fn quaternion_of(r: &[[Self; 3]; 3]) -> [Self; 4] {
+        crate::so3::dominant_eigenvector(r)
+    }
+
     fn with_turns(principal: Self, n: Self) -> Self {
         Self(n.0.mul_add(consts::TAU, n.0.mul_add(f256::from(TAU_REST), principal.0)))
     }

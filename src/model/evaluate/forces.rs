@@ -53,12 +53,13 @@ impl Model {
     /// Whether the forces given to states belong to connectors that have them; `file` is where they were read.
     ///
     /// # Errors
-    /// The first that does not, with its state, element, component and a remedy.
+    /// All that do not, each with its state, element, component and a remedy.
     pub fn check_forces(&self, states: &[SceneState], first: u64, file: &str) -> Result<(), Diagnostic> {
         let check = ForceCheck::new(self);
-        (first..).zip(states).try_for_each(|(counted, state)| {
-            check.check((&state.forces, &state.mpc_forces), state.number.unwrap_or(counted), file)
-        })
+        let of = |(counted, state): (u64, &SceneState)| {
+            check.check((&state.forces, &state.mpc_forces), state.number.unwrap_or(counted), file).err()
+        };
+        Diagnostic::joined((first..).zip(states).filter_map(of)).map_or(Ok(()), Err)
     }
 }
 
@@ -81,30 +82,28 @@ impl<'a> ForceCheck<'a> {
     /// Whether the forces of the state called `number` are those of connectors and constraints; `file` is where they were read.
     ///
     /// # Errors
-    /// The first that does not belong, with its state, element, component and a remedy.
+    /// All that do not belong, each with its state, element, component and a remedy.
     pub fn check(
         &self,
         (forces, mpc_forces): (&BTreeMap<Label, ElementForces>, &BTreeMap<String, ElementForces>),
         number: u64,
         file: &str,
     ) -> Result<(), Diagnostic> {
-        for (label, given) in forces {
-            let Some(element) = self.elements.get(label) else { continue };
-            let Err(Fault { code, message, remedy }) = component_forces(&element.connector, given) else {
-                continue;
-            };
-            let name = &element.connector.connection().name;
-            let message = format!("state {number}, {name} {label}: {message}");
-            return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
-        }
-        for (nodes, given) in mpc_forces {
-            let element = self.mpcs.get(nodes);
-            let fault = element.and_then(|element| Some((element, of_mpc(element, given).err()?)));
-            let Some((element, (code, message, remedy))) = fault else { continue };
-            let message = format!("state {number}, {}: {message}", element.title());
-            return Err(Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file));
-        }
-        Ok(())
+        let told = |given: &ElementForces, title: &str, Fault { code, message, remedy }: Fault| {
+            let message = format!("state {number}, {title}: {message}");
+            Diagnostic::error(code, given.span, message, "here").help(remedy).in_file(file)
+        };
+        let of_elements = forces.iter().filter_map(|(label, given)| {
+            let element = self.elements.get(label)?;
+            let fault = component_forces(&element.connector, given).err()?;
+            Some(told(given, &element.title(), fault))
+        });
+        let of_mpcs = mpc_forces.iter().filter_map(|(nodes, given)| {
+            let element = self.mpcs.get(nodes)?;
+            let (code, message, remedy) = of_mpc(element, given).err()?;
+            Some(told(given, &element.title(), Fault { code, message, remedy }))
+        });
+        Diagnostic::joined(of_elements.chain(of_mpcs)).map_or(Ok(()), Err)
     }
 }
 

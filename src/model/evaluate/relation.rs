@@ -5,7 +5,7 @@
 
 use crate::evaluate::mpc::MpcElement;
 use crate::evaluate::sequence::nodes::Moved;
-use pintle_kinematics::connector::{Flag, Output, Request, Tally};
+use pintle_kinematics::connector::{Flag, Holding, Output, Request, Tally};
 use pintle_kinematics::measure::SingularClass;
 use pintle_kinematics::relation::{Form, Point, Quantity, Relation, Row};
 use pintle_kinematics::vector::Vector;
@@ -116,6 +116,10 @@ impl RelationElement {
                 flags.push(Flag::NotFinite { component, quantity: "derivative" });
             }
         }
+        let named = self.relation.rows().into_iter().map(|(component, _)| component).zip(&rows);
+        flags.extend(named.zip(self.relation.sizes(&nodes)).filter_map(|((component, row), size)| {
+            Flag::off(component, Holding::Constraint, row.residual, size)
+        }));
         RelationResult { index, nodes, rows, flags }
     }
 }

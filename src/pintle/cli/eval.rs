@@ -304,12 +304,12 @@ fn assign(
     let Run { scene, history, survey, forces, model } = run;
     let (check, numbers) = (ForceCheck::new(model), survey.numbers(first));
     let number = |place: usize| numbers.get(place).copied().unwrap_or_default();
-    let of = |place: usize, forces: Given<'_>, file: &Path| -> Result<(), Failure> {
+    let of = |place: usize, forces: Given<'_>, file: &Path| {
         let name = file.display().to_string();
-        Ok(check.check(forces, number(place), &name).map_err(|error| match File::open(file) {
+        check.check(forces, number(place), &name).map_err(|error| match File::open(file) {
             Ok(text) => error.with_source(BufReader::new(text)),
             Err(_) => error,
-        })?)
+        })
     };
     let assigned = match (forces, states) {
         (Some(forces), Some(states)) => {
@@ -320,12 +320,15 @@ fn assign(
     };
     if survey.has_forces() {
         let file = arguments.states.as_deref().or(arguments.scene.as_deref().map(Path::new));
-        let mut place = 0;
+        let (mut place, mut wrong) = (0, None::<Diagnostic>);
         history.each(scene, |state| {
-            of(place, (&state.forces, &state.mpc_forces), file.unwrap_or(Path::new("")))?;
+            let given = (&state.forces, &state.mpc_forces);
+            let error = of(place, given, file.unwrap_or(Path::new(""))).err();
+            wrong = Diagnostic::joined(wrong.take().into_iter().chain(error));
             place += 1;
             Ok(())
         })?;
+        wrong.map_or(Ok(()), Err)?;
     }
     Ok(assigned)
 }

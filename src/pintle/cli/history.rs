@@ -3,9 +3,10 @@
 use super::compare::is_of_another;
 use super::{Failure, compare};
 use pintle_scene::{
-    ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile, StateForces,
-    StateIndex, StateMark, StateStream, Vanishing,
+    Diagnostic, ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile,
+    StateForces, StateIndex, StateMark, StateStream, Vanishing,
 };
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -108,25 +109,31 @@ impl Forces {
         &self,
         scene: &Scene,
         states: &StateIndex<'_>,
-        check: impl Fn(usize, Given<'_>) -> Result<(), Failure>,
+        check: impl Fn(usize, Given<'_>) -> Result<(), Diagnostic>,
     ) -> Result<Assigned, Failure> {
+        let wrong = RefCell::new(None::<Diagnostic>);
+        let see = |place: usize, forces: &StateForces| {
+            let error = check(place, (&forces.elements, &forces.mpcs)).err();
+            wrong.replace_with(|known| Diagnostic::joined(known.take().into_iter().chain(error)));
+        };
         let stream = match self {
             Self::Held(file) => {
                 let assigned = file.assign(states)?;
-                for (place, forces) in &assigned {
-                    check(*place, (&forces.elements, &forces.mpcs))?;
-                }
+                assigned.iter().for_each(|(place, forces)| see(*place, forces));
+                wrong.into_inner().map_or(Ok(()), Err)?;
                 let held = assigned.into_iter().map(|(place, forces)| (place, forces.clone()));
                 return Ok(Assigned::Held(held.collect()));
             }
             Self::File(stream) => stream,
         };
         let (mut last, mut ascends) = (None, true);
-        stream.for_each(scene, states, |place, forces| {
+        stream.for_each(scene, states, |place, forces| -> Result<(), Failure> {
             ascends &= last < Some(place);
             last = Some(place);
-            check(place, (&forces.elements, &forces.mpcs))
+            see(place, &forces);
+            Ok(())
         })?;
+        wrong.into_inner().map_or(Ok(()), Err)?;
         if ascends {
             return Ok(Assigned::InOrder);
         }

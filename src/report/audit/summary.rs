@@ -44,6 +44,8 @@ pub(super) fn unconfirmed(subject: &Subject) -> String {
 /// A number beside what it must be: in the shortest digits that tell it from its neighbours.
 pub(super) fn against_tolerance(worst: &Finding) -> String {
     let exact = |x: f64| {
+        // A zero has no sign.
+        let x = x + 0.0;
         let digits =
             if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") };
         if x.is_nan() { "nothing".to_string() } else { digits }

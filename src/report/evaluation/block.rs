@@ -279,6 +279,20 @@ pub struct Derivative {
     pub hessian: Option<Vec<Vec<f64>>>,
 }
 
+impl Derivative {
+    /// The entries of a row, and of its second derivatives, that are kept; a zero has no sign.
+    fn of<const N: usize>(
+        component: &'static str,
+        kept: &[usize],
+        row: &[f64; N],
+        hessian: Option<&[[f64; N]; N]>,
+    ) -> Self {
+        let of_row = |row: &[f64; N]| kept.iter().map(|j| row[*j] + 0.0).collect::<Vec<f64>>();
+        let hessian = hessian.map(|hessian| kept.iter().map(|i| of_row(&hessian[*i])).collect());
+        Self { component, printed: None, gradient: of_row(row), hessian }
+    }
+}
+
 /// What an MPC tells besides its rows.
 #[derive(Clone, Debug)]
 pub struct MpcFacts {
@@ -357,15 +371,8 @@ impl<'a> Block<'a> {
             }
             if let Some(row) = &evaluation.jacobian[k] {
                 let printed = connector.differentiated(k).filter(|_| connector.is_printed_constraint(k));
-                let hessian = evaluation.hessian[k].as_ref();
-                derivatives.push(Derivative {
-                    component: COMPONENT[k],
-                    printed: printed.map(|measure| measure.formula()),
-                    gradient: kept.iter().map(|j| row[*j]).collect(),
-                    hessian: hessian.map(|hessian| {
-                        kept.iter().map(|i| kept.iter().map(|j| hessian[*i][*j]).collect()).collect()
-                    }),
-                });
+                let kept = Derivative::of(COMPONENT[k], &kept, row, evaluation.hessian[k].as_deref());
+                derivatives.push(Derivative { printed: printed.map(|measure| measure.formula()), ..kept });
             }
         }
         rows.extend(result.behavior.iter().flat_map(|outcome| coupled(outcome, request)));
@@ -413,7 +420,7 @@ impl<'a> Block<'a> {
                 rows.push(ComponentRow { name, role: "constrained", unit, values });
             }
             if !row.gradient.is_empty() {
-                let gradient = row.gradient.clone();
+                let gradient = row.gradient.iter().map(|x| x + 0.0).collect();
                 derivatives.push(Derivative { component: name, printed: None, gradient, hessian: None });
             }
         }
@@ -501,15 +508,7 @@ impl<'a> Block<'a> {
         });
         let derivatives = equations.iter().filter_map(|row| {
             let gradient = evaluation.jacobian[*row].as_ref()?;
-            let hessian = evaluation.hessian[*row].as_ref();
-            Some(Derivative {
-                component: kind.row_name(*row),
-                printed: None,
-                gradient: kept.iter().map(|j| gradient[*j]).collect(),
-                hessian: hessian.map(|hessian| {
-                    kept.iter().map(|i| kept.iter().map(|j| hessian[*i][*j]).collect()).collect()
-                }),
-            })
+            Some(Derivative::of(kind.row_name(*row), &kept, gradient, evaluation.hessian[*row].as_deref()))
         });
         let hinges = entry.angles.iter().enumerate().filter_map(|(i, name)| {
             let (given, moments) = (result.given[i], result.moments[i]);

@@ -71,9 +71,9 @@ impl Lines<'_, '_> {
         self.text.extend_from_slice(text);
     }
 
-    /// A cell that is not the first of its line: the shortest decimal that reads back to the same double.
+    /// A cell that is not the first of its line: the shortest decimal that reads back to the same double; a zero has no sign.
     fn number(&mut self, value: f64) -> io::Result<()> {
-        write!(self.text, ",{value:?}")
+        write!(self.text, ",{:?}", value + 0.0)
     }
 
     /// The rows of first and second derivatives of one component; entries that are 0 are left out.

@@ -202,7 +202,8 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     }
     add(steps.len() as u64, ["solution of a step", "solutions of steps"], details);
     add(in_steps(&|step| step.outputs.len()) as u64, ["output request", "output requests"], Vec::new());
-    let Skipped { keywords, element_types, parameters: _, comments: _, constraints: _ } = &scene.skipped;
+    let Skipped { keywords, element_types, parameters: _, comments: _, constraints: _, nodes: _ } =
+        &scene.skipped;
     let kinds = [
         (keywords, "*", ["skipped keyword", "skipped keywords"]),
         (element_types, "", ["element of another type", "elements of other types"]),

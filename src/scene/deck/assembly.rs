@@ -5,7 +5,8 @@
 
 use crate::deck::connector::RawMpc;
 use crate::deck::constraint::Raw;
-use crate::deck::sets::{OtherElements, SetBuilder};
+use crate::deck::faces::OtherElements;
+use crate::deck::sets::SetBuilder;
 use crate::deck::{Deck, keywords};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::label::labelled::LabelSet;

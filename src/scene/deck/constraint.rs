@@ -1,16 +1,19 @@
 //! Equations, rigid bodies, couplings and ties. What of them cannot be read is named as a constraint that was not read.
 
-use crate::constraint::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::deck::errors::Errors;
+use crate::deck::faces::Element;
 use crate::deck::lookup::{check_orientation, element_set, node_set, node_target, target};
-use crate::deck::{Deck, misplaced};
+use crate::deck::{Deck, misplaced, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::grammar;
+use crate::label::labelled::LabelSet;
 use crate::label::{Instance, Label};
 use crate::lexer::{Keyword, Value};
+use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::model::{Scene, SkippedConstraint, Target};
 use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
+use std::collections::HashSet;
 
 /// A term of an equation, with sets for nodes.
 #[derive(Debug, Clone)]
@@ -20,11 +23,23 @@ struct RawTerm {
     factor: f64,
 }
 
-/// `*SURFACE`; one of elements is known by name only.
+/// `*SURFACE`.
 #[derive(Debug, Clone)]
 struct RawSurface {
     surface: Surface,
-    is_of_nodes: bool,
+    kind: SurfaceKind,
+    /// Elements, and identifiers of their faces.
+    faces: Vec<(Spanned<Target>, String)>,
+}
+
+/// What a surface is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum SurfaceKind {
+    Nodes,
+    /// Faces of elements of types that are not read: of use where their nodes are all that is asked for.
+    Faces,
+    /// It is known by name only.
+    Unread,
 }
 
 #[derive(Debug, Clone)]
@@ -63,7 +78,8 @@ pub(super) struct Raw {
 impl Raw {
     /// The number of constraints and surfaces, which an instance copies.
     pub(super) fn len(&self) -> usize {
-        let of_surfaces = self.surfaces.values().map(|raw| 1 + raw.surface.members.len()).sum::<usize>();
+        let of_surfaces =
+            self.surfaces.values().map(|raw| 1 + raw.surface.members.len() + raw.faces.len()).sum::<usize>();
         self.equations.len() + of_surfaces + self.bodies.len() + self.couplings.len() + self.ties.len()
     }
 
@@ -79,8 +95,11 @@ impl Raw {
             names.map(|name| name.value.as_str())
         }
         let terms = self.equations.iter().flat_map(|(terms, _)| terms).map(|term| &term.node);
-        let members =
-            self.surfaces.values().filter(|raw| raw.is_of_nodes).flat_map(|raw| &raw.surface.members);
+        let members = self
+            .surfaces
+            .values()
+            .filter(|raw| raw.kind == SurfaceKind::Nodes)
+            .flat_map(|raw| &raw.surface.members);
         let targets = terms.chain(members.map(|(member, _)| member));
         let targets = targets.chain(self.bodies.iter().map(|body| &body.reference));
         let targets = targets.chain(self.couplings.iter().map(|coupling| &coupling.reference));
@@ -100,6 +119,7 @@ impl Raw {
         }
         for (name, mut raw) in surfaces {
             raw.surface.members.iter_mut().for_each(|(member, _)| placed(member));
+            raw.faces.iter_mut().for_each(|(element, _)| placed(element));
             self.surfaces.insert(instance.scoped(&name), raw);
         }
         for mut body in bodies {
@@ -194,32 +214,51 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn surface(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("NAME")?;
-    let is_of_nodes = keyword.get("TYPE").is_some_and(|value| crate::label::normal(value.text()) == "NODE");
-    let is_read = is_of_nodes && !keyword.has("COMBINE") && !keyword.has("CROP");
-    let mut members = Vec::new();
-    if is_read {
-        while let Some(line) = deck.lexer.row()? {
-            let mut items = line.items();
-            let member = target(&items.need("a node or node set")?, "a node or node set")?;
-            let area = items.number()?;
-            members.push((member, area));
+    let of_type = keyword.get("TYPE").map(|value| crate::label::normal(value.text()));
+    let kind = match of_type.as_deref() {
+        _ if keyword.has("COMBINE") || keyword.has("CROP") => SurfaceKind::Unread,
+        Some("NODE") => SurfaceKind::Nodes,
+        Some("ELEMENT") | None => SurfaceKind::Faces,
+        Some(_) => SurfaceKind::Unread,
+    };
+    let (mut members, mut faces) = (Vec::new(), Vec::new());
+    match kind {
+        SurfaceKind::Nodes => {
+            while let Some(line) = deck.lexer.row()? {
+                let mut items = line.items();
+                let member = target(&items.need("a node or node set")?, "a node or node set")?;
+                let area = items.number()?;
+                members.push((member, area));
+            }
         }
-    } else {
-        let skipped = deck.scene.skipped.keywords.entry("SURFACE".to_owned()).or_default();
-        if skipped.count == 0 {
-            skipped.first_line = keyword.span.line();
+        _ => {
+            let mut lines = 0;
+            while let Some(line) = deck.lexer.row()? {
+                lines += 1;
+                let mut items = line.items();
+                let element = items.maybe().and_then(|item| target(&item, "an element or element set").ok());
+                let face = items.maybe().map_or(String::new(), |item| crate::label::normal(item.text));
+                faces.extend(element.map(|element| (element, face)));
+            }
+            let skipped = deck.scene.skipped.keywords.entry("SURFACE".to_owned()).or_default();
+            if skipped.count == 0 {
+                skipped.first_line = keyword.span.line();
+            }
+            skipped.count += 1;
+            skipped.data_lines += lines;
         }
-        skipped.count += 1;
-        skipped.data_lines += deck.lexer.skip()?;
     }
     let surface = Surface { members, span: keyword.span };
-    let of_nodes = RawSurface { surface, is_of_nodes: is_read };
+    let raw = RawSurface { surface, kind, faces };
     if let Some(known) = deck.constraints.surfaces.get_mut(&name.value) {
         // A surface may be given in several parts.
-        known.is_of_nodes &= is_read;
-        known.surface.members.extend(of_nodes.surface.members);
+        if known.kind != raw.kind {
+            known.kind = SurfaceKind::Unread;
+        }
+        known.surface.members.extend(raw.surface.members);
+        known.faces.extend(raw.faces);
     } else {
-        deck.constraints.surfaces.insert(name.value, of_nodes);
+        deck.constraints.surfaces.insert(name.value, raw);
     }
     Ok(())
 }
@@ -428,7 +467,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
         }
     }
     let has = |name: &Spanned<String>| match raw.surfaces.get(&name.value) {
-        Some(surface) => Ok(surface.is_of_nodes),
+        Some(surface) => Ok(surface.kind),
         None => {
             let message = format!("there is no surface {}", name.value);
             let names = raw.surfaces.keys().map(String::as_str);
@@ -438,7 +477,14 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
             Err(Diagnostic::error(Code::UnknownSurface, name.span, message, "not defined").help(remedy))
         }
     };
-    for (name, surface) in raw.surfaces.iter().filter(|(_, surface)| surface.is_of_nodes) {
+    for (name, surface) in &raw.surfaces {
+        let of_faces = if surface.kind == SurfaceKind::Faces { face_nodes(deck, surface) } else { None };
+        if let Some(members) = of_faces {
+            deck.scene.surfaces.insert(name.clone(), Surface { members, span: surface.surface.span });
+        }
+        if surface.kind != SurfaceKind::Nodes {
+            continue;
+        }
         let members = &surface.surface.members;
         // A set that lacks nodes of skipped elements makes what uses it one of those that are not read.
         let is_whole = members.iter().all(|(member, _)| is_whole(&deck.scene, member));
@@ -449,56 +495,154 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
             deck.scene.surfaces.insert(name.clone(), surface.surface.clone());
         }
     }
-    for body in raw.bodies {
-        let found = self::body(deck, body);
-        errors.value(found);
-    }
+    let mut used = HashSet::new();
     for coupling in raw.couplings {
-        let found = resolved_coupling(deck, coupling, &has);
-        errors.value(found);
+        let surface = coupling.surface.value.clone();
+        if errors.value(resolved_coupling(deck, coupling, &has)) == Some(true) {
+            used.insert(surface);
+        }
     }
     for tie in raw.ties {
-        let known = [&tie.slave, &tie.master].map(|name| {
-            let is_of_nodes = errors.value(has(name)).unwrap_or(true);
-            is_of_nodes && deck.scene.surfaces.contains_key(&name.value)
-        });
-        if known == [true; 2] {
+        let kinds = [&tie.slave, &tie.master].map(|name| errors.value(has(name)));
+        let are_known =
+            [&tie.slave, &tie.master].iter().all(|name| deck.scene.surfaces.contains_key(&name.value));
+        // Between the nodes of a face that is tied to, only shape functions tell where a node goes.
+        let meets = kinds[1] != Some(SurfaceKind::Faces) || are_known && all_meet(&deck.scene, &tie);
+        if kinds.iter().all(Option::is_some) && are_known && meets {
+            used.extend([tie.slave.value.clone(), tie.master.value.clone()]);
             deck.scene.ties.push(tie);
         } else {
             deck.leave_out("TIE", tie.span);
         }
     }
+    // Faces that were of use are no longer among what is skipped.
+    deck.scene.surfaces.retain(|name, _| {
+        used.contains(name) || raw.surfaces.get(name).is_none_or(|raw| raw.kind == SurfaceKind::Nodes)
+    });
+    let of_faces = |name: &&String| raw.surfaces.get(*name).is_some_and(|raw| raw.kind == SurfaceKind::Faces);
+    let count = used.iter().filter(of_faces).count() as u64;
+    if let Some(skipped) = deck.scene.skipped.keywords.get_mut("SURFACE") {
+        skipped.count = skipped.count.saturating_sub(count);
+        if skipped.count == 0 {
+            deck.scene.skipped.keywords.shift_remove("SURFACE");
+        }
+    }
+    for body in raw.bodies {
+        let found = self::body(deck, body);
+        errors.value(found);
+    }
+}
+
+/// The nodes of the faces of a surface, each once; none where one of them is not known.
+fn face_nodes(deck: &Deck<'_>, surface: &RawSurface) -> Option<Vec<(Spanned<Target>, Option<f64>)>> {
+    let mut known = LabelSet::default();
+    let mut found = Vec::new();
+    for (target, face) in &surface.faces {
+        let ranges = match &target.value {
+            Target::Label(label) => vec![(*label, label.number(), 1)],
+            Target::Set(name) => {
+                let set = deck.scene.element_sets.get(name)?;
+                if !set.labels.is_empty() {
+                    return None;
+                }
+                set.others.clone()
+            }
+        };
+        let from = found.len();
+        for element in ranges.into_iter().flat_map(|range| deck.other_elements.within(range)) {
+            for node in element?.face(face)? {
+                deck.scene.nodes.get(&node)?;
+                if known.insert(node) {
+                    found.push((Spanned::new(Target::Label(node), target.span), None));
+                }
+            }
+        }
+        if from == found.len() && known.is_empty() {
+            return None;
+        }
+    }
+    Some(found)
+}
+
+/// Whether each node of the dependent surface of a tie is where one of the other is.
+fn all_meet(scene: &Scene, tie: &Tie) -> bool {
+    /// Of the largest coordinate: six digits.
+    const MEETS: f64 = 2e-6;
+    let masters: LabelSet =
+        scene.surface_nodes(&tie.master.value).into_iter().map(|(label, _)| label).collect();
+    let slaves = scene.surface_nodes(&tie.slave.value);
+    let coordinates = masters.iter().filter_map(|label| scene.nodes.get(label));
+    let largest = coordinates.flat_map(|node| node.coordinates).fold(0.0_f64, |most, x| most.max(x.abs()));
+    let within = Tie { position_tolerance: Some(MEETS * largest), ..tie.clone() };
+    let apart = slaves.iter().filter(|(label, _)| !masters.contains(label)).count();
+    scene.tied_nodes(&within).len() >= apart
 }
 
 fn body(deck: &mut Deck<'_>, body: RawBody) -> Result<()> {
     let reference = one_node(&deck.scene, &body.reference)?;
-    // Nodes of elements of other types are not known: what is known of the body is read, and that it is not all is said.
+    // What is known of the body is read, and that it is not all is said.
     let mut lacks = false;
     for name in [&body.pin_set, &body.tie_set].into_iter().flatten() {
         lacks |= node_set(&deck.scene, name)?.unmodelled > 0;
     }
+    let mut others = Vec::new();
     if let Some(name) = &body.element_set {
-        lacks |= element_set(&deck.scene, name)?.unmodelled > 0;
+        let ranges = &element_set(&deck.scene, name)?.others;
+        if !ranges.is_empty() {
+            // The rest of a rigid mesh bears on nothing.
+            let used = used_nodes(&deck.scene);
+            for element in ranges.iter().flat_map(|range| deck.other_elements.within(*range)) {
+                lacks |= element.is_none();
+                others.extend(element.iter().flat_map(Element::nodes).filter(|node| used.contains(node)));
+            }
+            others.sort_unstable();
+            others.dedup();
+        }
     }
     if lacks {
         deck.leave_out("RIGID BODY", body.span);
     }
     let RawBody { element_set, pin_set, tie_set, span, .. } = body;
-    deck.scene.rigid_bodies.push(RigidBody { reference, element_set, pin_set, tie_set, span });
+    deck.scene.rigid_bodies.push(RigidBody { reference, element_set, others, pin_set, tie_set, span });
     Ok(())
+}
+
+/// The nodes of what is read: of elements and constraints, and those that are held or driven.
+fn used_nodes(scene: &Scene) -> LabelSet {
+    let mut used = unread::bearing(scene);
+    used.extend(scene.rigid_bodies.iter().map(|body| body.reference));
+    used.extend(
+        scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]).flatten(),
+    );
+    let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
+    for boundary in boundaries {
+        match &boundary.target.value {
+            Target::Label(label) => drop(used.insert(*label)),
+            Target::Set(name) => {
+                used.extend(scene.node_sets.get(name).into_iter().flat_map(|set| &set.labels))
+            }
+        }
+    }
+    used
 }
 
 fn resolved_coupling(
     deck: &mut Deck<'_>,
     coupling: RawCoupling,
-    has: &impl Fn(&Spanned<String>) -> Result<bool>,
-) -> Result<()> {
+    has: &impl Fn(&Spanned<String>) -> Result<SurfaceKind>,
+) -> Result<bool> {
     let reference = one_node(&deck.scene, &coupling.reference)?;
-    let is_known = has(&coupling.surface)? && deck.scene.surfaces.contains_key(&coupling.surface.value);
+    // Faces weigh the nodes of a mean by their areas.
+    let serves = match has(&coupling.surface)? {
+        SurfaceKind::Nodes => true,
+        SurfaceKind::Faces => matches!(coupling.kind, Some(CouplingKind::Kinematic(_))),
+        SurfaceKind::Unread => false,
+    };
+    let is_known = serves && deck.scene.surfaces.contains_key(&coupling.surface.value);
     let Some(kind) = coupling.kind.filter(|_| is_known) else {
         deck.rotation_targets.push(Target::Label(reference));
         deck.leave_out("COUPLING", coupling.span);
-        return Ok(());
+        return Ok(false);
     };
     check_orientation(&deck.scene, coupling.orientation.as_ref())?;
     let RawCoupling { name, surface, orientation, influence_radius, span, .. } = coupling;
@@ -509,7 +653,7 @@ fn resolved_coupling(
             .help("give the surface other nodes than the reference node, within the influence radius"));
     }
     deck.scene.couplings.push(coupling);
-    Ok(())
+    Ok(true)
 }
 
 /// Whether a member of a surface lacks no nodes.

@@ -6,10 +6,10 @@ use crate::behavior::{
     Softening,
 };
 use crate::choice::Choice;
-use crate::constraint::Weighting;
 use crate::deck::{Deck, assembly, behavior, connector, constraint, generate, history, mesh, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::lexer::Keyword;
+use crate::model::Weighting;
 use crate::model::{AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation, TransformKind};
 use std::collections::HashSet;
 

@@ -301,6 +301,7 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         set.map(|name| deck.element_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
     let (mut count, mut lines) = (0, 0);
     let mut continued = false;
+    let mut last = 0;
     // What is not read may still give its nodes rotations.
     let mut rotating = Rotating(match &kind {
         ElementType::Other(name) if element_rotates(name) => Some(&mut deck.other_rotations),
@@ -311,7 +312,7 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         if continued {
             continued = line.text.trim_end().ends_with(',');
             lines += 1;
-            rotating.extend(items.filter_map(node_of));
+            deck.other_elements.extend(last, rotating.nodes(items));
             continue;
         }
         let label = items.need("the element number")?.label_number("the element number")?;
@@ -324,9 +325,10 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                 let element = point(*kind, items, &line)?;
                 add_point(&mut deck.scene, label, element)?;
             }
-            ElementType::Other(_) => {
-                deck.other_elements.push(label);
-                rotating.extend(items.filter_map(node_of));
+            ElementType::Other(name) => {
+                last = label;
+                deck.other_elements.push(label, name);
+                deck.other_elements.extend(label, rotating.nodes(items));
                 continued = line.text.trim_end().ends_with(',');
                 (count, lines) = (count + 1, lines + 1);
             }
@@ -350,16 +352,15 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 struct Rotating<'a>(Option<&'a mut LabelSet>);
 
 impl Rotating<'_> {
-    fn extend(&mut self, nodes: impl Iterator<Item = Label>) {
-        if let Some(known) = &mut self.0 {
-            known.extend(nodes);
-        }
+    /// The nodes that items of an element name, which are given rotations; none for anything else.
+    fn nodes<'t>(&mut self, items: Items<'t>) -> impl Iterator<Item = Option<Label>> {
+        let named = items.filter(|item| !item.text.is_empty()).map(|item| item.text.parse::<Label>().ok());
+        named.inspect(|node| {
+            if let Some(known) = &mut self.0 {
+                known.extend(*node);
+            }
+        })
     }
-}
-
-/// The node that an item of a skipped element names; none for anything else.
-fn node_of(item: Item<'_>) -> Option<Label> {
-    item.text.parse().ok()
 }
 
 /// A number that an element of another definition has already.

@@ -8,6 +8,7 @@ mod behavior;
 mod connector;
 mod constraint;
 mod errors;
+mod faces;
 mod generate;
 mod history;
 mod keywords;
@@ -31,9 +32,10 @@ use crate::lexer::{Keyword, Lexer, Value, not_utf8};
 use crate::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use crate::span::{Span, Spanned};
 use errors::Errors;
+use faces::OtherElements;
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage, Strange};
-use sets::{OtherElements, SetBuilder};
+use sets::SetBuilder;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -430,7 +432,7 @@ impl Deck<'_> {
 }
 
 /// What cannot be: errors that were there are not any more.
-fn lost() -> Diagnostic {
+pub(super) fn lost() -> Diagnostic {
     Diagnostic::error(Code::Unreadable, Span::default(), "an error was lost", "")
 }
 

@@ -5,12 +5,13 @@ use crate::deck::Deck;
 use crate::deck::connector::RawMpc;
 use crate::deck::constraint;
 use crate::deck::errors::Errors;
+use crate::deck::faces::OtherElements;
 use crate::deck::lookup::{
     check_name, check_orientation, complete_node_set, element_set, node_set, node_target, undefined, unknown,
 };
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
-use crate::deck::sets::{Kind, Known, Member, OtherElements, unknown_set};
+use crate::deck::sets::{Kind, Known, Member, unknown_set};
 use crate::deck::unread;
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::label::Label;
@@ -38,6 +39,9 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     let bearing = unread::bearing(&deck.scene);
     errors.value(transforms(&deck.scene, &bearing));
     deck.errors = errors;
+    let (nodes, are_known) = deck.other_elements.nodes();
+    let of_others = nodes.filter(|node| bearing.contains(node)).collect();
+    deck.scene.skipped.nodes = are_known.then_some(of_others);
     unread::judge(deck, &bearing);
     if deck.unread.is_elsewhere && deck.scene.connectors.is_empty() && deck.scene.mpcs.is_empty() {
         unread::drop_steps(deck);
@@ -115,7 +119,14 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
             let point = scene.point_elements.get(label).map(|element| [Some(element.node), element.second]);
             set.labels.extend(connector.or(point).into_iter().flatten().flatten());
         }
-        set.unmodelled = set.unmodelled.saturating_add(elements.unmodelled);
+        let mut found = LabelSet::default();
+        for element in elements.others.iter().flat_map(|range| deck.other_elements.within(*range)) {
+            match element.filter(|element| element.nodes().all(|node| nodes.contains(node))) {
+                Some(element) => found.extend(element.nodes()),
+                None => set.unmodelled = set.unmodelled.saturating_add(1),
+            }
+        }
+        set.labels.extend(found);
         Ok(())
     };
     let hint = undefined(Kind::Node);

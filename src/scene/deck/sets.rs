@@ -2,6 +2,7 @@
 
 use crate::deck::Deck;
 use crate::deck::errors::Errors;
+use crate::deck::faces::OtherElements;
 use crate::diagnostic::{Code, Diagnostic, Result, Severity, suggest_scoped};
 use crate::label::labelled::{LabelSet, LabelState};
 use crate::label::{Instance, Label};
@@ -9,7 +10,7 @@ use crate::model::Set;
 use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 use std::cell::OnceCell;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
@@ -251,82 +252,6 @@ impl SetBuilder {
     }
 }
 
-/// Numbers in ranges, for those of which nothing else is kept.
-#[derive(Debug, Clone, Default)]
-pub(super) struct LabelRanges {
-    ranges: Vec<(u64, u64)>,
-}
-
-impl LabelRanges {
-    pub(super) fn push(&mut self, label: u64) {
-        match self.ranges.last_mut() {
-            Some((_, last)) if last.checked_add(1) == Some(label) => *last = label,
-            _ => self.ranges.push((label, label)),
-        }
-    }
-
-    /// Orders the ranges, so that [`contains`](Self::contains) can search them.
-    pub(super) fn sort(&mut self) {
-        self.ranges.sort_unstable();
-        let mut merged: Vec<(u64, u64)> = Vec::new();
-        for &(first, last) in &self.ranges {
-            match merged.last_mut() {
-                Some((_, end)) if first <= *end => *end = last.max(*end),
-                _ => merged.push((first, last)),
-            }
-        }
-        self.ranges = merged;
-    }
-
-    /// How many of `first`, `first + step` … `last` there are.
-    fn count(&self, first: u64, last: u64, step: u64) -> u64 {
-        let after = self.ranges.partition_point(|&(_, end)| end < first);
-        let overlapping = self.ranges.iter().skip(after).take_while(|&&(begin, _)| begin <= last);
-        let up_to = |number: u64| number.checked_sub(first).map_or(0, |distance| distance / step + 1);
-        overlapping.map(|&(begin, end)| up_to(end.min(last)) - up_to(begin.saturating_sub(1))).sum()
-    }
-
-    pub(super) fn contains(&self, label: u64) -> bool {
-        let after = self.ranges.partition_point(|&(first, _)| first <= label);
-        after.checked_sub(1).and_then(|place| self.ranges.get(place)).is_some_and(|&(_, last)| label <= last)
-    }
-}
-
-/// Numbers of which nothing else is kept, by instance.
-#[derive(Debug, Clone, Default)]
-pub(super) struct OtherElements(HashMap<Option<Instance>, LabelRanges>);
-
-impl OtherElements {
-    pub(super) fn push(&mut self, number: u64) {
-        self.0.entry(None).or_default().push(number);
-    }
-
-    /// Takes those of a part as those of its instance.
-    pub(super) fn place(&mut self, mut of_part: Self, instance: Instance) {
-        if let Some(ranges) = of_part.0.remove(&None) {
-            self.0.insert(Some(instance), ranges);
-        }
-    }
-
-    /// The same before they are sorted, for the numbers of this level.
-    pub(super) fn contains_unsorted(&self, number: u64) -> bool {
-        let ranges = self.0.get(&None).map(|ranges| ranges.ranges.as_slice()).unwrap_or_default();
-        ranges.iter().any(|(first, last)| (*first..=*last).contains(&number))
-    }
-
-    pub(super) fn sort(&mut self) {
-        self.0.values_mut().for_each(LabelRanges::sort);
-    }
-
-    pub(super) fn contains(&self, label: Label) -> bool {
-        self.0.get(&label.instance()).is_some_and(|ranges| ranges.contains(label.number()))
-    }
-
-    fn count(&self, first: Label, last: u64, step: u64) -> u64 {
-        self.0.get(&first.instance()).map_or(0, |ranges| ranges.count(first.number(), last, step))
-    }
-}
-
 /// What sets may have as members.
 pub(super) struct Known<'a> {
     /// What one label stands for.
@@ -356,7 +281,7 @@ impl Known<'_> {
         let end = Label::of(first.instance(), last);
         let inside = sorted.iter().skip(after).take_while(move |label| **label <= end).copied();
         let met = inside.filter(move |label| (label.number() - first.number()).is_multiple_of(step));
-        (met, self.other.count(first, last, step))
+        (met, self.other.count((first, last, step)))
     }
 }
 
@@ -385,6 +310,7 @@ pub(super) fn resolve(
                     if let Some(inner) = inner {
                         set.labels.extend_from_slice(&inner.labels);
                         set.unmodelled = set.unmodelled.saturating_add(inner.unmodelled);
+                        set.others.extend_from_slice(&inner.others);
                     }
                 }
                 Entry::NodesOf(elements) => {
@@ -393,7 +319,7 @@ pub(super) fn resolve(
                     if set.unmodelled > before {
                         let count = set.unmodelled - before;
                         let message = format!(
-                            "{count} elements of set {} are of types that are not read",
+                            "of {count} elements of set {} that are of types that are not read, nodes are not defined",
                             elements.value
                         );
                         warn(
@@ -487,6 +413,9 @@ fn expand(
             }
             number += step;
         }
+    }
+    if set.unmodelled > unmodelled_before {
+        set.others.push((first, last, step));
     }
     let looked_at = count.min(known.count as u64);
     let found = (set.labels.len() - before) as u64 + (set.unmodelled - unmodelled_before);
@@ -591,24 +520,4 @@ pub(super) fn unknown_set<'a>(
     let message = format!("there is no {kind_name} set {}", name.value);
     let remedy = suggest_scoped(&name.value, names, || format!("define it by {keyword}={}", name.value));
     Diagnostic::error(kind.unknown_set(), name.span, message, "not defined").help(remedy)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::LabelRanges;
-
-    #[test]
-    fn ranges_find_their_members() {
-        let mut ranges = LabelRanges::default();
-        for label in [10, 11, 12, 3, 4, 11, 12, 13, 20] {
-            ranges.push(label);
-        }
-        ranges.sort();
-        for (first, last, step) in [(1, 25, 1), (1, 25, 3), (3, 3, 1), (4, 12, 4), (5, 9, 1), (11, 30, 9)] {
-            let met = (first..=last).step_by(step as usize).filter(|&label| ranges.contains(label)).count();
-            assert_eq!(ranges.count(first, last, step), met as u64, "{first} to {last} by {step}");
-        }
-        let inside: Vec<u64> = (0..25).filter(|&label| ranges.contains(label)).collect();
-        assert_eq!(inside, [3, 4, 10, 11, 12, 13, 20]);
-    }
 }

@@ -1,13 +1,13 @@
 //! Values of a [`Tree`] as types that derive `Deserialize`. An error knows the innermost value that is at fault.
 
-use crate::diagnostic::{Code, Diagnostic, suggest};
+use crate::diagnostic::{Code, Diagnostic, MAX_ERRORS, suggest};
 use crate::document::tree::{Key, Tree, Value};
 use crate::lexer::{NotANumber, parse_number};
 use crate::span::Span;
 use serde::de::value::{SeqDeserializer, StrDeserializer};
 use serde::de::{
-    DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer, MapAccess, SeqAccess,
-    Unexpected, VariantAccess, Visitor,
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer, MapAccess,
+    SeqAccess, Unexpected, VariantAccess, Visitor,
 };
 use std::fmt::{self, Display};
 
@@ -35,10 +35,33 @@ impl Fault {
         self
     }
 
-    pub(super) fn diagnostic(self) -> Diagnostic {
+    fn diagnostic(self) -> Diagnostic {
         let span = self.span.unwrap_or_default();
         Diagnostic::error(self.code, span, self.message, self.label).help(self.remedy)
     }
+}
+
+/// What a tree stands for; or else all that is wrong with it is added to the errors. A value that is at fault is taken out, and the tree
+/// is read again; what lacks a value that was taken out goes with it.
+pub(super) fn read<T: for<'t> Deserialize<'t>>(
+    tree: &mut Tree<'_>,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<T> {
+    let from = errors.len();
+    for _ in 0..2 * MAX_ERRORS {
+        let fault = match T::deserialize(&*tree) {
+            Ok(value) => return Some(value).filter(|_| errors.len() == from),
+            Err(fault) => fault,
+        };
+        let pruned = fault.span.and_then(|span| tree.prune(span));
+        if !pruned.unwrap_or(tree.is_pruned) {
+            errors.push(fault.diagnostic());
+        }
+        if pruned.is_none() {
+            break;
+        }
+    }
+    None
 }
 
 impl Display for Fault {
@@ -409,5 +432,35 @@ impl<'de, 't: 'de> VariantAccess<'de> for Word<'t> {
     }
     fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], _: V) -> Result<V::Value, Fault> {
         Err(Fault::custom("expected a word"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+    use crate::diagnostic::{Diagnostic, Result};
+
+    fn lines(read: Result<Scene>) -> Vec<u32> {
+        let Err(first) = read else { return Vec::new() };
+        [&first].into_iter().chain(first.further()).map(Diagnostic::span).map(|span| span.line()).collect()
+    }
+
+    /// Every value of a document that is wrong is told in one run, each once, and not what lacks a value that is wrong.
+    #[test]
+    fn every_fault_of_a_document_is_told_in_one_run() {
+        let toml = |text: &str| lines(Scene::parse_toml("s.toml", text));
+        assert_eq!(toml("[nodes]\n1 = [0, 0, 0]\n2 = [1, 0, 0]\n"), Vec::<u32>::new());
+        let wrong = "axisymmetric = 3\n[nodes]\n1 = [0, 0, 'x']\n2 = [1, 0]\n3 = [0, 'y', 'z']\n4 = [1, 1, 0]\n\
+            [[elements]]\ntype = 5\n[[elements]]\nkind = 3\n";
+        assert_eq!(toml(wrong), [1, 3, 5, 5, 7]);
+        // No TOML at all, at three places.
+        assert_eq!(toml("[nodes]\n1 = = [0, 0, 0]\n2 = [1, 0, 0]\n3 = ]\n4 = [0, 0\n"), [2, 4, 5]);
+        let json = |text: &str| lines(Scene::parse_json("s.json", text));
+        let wrong = "{\"nodes\": {\n\"1\": [0, 0, true],\n\"2\": [1, 0, 0],\n\"2\": [1, 0, 0],\n\"3\": 7},\n\"node\": 1,\n\
+            \"states\": [{\"number\": -1}]}";
+        assert_eq!(json(wrong), [2, 4, 5, 6, 7]);
+        let late = "{\"nodes\": {\"1\": [0, 0, 0]},\n\"rotating_nodes\": [7,\n 8],\n\"states\": [{\"nodes\": {\n\"9\": {}}},\n\
+            {\"nodes\": {\"1\": {\"quaternion\": [2, 0, 0, 0]}}}]}";
+        assert_eq!(json(late), [2, 3, 5, 6]);
     }
 }

@@ -5,10 +5,10 @@ use crate::behavior::{
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialFunction, PotentialOperator,
     RateInterpolation, Softening, TableOptions,
 };
-use crate::constraint::Weighting;
 pub(crate) use crate::document::value::{
     Component, Entries, Item, Member, OneOrMany, Parameter, Point, PointOrNode, Row, Source, Target,
 };
+use crate::model::Weighting;
 use crate::model::{
     AmplitudeDefinition, AmplitudeTime, AmplitudeValue, ConditionKind, DefaultAmplitude, Dimension,
     MotionType, Operation, PointKind, TransformKind,

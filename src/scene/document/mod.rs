@@ -19,7 +19,6 @@ use crate::model::{Scene, Skipped};
 use crate::span::{Span, Spanned};
 use crate::states;
 use form::{Document, SCHEMA};
-use serde::Deserialize;
 use std::io::Read;
 use std::path::Path;
 
@@ -75,7 +74,7 @@ impl Scene {
     /// Reads a scene from TOML. `name` stands for the file in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn parse_toml(name: &str, text: &str) -> Result<Self> {
         parse(name, text, Format::Toml)
     }
@@ -83,7 +82,7 @@ impl Scene {
     /// Reads a scene from JSON. `name` stands for the file in messages.
     ///
     /// # Errors
-    /// The first thing that is wrong with it, with its place and a remedy.
+    /// All that is wrong with it, each with its place and a remedy.
     pub fn parse_json(name: &str, text: &str) -> Result<Self> {
         parse(name, text, Format::Json)
     }
@@ -139,16 +138,22 @@ fn parse(name: &str, text: &str, format: Format) -> Result<Scene> {
 fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
     let content = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let lines = tree::Lines::of(content, text.len() - content.len());
-    let tree = match format {
+    let mut errors = Vec::new();
+    let mut tree = match format {
         Format::Toml => tree::of_toml(content, &lines)?,
-        Format::Deck | Format::Json => tree::of_json(content, &lines)?,
+        Format::Deck | Format::Json => tree::of_json(content, &lines, &mut errors)?,
     };
-    let mut document = Document::deserialize(&tree).map_err(de::Fault::diagnostic)?;
-    if let Some(schema) = document.schema.as_ref().filter(|schema| schema.value != SCHEMA) {
+    let read: Option<Document> = de::read(&mut tree, &mut errors);
+    let schema = read.as_ref().and_then(|document| document.schema.as_ref());
+    errors.extend(schema.filter(|schema| schema.value != SCHEMA).map(|schema| {
         let message = format!("the schema is `{}`", schema.value.escape_debug());
-        return Err(Diagnostic::error(Code::SceneUnknownSchema, schema.span, message, "not this one")
-            .help(format!("write schema = \"{SCHEMA}\", or leave it out")));
-    }
+        Diagnostic::error(Code::SceneUnknownSchema, schema.span, message, "not this one")
+            .help(format!("write schema = \"{SCHEMA}\", or leave it out"))
+    }));
+    errors.sort_by_key(|error| error.span().start());
+    let Some(mut document) = read.filter(|_| errors.is_empty()) else {
+        return Err(Diagnostic::joined(errors).unwrap_or_else(deck::lost));
+    };
     // What names the schema was written as a scene, and may be an empty one.
     if document.nodes.0.is_empty() && document.schema.is_none() {
         return Err(Diagnostic::error(Code::SceneMissingField, tree.span, "the scene has no nodes", "here")
@@ -162,18 +167,27 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
     scene.skipped = Skipped::default();
     for node in &document.rotating_nodes {
         let label = node.value.to_string().parse::<Label>().ok();
-        let Some(label) = label.filter(|label| scene.nodes.contains_key(label)) else {
-            let message = format!("there is no node {}", node.value.to_string().escape_debug());
-            return Err(Diagnostic::error(Code::UnknownNode, node.span, message, "not defined")
-                .help("name nodes of the scene"));
-        };
-        scene.rotating_nodes.insert(label);
+        match label.filter(|label| scene.nodes.contains_key(label)) {
+            Some(label) => {
+                scene.rotating_nodes.insert(label);
+            }
+            None => {
+                let message = format!("there is no node {}", node.value.to_string().escape_debug());
+                errors.push(
+                    Diagnostic::error(Code::UnknownNode, node.span, message, "not defined")
+                        .help("name nodes of the scene"),
+                );
+            }
+        }
     }
     let states = states.into_iter().map(|state| {
         let form::State { number, time, nodes, forces } = state.value;
         let forces = forces.0.into_iter().map(|(element, named)| (element, named.0)).collect();
         Spanned::new(states::Given { number, time, nodes: nodes.0, forces }, state.span)
     });
-    scene.states = states::of_scene(states, &scene)?;
-    Ok(scene)
+    match states::of_scene(states, &scene) {
+        Ok(states) => scene.states = states,
+        Err(error) => errors.push(error),
+    }
+    Diagnostic::joined(errors).map_or(Ok(scene), Err)
 }

@@ -16,6 +16,33 @@ pub(super) const MAX_DEPTH: usize = 32;
 pub(super) struct Tree<'a> {
     pub(super) span: Span,
     pub(super) value: Value<'a>,
+    /// Whether something that was wrong was taken out of it.
+    pub(super) is_pruned: bool,
+}
+
+impl Tree<'_> {
+    /// Takes out the innermost value of a list or table that has this place, or whose name has. Whether that value was pruned itself; `None` where there is none.
+    pub(super) fn prune(&mut self, span: Span) -> Option<bool> {
+        let found = match &mut self.value {
+            Value::Array(items) => {
+                if let Some(pruned) = items.iter_mut().find_map(|item| item.prune(span)) {
+                    return Some(pruned);
+                }
+                let at = items.iter().position(|item| item.span == span)?;
+                items.remove(at)
+            }
+            Value::Table(entries) => {
+                if let Some(pruned) = entries.iter_mut().find_map(|(_, value)| value.prune(span)) {
+                    return Some(pruned);
+                }
+                let at = entries.iter().position(|(key, value)| key.span == span || value.span == span)?;
+                entries.remove(at).1
+            }
+            _ => return None,
+        };
+        self.is_pruned = true;
+        Some(found.is_pruned)
+    }
 }
 
 /// A value. Numbers are kept as they are written, in decimal digits.
@@ -82,10 +109,12 @@ fn repeated(key: &Key<'_>, first: Span) -> Diagnostic {
 
 /// Reads TOML.
 pub(super) fn of_toml<'a>(text: &'a str, lines: &Lines<'_>) -> Result<Tree<'a>> {
-    let root = DeTable::parse(text).map_err(|error| {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    let told = |error: toml::de::Error| {
         let span = error.span().unwrap_or(0..0);
         // An error at the end of a line may be said to stand at the beginning of the next one.
-        let start = if span.start == text.len() { text.trim_end().len().saturating_sub(1) } else { span.start };
+        let start =
+            if span.start == text.len() { text.trim_end().len().saturating_sub(1) } else { span.start };
         let place = lines.place(start, span.end.max(start + 1));
         if error.message().contains("recursion") {
             return too_deep(place);
@@ -100,10 +129,18 @@ pub(super) fn of_toml<'a>(text: &'a str, lines: &Lines<'_>) -> Result<Tree<'a>> 
             .help("keep one of the two, or write both into one table");
         }
         let message = format!("malformed TOML: {}", error.message().lines().next().unwrap_or_default());
-        malformed(message, place, "write name = value, tables as [name], lists of tables as [[name]]; texts stand in quotation marks")
-    })?;
+        malformed(
+            message,
+            place,
+            "write name = value, tables as [name], lists of tables as [[name]]; texts stand in quotation marks",
+        )
+    };
+    // What follows on a line that is wrong follows from that.
+    let mut errors: Vec<Diagnostic> = errors.into_iter().map(told).collect();
+    errors.dedup_by_key(|error| error.line());
+    Diagnostic::joined(errors).map_or(Ok(()), Err)?;
     let span = lines.place(0, text.len());
-    Ok(Tree { span, value: toml_table(root.into_inner(), lines, 1)? })
+    Ok(Tree { span, value: toml_table(root.into_inner(), lines, 1)?, is_pruned: false })
 }
 
 fn toml_table<'a>(table: DeTable<'a>, lines: &Lines<'_>, depth: usize) -> Result<Value<'a>> {
@@ -150,13 +187,17 @@ fn toml_value<'a>(value: DeValue<'a>, span: Span, lines: &Lines<'_>, depth: usiz
         }
         DeValue::Table(table) => toml_table(table, lines, depth + 1)?,
     };
-    Ok(Tree { span, value })
+    Ok(Tree { span, value, is_pruned: false })
 }
 
-/// Reads JSON.
-pub(super) fn of_json<'a>(text: &'a str, lines: &Lines<'_>) -> Result<Tree<'a>> {
+/// Reads JSON. Names that are given twice are added to the errors.
+pub(super) fn of_json<'a>(
+    text: &'a str,
+    lines: &Lines<'_>,
+    errors: &mut Vec<Diagnostic>,
+) -> Result<Tree<'a>> {
     let raw: &RawValue = serde_json::from_str(text).map_err(|error| json_error(&error, lines, 0))?;
-    json_value(raw, text, lines, 1)
+    json_value(raw, (text, lines), 1, errors)
 }
 
 /// `base` is the offset of the part that was being read; none of its lines count.
@@ -185,7 +226,12 @@ fn offset(part: &str, text: &str) -> Option<usize> {
     (distance + part.len() <= text.len()).then_some(distance)
 }
 
-fn json_value<'a>(raw: &'a RawValue, text: &'a str, lines: &Lines<'_>, depth: usize) -> Result<Tree<'a>> {
+fn json_value<'a>(
+    raw: &'a RawValue,
+    (text, lines): (&'a str, &Lines<'_>),
+    depth: usize,
+    errors: &mut Vec<Diagnostic>,
+) -> Result<Tree<'a>> {
     let part = raw.get();
     let base = offset(part, text).unwrap_or(0);
     let span = lines.place(base, base + part.len());
@@ -203,11 +249,12 @@ fn json_value<'a>(raw: &'a RawValue, text: &'a str, lines: &Lines<'_>, depth: us
                     Cow::Borrowed(name) => offset(name, text).map(|start| (start, start + name.len())),
                     Cow::Owned(_) => None,
                 };
-                let tree = json_value(value, text, lines, depth + 1)?;
+                let tree = json_value(value, (text, lines), depth + 1, errors)?;
                 let span = place.map_or(tree.span, |(start, end)| lines.place(start, end));
                 let key = Key { span, name: name.0 };
                 if let Some(first) = seen.insert(key.name.to_string(), span) {
-                    return Err(repeated(&key, first));
+                    errors.push(repeated(&key, first));
+                    continue;
                 }
                 entries.push((key, tree));
             }
@@ -215,7 +262,7 @@ fn json_value<'a>(raw: &'a RawValue, text: &'a str, lines: &Lines<'_>, depth: us
         }
         Some(b'[') => {
             let items: Vec<&'a RawValue> = serde_json::from_str(part).map_err(fail)?;
-            let items = items.into_iter().map(|item| json_value(item, text, lines, depth + 1));
+            let items = items.into_iter().map(|item| json_value(item, (text, lines), depth + 1, errors));
             Value::Array(items.collect::<Result<_>>()?)
         }
         Some(b'"') => Value::Text(serde_json::from_str::<Word<'a>>(part).map_err(fail)?.0),
@@ -224,7 +271,7 @@ fn json_value<'a>(raw: &'a RawValue, text: &'a str, lines: &Lines<'_>, depth: us
         Some(b'n') => Value::Null,
         _ => Value::Number(part.into()),
     };
-    Ok(Tree { span, value })
+    Ok(Tree { span, value, is_pruned: false })
 }
 
 /// A text, borrowed where it has no escapes.

@@ -1,8 +1,9 @@
 //! Forces from JSON, as they are read.
 
 use crate::diagnostic::{Code, Result};
-use crate::forces::{ElementForces, ForceSign, Group, Owner, StateForces, Take};
+use crate::forces::{Group, Owner, Take};
 use crate::model::Scene;
+use crate::model::{ElementForces, ForceSign, StateForces};
 use crate::states;
 use crate::states::{Context, Documents, Fault, Source};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
@@ -138,14 +139,21 @@ impl<'de> Visitor<'de> for JsonGroup<'_> {
             match key.as_str() {
                 "state" => {
                     states::once(group.state.is_some(), "state")?;
+                    group.span = self.0.context.place(&key);
                     group.state = Some(map.next_value()?);
                 }
                 "time" => {
                     states::once(group.time.is_some(), "time")?;
+                    if group.state.is_none() {
+                        group.span = self.0.context.place(&key);
+                    }
                     group.time = Some(map.next_value()?);
                 }
                 "forces" => {
                     states::once(forces.is_some(), "forces")?;
+                    if !group.span.is_known() {
+                        group.span = self.0.context.place(&key);
+                    }
                     let JsonFile { context, sign, .. } = self.0;
                     forces = Some(map.next_value_seed(JsonForces { context, sign })?);
                 }
@@ -168,10 +176,11 @@ impl<'de> Visitor<'de> for JsonForces<'_> {
         while let Some(key) = map.next_key::<String>()? {
             let owner = Owner::named(&key, context.scene);
             let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
+            let span = context.place(&key);
             let owner = context.value(owner)?;
             let forces = map.next_value_seed(JsonElement { context, sign })?;
             if let Some(owner) = owner {
-                found.insert(owner, forces);
+                found.insert(owner, ElementForces { span, ..forces });
             }
         }
         Ok(found)

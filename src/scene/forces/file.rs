@@ -1,10 +1,12 @@
 //! Files of component forces: held as a whole, or read state by state.
 
 use crate::diagnostic::{Code, Diagnostic, Result};
-use crate::forces::{ForceSign, Group, StateForces, Take, document, table};
+use crate::forces::{Group, Take, document, table};
 use crate::model::Scene;
+use crate::model::State;
+use crate::model::{ForceSign, StateForces};
 use crate::states;
-use crate::states::{Source, State, StateMark};
+use crate::states::{Source, StateMark};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -83,13 +85,17 @@ impl ForceFile {
     /// Those of [`ForceFile::attach`].
     pub fn assign(&self, states: &StateIndex<'_>) -> Result<BTreeMap<usize, &StateForces>> {
         let mut reading = Reading::of(states);
-        let mut assigned = BTreeMap::new();
+        let (mut assigned, mut errors) = (BTreeMap::new(), Vec::new());
         for group in &self.groups {
-            if let Some(place) = reading.place(group).map_err(|error| error.in_file(&self.name))? {
-                assigned.insert(place, &group.forces);
+            match reading.place(group) {
+                Ok(Some(place)) => {
+                    assigned.insert(place, &group.forces);
+                }
+                Ok(None) => {}
+                Err(error) => errors.push(error.in_file(&self.name)),
             }
         }
-        Ok(assigned)
+        Diagnostic::joined(errors).map_or(Ok(assigned), Err)
     }
 
     /// The name of the file.
@@ -137,19 +143,19 @@ impl ForceStream {
     ) -> Result<(), E> {
         let located = |error| E::from(states::located_in(&self.path, error));
         let mut reading = Reading::of(states);
-        let mut failure = None;
-        let mut each = |group: Group| {
-            let taken = match reading.place(&group) {
-                Ok(Some(place)) => take(place, group.forces),
-                Ok(None) => Ok(()),
-                Err(error) => Err(located(error)),
-            };
-            match taken {
+        let (mut failure, mut misplaced) = (None, None::<Diagnostic>);
+        let mut each = |group: Group| match reading.place(&group) {
+            Ok(Some(place)) => match take(place, group.forces) {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(error) => {
                     failure = Some(error);
                     ControlFlow::Break(())
                 }
+            },
+            Ok(None) => ControlFlow::Continue(()),
+            Err(error) => {
+                misplaced = Diagnostic::joined(misplaced.take().into_iter().chain([error]));
+                ControlFlow::Continue(())
             }
         };
         let source = Source::File(&self.path);
@@ -159,7 +165,8 @@ impl ForceStream {
         };
         match failure {
             Some(error) => Err(error),
-            None => read.map_err(located),
+            None => Diagnostic::joined(misplaced.into_iter().chain(read.err()))
+                .map_or(Ok(()), |error| Err(located(error))),
         }
     }
 }

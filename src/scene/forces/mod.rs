@@ -20,7 +20,7 @@
 //! its first, dependent node, global components. Those that it does not transmit may be 0.
 //!
 //! # Signs
-//! [`ForceSign`]: internal, positive resists growth of the component, unless the forces of constraints are said to be those on b.
+//! [`ForceSign`](crate::ForceSign): internal, positive resists growth of the component, unless the forces of constraints are said to be those on b.
 
 mod document;
 mod file;
@@ -29,49 +29,15 @@ mod table;
 pub(super) use document::JsonForces;
 pub use file::{ForceFile, ForceStream, StateIndex};
 
-use crate::diagnostic::{Code, Result};
+use crate::diagnostic::Code;
 use crate::label::Label;
-use crate::model::{Mpc, Scene};
+use crate::model::{ElementForces, Mpc, Scene, StateForces};
 use crate::span::{Span, Spanned};
 use crate::states;
-use crate::states::Fault;
+use crate::states::{Fault, Faults};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-
-/// What a positive force means.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ForceSign {
-    /// Every force resists growth of its component when it is positive: the total adds up as CEF + CVF + CSF + CRF − CCF.
-    #[default]
-    Internal,
-    /// The forces of constrained components are those applied at node b to enforce the constraint: minus the internal ones.
-    ConstraintsOnB,
-}
-
-/// The forces of one connector at one state, as given.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ElementForces {
-    /// f1 … m3, CTF and CTM.
-    pub total: [Option<f64>; 6],
-    /// CRF and CRM.
-    pub reaction: [Option<f64>; 6],
-    /// What a positive force of a constraint means.
-    pub sign: ForceSign,
-    /// Where they stand in their file.
-    pub span: Span,
-}
-
-/// The forces of one state.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct StateForces {
-    /// Those of connectors, by element number.
-    pub elements: BTreeMap<Label, ElementForces>,
-    /// Those of multi-point constraints, by their nodes (`10-20-30`).
-    pub mpcs: BTreeMap<String, ElementForces>,
-}
 
 /// What forces are of.
 enum Owner {
@@ -226,18 +192,21 @@ impl ElementForces {
 /// Component forces as a state names them: by element, then by name, each with its place.
 pub(super) type GivenForces = Vec<(Spanned<String>, Vec<(Spanned<String>, Spanned<f64>)>)>;
 
-/// The forces of one state that a scene itself gives: by element number, each by name.
-pub(super) fn of_scene(given: GivenForces, scene: &Scene) -> Result<StateForces> {
+/// The forces of one state that a scene itself gives: by element number, each by name. What is wrong is added to the faults.
+pub(super) fn of_scene(given: GivenForces, scene: &Scene, faults: &mut Faults) -> StateForces {
     let mut found = StateForces::default();
     for (element, named) in given {
-        let owner = Owner::named(&element.value, scene);
-        let owner = owner.and_then(|owner| found.check(&owner).map(|()| owner));
-        let owner = owner.map_err(|fault| fault.at(element.span, "this element"))?;
         let mut forces = ElementForces { span: element.span, ..ElementForces::default() };
         for (name, value) in named {
-            forces.set(&name.value, value.value).map_err(|fault| fault.at(name.span, "this force"))?;
+            if let Err(fault) = forces.set(&name.value, value.value) {
+                faults.add(fault.at(name.span, "this force"));
+            }
         }
-        found.insert(owner, forces);
+        let owner = Owner::named(&element.value, scene);
+        match owner.and_then(|owner| found.check(&owner).map(|()| owner)) {
+            Ok(owner) => found.insert(owner, forces),
+            Err(fault) => faults.add(fault.at(element.span, "this element")),
+        }
     }
-    Ok(found)
+    found
 }

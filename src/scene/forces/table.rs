@@ -1,8 +1,9 @@
 //! Forces from CSV, as they are read.
 
 use crate::diagnostic::{Code, Diagnostic, Result};
-use crate::forces::{ElementForces, ForceSign, Group, KEYS, NAMES, Owner, StateForces, Take};
+use crate::forces::{Group, KEYS, NAMES, Owner, Take};
 use crate::model::Scene;
+use crate::model::{ElementForces, ForceSign, StateForces};
 use crate::states;
 use crate::states::{CsvRow, Source};
 use indexmap::IndexMap;

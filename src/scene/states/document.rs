@@ -1,12 +1,14 @@
 //! States from JSON, as they are read.
 
 use crate::diagnostic::{Code, Result};
-use crate::forces::{ForceSign, JsonForces, StateForces};
+use crate::forces::JsonForces;
 use crate::model::Scene;
+use crate::model::State;
+use crate::model::{ForceSign, StateForces};
 use crate::states::faults::{Context, Documents};
 use crate::states::source::Source;
 use crate::states::table::empty;
-use crate::states::{Fault, Motion, SCHEMA, State, Take, check_motion, check_node, label};
+use crate::states::{Fault, Motion, SCHEMA, Take, check_motion, check_node, label};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use std::cell::{Cell, RefCell};
 

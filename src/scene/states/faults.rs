@@ -3,13 +3,15 @@
 use crate::diagnostic::{Code, Diagnostic, MAX_ERRORS, Result};
 use crate::freedom::NodeFreedom;
 use crate::model::Scene;
+use crate::model::State;
 use crate::span::Span;
 use crate::states::source::{Source, unreadable};
-use crate::states::{Fault, State, check_number};
+use crate::states::{Fault, check_number};
 use serde::de::DeserializeSeed;
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::io;
+use std::io::{BufRead, Read};
 
 /// Whether an error is about the scene, and so the same in every state: it is told once.
 const fn is_of_scene(code: Code) -> bool {
@@ -62,6 +64,31 @@ pub(crate) struct Documents<'a> {
     met: Cell<usize>,
     /// The number of the last state, if there was one.
     last: Cell<Option<Option<u64>>>,
+    /// How far this reading has come.
+    passed_over: PassedOver,
+}
+
+/// The line ends and bytes that were read.
+#[derive(Debug, Default)]
+struct PassedOver {
+    lines: Cell<u32>,
+    bytes: Cell<u64>,
+}
+
+/// What is read, counted.
+struct Counted<'a> {
+    inner: Box<dyn BufRead + 'a>,
+    count: &'a PassedOver,
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.inner.read(buffer)?;
+        let ends = buffer.iter().take(length).filter(|byte| **byte == b'\n').count();
+        self.count.lines.set(self.count.lines.get().saturating_add(u32::try_from(ends).unwrap_or(u32::MAX)));
+        self.count.bytes.set(self.count.bytes.get() + length as u64);
+        Ok(length)
+    }
 }
 
 impl<'a> Documents<'a> {
@@ -75,6 +102,7 @@ impl<'a> Documents<'a> {
             ends: Cell::default(),
             met: Cell::default(),
             last: Cell::default(),
+            passed_over: PassedOver::default(),
         }
     }
 
@@ -96,14 +124,13 @@ impl<'a> Documents<'a> {
         for _ in 0..=MAX_ERRORS {
             self.met.set(0);
             self.last.set(None);
-            let read = match source {
-                Source::Text(text) => through(seed, &mut serde_json::Deserializer::from_str(text)),
-                Source::File(_) => {
-                    let file = source.reader(0).map_err(|error| unreadable(&error))?;
-                    through(seed, &mut serde_json::Deserializer::from_reader(file))
-                }
+            self.passed_over.lines.set(0);
+            self.passed_over.bytes.set(0);
+            let inner = source.reader(0).map_err(|error| unreadable(&error))?;
+            let counted = Counted { inner, count: &self.passed_over };
+            let Err(error) = through(seed, &mut serde_json::Deserializer::from_reader(counted)) else {
+                break;
             };
-            let Err(error) = read else { break };
             let span = json_place(source, error.line(), error.column());
             let Some(fault) = self.fault.take() else {
                 faults.add(broken(error, span, form));
@@ -165,6 +192,14 @@ impl<'a> Context<'a> {
         &self.reading.freedom
     }
 
+    /// The place of the name that was just read.
+    pub(crate) fn place(self, name: &str) -> Span {
+        let PassedOver { lines, bytes } = &self.reading.passed_over;
+        // A quotation mark follows it.
+        let start = bytes.get().saturating_sub(name.len() as u64 + 1);
+        Span::new(0, lines.get().saturating_add(1), start, name.len())
+    }
+
     /// Ends the reading, for good.
     pub(crate) fn stop<E: serde::de::Error>(self, fault: Fault) -> E {
         self.reading.ends.set(true);
@@ -207,7 +242,7 @@ impl<'a> Context<'a> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Scene, StateFile};
+    use crate::{Diagnostic, ForceFile, ForceSign, Scene, State, StateFile};
 
     const DECK: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n9, 1, 2\n*CONNECTOR SECTION, ELSET=C\nLINK\n";
 
@@ -228,5 +263,38 @@ mod tests {
         let other =
             StateFile::parse_json("s.json", r#"{"schema": "other/1", "states": []}"#, &scene).unwrap_err();
         assert_eq!(other.further().len(), 0, "{other:?}");
+    }
+
+    /// What is wrong with a file of forces, read and then given to two states: each message with its line.
+    fn wrong(read: crate::diagnostic::Result<ForceFile>) -> Vec<(u32, String)> {
+        let mut states = vec![State::default(), State::default()];
+        let Err(first) = read.and_then(|file| file.attach(&mut states, 0)) else { return Vec::new() };
+        let line = |error: &Diagnostic| (error.span().line(), error.message().to_owned());
+        [&first].into_iter().chain(first.further()).map(line).collect()
+    }
+
+    /// Several faults of files of forces: of what is written, and of states that there are not. Each has its line.
+    #[test]
+    fn every_fault_of_a_file_of_forces_is_told_in_one_run() {
+        let scene = Scene::parse("deck.inp", DECK).unwrap();
+        let csv = |text: &str| wrong(ForceFile::parse_csv("f.csv", text, &scene, ForceSign::Internal));
+        let json = |text: &str| wrong(ForceFile::parse_json("f.json", text, &scene, ForceSign::Internal));
+        let lines = |told: Vec<(u32, String)>| told.into_iter().map(|(line, _)| line).collect::<Vec<u32>>();
+        assert_eq!(csv("state,element,f1\n0,9,1\n1,9,2\n"), []);
+        assert_eq!(lines(csv("state,element,f1\n0,7,1\n0,9,abc\n1,8,2\n")), [2, 3, 4]);
+        assert_eq!(lines(csv("state,element,f1\n0,9,1\n5,9,2\n7,9,3\n")), [3, 4]);
+        let document =
+            |states: &str| format!("{{\"schema\": \"pintle-forces/1\", \"states\": [\n{states}]}}");
+        let sound = document("{\"state\": 0, \"forces\": {\"9\": {\"f1\": 1}}}");
+        assert_eq!(json(&sound), []);
+        let told = json(&document(
+            "{\"state\": 0, \"forces\": {\"7\": {\"f1\": 1},\n\"9\": {\"q\": 1}}},\n{\"state\": 1, \"forces\": {\"8\": {}}}",
+        ));
+        assert_eq!(lines(told), [2, 3, 4]);
+        let told = json(&document(
+            "{\"state\": 0, \"forces\": {\"9\": {\"f1\": 1}}},\n{\"state\": 5, \"forces\": {\"9\": {\"f1\": 2}}},\n\
+             {\"forces\": {\"9\": {\"f1\": 3}}, \"state\": 7}",
+        ));
+        assert_eq!(lines(told), [3, 4]);
     }
 }

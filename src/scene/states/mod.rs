@@ -25,15 +25,14 @@ mod vanish;
 
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::forces;
-use crate::forces::{ElementForces, GivenForces};
+use crate::forces::GivenForces;
 use crate::freedom::NodeFreedom;
 use crate::label::{Label, LabelError};
-use crate::model::Scene;
+use crate::model::{NodeMotion, Rotation, Scene, State};
 use crate::span::{Span, Spanned};
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -51,75 +50,6 @@ pub const MAX_ROTATION: f64 = 1e8;
 const QUATERNION_TOLERANCE: f64 = 1e-6;
 
 const SCHEMA: &str = "pintle-states/1";
-
-/// The total rotation of a node from its initial orientation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rotation {
-    /// Rotation vector, radians: R = exp(θ^). Its length may exceed π and counts turns.
-    Vector([f64; 3]),
-    /// Quaternion q0, q1, q2, q3 (scalar first), of norm 1 within 1e-6. Turns are not in it.
-    Quaternion([f64; 4]),
-}
-
-impl Rotation {
-    /// Whether it is one at all.
-    #[must_use]
-    pub fn turns(&self) -> bool {
-        match self {
-            Self::Vector(vector) => *vector != [0.0; 3],
-            Self::Quaternion([_, x, y, z]) => [*x, *y, *z] != [0.0; 3],
-        }
-    }
-}
-
-impl Default for Rotation {
-    fn default() -> Self {
-        Self::Vector([0.0; 3])
-    }
-}
-
-/// What a node does. Everything is 0 unless given; components are global.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct NodeMotion {
-    /// From the initial position.
-    pub displacement: [f64; 3],
-    /// From the initial orientation.
-    pub rotation: Rotation,
-    /// Time derivative of the displacement.
-    pub velocity: [f64; 3],
-    /// Spatial angular velocity ω, with Ṙ = ω^ R.
-    pub angular_velocity: [f64; 3],
-    /// Time derivative of the velocity.
-    pub acceleration: [f64; 3],
-    /// Spatial angular acceleration ω̇.
-    pub angular_acceleration: [f64; 3],
-    /// Material flow Ψ (degree of freedom 10), a length.
-    pub flow: f64,
-    /// Time derivative of the flow.
-    pub flow_velocity: f64,
-    /// Second time derivative of the flow.
-    pub flow_acceleration: f64,
-}
-
-/// The motions of all nodes that move, at one time.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct State {
-    /// Its number, if the file numbers its states: the column `state`, or `number` in JSON.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub number: Option<u64>,
-    /// The time, if it is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time: Option<f64>,
-    /// Motions by node number. A node that is not in it is at rest in its initial place.
-    pub nodes: BTreeMap<Label, NodeMotion>,
-    /// Component forces by element number, where they are given.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub forces: BTreeMap<Label, ElementForces>,
-    /// The forces and moments that multi-point constraints put on their first nodes, by their nodes (`10-20-30`), where they are
-    /// given: residual-side, global components.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub mpc_forces: BTreeMap<String, ElementForces>,
-}
 
 /// What a state is called, and whether it has forces: all that has to be known of it to find it among others.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -422,12 +352,14 @@ pub(super) fn of_scene(
     scene: &Scene,
 ) -> Result<Vec<State>> {
     let mut read = Vec::new();
+    let mut faults = Faults::default();
     let freedom = NodeFreedom::of(scene);
     for Spanned { value: Given { number, time, nodes, forces }, span } in states {
-        check_number(read.last().map(|last: &State| last.number), number)
-            .map_err(|fault| fault.at(span, "this state"))?;
+        if let Err(fault) = check_number(read.last().map(|last: &State| last.number), number) {
+            faults.add(fault.at(span, "this state"));
+        }
         let mut state = State { number, time, ..State::default() };
-        let given = forces::of_scene(forces, scene)?;
+        let given = forces::of_scene(forces, scene, &mut faults);
         (state.forces, state.mpc_forces) = (given.elements, given.mpcs);
         for (name, motion) in nodes {
             let node =
@@ -436,10 +368,14 @@ pub(super) fn of_scene(
                 let motion = motion.checked()?;
                 check_motion(node, &motion, &freedom).map(|()| (node, motion))
             });
-            let (node, motion) = motion.map_err(|fault| fault.at(name.span, "this node"))?;
-            state.nodes.insert(node, motion);
+            match motion {
+                Ok((node, motion)) => {
+                    state.nodes.insert(node, motion);
+                }
+                Err(fault) => faults.add(fault.at(name.span, "this node")),
+            }
         }
         read.push(state);
     }
-    Ok(read)
+    faults.end().map(|()| read)
 }

@@ -78,13 +78,10 @@ fn skip_line(reader: &mut impl BufRead) -> io::Result<u64> {
 /// An error in a file, with its place shown.
 pub(crate) fn located_in(path: &Path, error: Diagnostic) -> Diagnostic {
     let name = path.display().to_string();
-    let mut errors = [error];
     match Source::File(path).reader(0) {
-        Ok(reader) => Diagnostic::attach(&mut errors, &name, reader),
-        Err(_) => Diagnostic::attach(&mut errors, &name, io::empty()),
+        Ok(reader) => error.shown_in(&name, reader),
+        Err(_) => error.shown_in(&name, io::empty()),
     }
-    let [error] = errors;
-    error
 }
 
 /// Whether a file of `what` is JSON rather than CSV, by its ending.
@@ -123,8 +120,5 @@ pub(crate) fn without_mark(text: &str) -> &str {
 }
 
 pub(crate) fn located(error: Diagnostic, name: &str, text: &str) -> Diagnostic {
-    let mut errors = [error];
-    Diagnostic::attach(&mut errors, name, text.as_bytes());
-    let [error] = errors;
-    error
+    error.shown_in(name, text.as_bytes())
 }

@@ -2,8 +2,9 @@
 
 use crate::diagnostic::{Diagnostic, Result};
 use crate::model::Scene;
+use crate::model::State;
 use crate::states::source::{Source, is_json, located_in};
-use crate::states::{State, document, table};
+use crate::states::{document, table};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 

@@ -5,9 +5,10 @@ use crate::freedom::NodeFreedom;
 use crate::label::Label;
 use crate::lexer::{NotANumber, parse_number};
 use crate::model::Scene;
+use crate::model::{NodeMotion, State};
 use crate::span::Span;
 use crate::states::source::{Source, unreadable};
-use crate::states::{Faults, NodeMotion, State, Take, check_motion, check_node, label, rotation};
+use crate::states::{Faults, Take, check_motion, check_node, label, rotation};
 use std::io::{self, BufRead};
 use std::ops::ControlFlow;
 

@@ -2,8 +2,8 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::label::Label;
+use crate::model::{NodeMotion, State};
 use crate::span::Span;
-use crate::states::{NodeMotion, State};
 
 /// What is remembered from state to state: the nodes that the last one moved.
 #[derive(Debug, Clone, Default)]

@@ -41,13 +41,15 @@ pub fn of_behavior(
     is_planar: bool,
     characteristic_length: f64,
 ) -> Result<Frictions, Diagnostic> {
-    let mut all = Frictions::default();
+    let (mut all, mut spans) = (Frictions::default(), Vec::new());
     for friction in &behavior.friction {
         let builder = Builder { behavior, connection, friction, is_planar, characteristic_length };
         builder.add(&mut all)?;
+        // A predefined one makes one or two.
+        spans.resize(all.frictions.len(), friction.span);
     }
     let mut owners = [None::<Span>; 6];
-    for (friction, span) in all.frictions.iter().zip(builder_spans(behavior, &all)) {
+    for (friction, span) in all.frictions.iter().zip(spans) {
         for k in friction.criterion.tangential.components() {
             if owners[k].replace(span).is_some() {
                 let message = format!("component {} slides in two frictions", k + 1);
@@ -57,17 +59,6 @@ pub fn of_behavior(
         }
     }
     Ok(all)
-}
-
-/// The keyword of each friction built; a predefined one makes one or two.
-fn builder_spans(behavior: &Behavior, all: &Frictions) -> Vec<Span> {
-    let users = behavior.friction.iter().filter(|f| matches!(f.kind, FrictionKind::User { .. })).count();
-    let predefined = all.frictions.len().saturating_sub(users);
-    let repeated = |friction: &scene::Friction| match friction.kind {
-        FrictionKind::Predefined { .. } => predefined,
-        FrictionKind::User { .. } => 1,
-    };
-    behavior.friction.iter().flat_map(|f| std::iter::repeat_n(f.span, repeated(f))).collect()
 }
 
 struct Builder<'a> {

@@ -459,7 +459,12 @@ pub(super) fn heat(title: &str, comparison: &Comparison, place: Medium) -> Strin
             let title = (!is_plain).then(|| {
                 format!(
                     "∂{}/∂{} = {:e}, must be {:e}: {:.3e} tolerances of {:.2e}",
-                    of_row, column, entry.got, entry.want, entry.units, entry.tolerance
+                    of_row,
+                    column,
+                    entry.got + 0.0,
+                    entry.want + 0.0,
+                    entry.units,
+                    entry.tolerance
                 )
             });
             let class = if entry.is_zero() { "zero" } else { class(entry.units) };

@@ -203,6 +203,6 @@ pub(super) fn copy(deck: &mut Deck<'_>, master: u64, label: u64, by: u64, span: 
         return add_point(scene, label, copy);
     }
     deck.any_rotates |= !deck.other_rotations.is_empty();
-    deck.other_elements.push(label);
+    deck.other_elements.copy(master.number(), label, by);
     Ok(())
 }

@@ -4,13 +4,13 @@ mod behavior;
 mod text;
 
 use crate::behavior::{Independent, Row};
-use crate::constraint::CouplingKind;
 use crate::deck;
 use crate::diagnostic::Result;
 use crate::document::form;
 use crate::document::form::{Document, Entries, Item, placeless};
 use crate::document::{Format, SCHEMA};
 use crate::label::Label;
+use crate::model::CouplingKind;
 use crate::model::{
     Amplitude, Application, Boundary, ConditionKind, ConnectorMotion, Dimension, Discrete, MotionType,
     MpcKind, Operation, Procedure, Scene, Set, SkippedItem, Step, Target, TransformKind,
@@ -275,8 +275,8 @@ fn entries<K: ToString, T, F, S>(given: &indexmap::IndexMap<K, T, S>, form: impl
     given.iter().map(|(key, item)| (key.to_string(), form(item))).collect()
 }
 
-fn entries_of(state: &crate::states::State) -> Entries<Entries<Spanned<f64>>> {
-    let named = |forces: &crate::forces::ElementForces| {
+fn entries_of(state: &crate::model::State) -> Entries<Entries<Spanned<f64>>> {
+    let named = |forces: &crate::model::ElementForces| {
         forces.named().map(|(name, value)| (name.to_owned(), placeless(value))).collect()
     };
     let elements = state.forces.iter().map(|(element, forces)| (element.to_string(), named(forces)));
