@@ -173,14 +173,14 @@ fn what_is_not_compared_of_constraints_is_said() {
     }
 }
 
-/// A zero has no sign, whatever it comes from.
+/// A zero has no sign where people read it. JSON is exact.
 #[test]
 fn zeros_have_no_sign() {
     let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n\
         *CONNECTOR SECTION, ELSET=E\nCARTESIAN, CARDAN\n*MPC\nREVOLUTE, 2, 1, 3\n";
     let (deck, states) =
         (file("zeros.inp", deck), file("zeros.csv", "state,node,u1,u2,ur3\n0,2,-0.0,-0.0,0.5\n"));
-    for format in ["csv", "json", "human"] {
+    for format in ["csv", "human"] {
         let page = stdout(
             &pintle(&["eval", &deck, "--states", &states, "--order", "2", "--format", format])
                 .assert()

@@ -492,7 +492,9 @@ T, 3
         .collect();
     assert_eq!(names, [(n(1), 3), (n(2), 1), (n(3), 6)]);
     assert_eq!(values, [2.0, -3.0, 0.5]);
-    assert!(care.is_empty());
+    // The state violates it.
+    let flags: Vec<&str> = care.iter().map(|(_, flag)| flag.name()).collect();
+    assert_eq!(flags, ["off-constraint"]);
     assert_eq!(jacobian.equations()[0].title(&model), "EQUATION 1(3)-2(1)-3(6) g");
 }
 

@@ -280,14 +280,14 @@ pub struct Derivative {
 }
 
 impl Derivative {
-    /// The entries of a row, and of its second derivatives, that are kept; a zero has no sign.
+    /// The entries of a row, and of its second derivatives, that are kept.
     fn of<const N: usize>(
         component: &'static str,
         kept: &[usize],
         row: &[f64; N],
         hessian: Option<&[[f64; N]; N]>,
     ) -> Self {
-        let of_row = |row: &[f64; N]| kept.iter().map(|j| row[*j] + 0.0).collect::<Vec<f64>>();
+        let of_row = |row: &[f64; N]| kept.iter().map(|j| row[*j]).collect::<Vec<f64>>();
         let hessian = hessian.map(|hessian| kept.iter().map(|i| of_row(&hessian[*i])).collect());
         Self { component, printed: None, gradient: of_row(row), hessian }
     }
@@ -420,7 +420,7 @@ impl<'a> Block<'a> {
                 rows.push(ComponentRow { name, role: "constrained", unit, values });
             }
             if !row.gradient.is_empty() {
-                let gradient = row.gradient.iter().map(|x| x + 0.0).collect();
+                let gradient = row.gradient.clone();
                 derivatives.push(Derivative { component: name, printed: None, gradient, hessian: None });
             }
         }
