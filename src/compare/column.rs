@@ -164,7 +164,7 @@ fn standard(heading: &str) -> Column {
     }
     // U-U1 of a report is U1; a magnitude is none of its components.
     let name = match upper.split_once('-') {
-        Some((group, name)) if name.starts_with(group) => name,
+        Some((group, name)) if group.starts_with(|c: char| c.is_ascii_alphabetic()) => name,
         _ => &upper,
     };
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());

@@ -54,6 +54,26 @@ impl Results {
         Self { files, map }
     }
 
+    /// The headings of tables that have no known meaning, by file.
+    pub(crate) fn unread(&self) -> Vec<(String, String)> {
+        let mut found = Vec::new();
+        for file in self.files.iter().filter(|file| file.extension().is_some_and(|of| of.eq_ignore_ascii_case("csv"))) {
+            let Ok(opened) = File::open(file) else { continue };
+            let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(BufReader::new(opened));
+            let Ok(headings) = reader.headers() else { continue };
+            let is_meant = |heading: &str| self.map.columns.keys().any(|known| known.trim().eq_ignore_ascii_case(heading.trim()));
+            let unknown: Vec<&str> = headings
+                .iter()
+                .filter(|heading| self.map.column(heading) == Column::Other && !is_meant(heading))
+                .take(12)
+                .collect();
+            if !unknown.is_empty() {
+                found.push((file.display().to_string(), unknown.join(", ")));
+            }
+        }
+        found
+    }
+
     /// Hands on every frame, in the order of times. Files of one run are joined by time, or by number where there are no times.
     ///
     /// # Errors

@@ -173,7 +173,10 @@ pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Compar
         return Err("no file has an output of connectors (CU1, CP1, CTF1 …): there is nothing to compare; print it with *EL PRINT: CU, CTF".into());
     }
     let (mut comparison, alternatives) = run(scene, model, results, &survey)?;
-    comparison.gaps = gaps(model, &survey);
+    comparison.gaps = gaps(model, &survey, &comparison);
+    comparison.gaps.extend(results.unread().into_iter().map(|(file, headings)| {
+        format!("{file} has columns of no known meaning: {headings}; a map says what they are, or \"ignore\"")
+    }));
     if comparison.wrong() == 0 {
         return Ok(comparison);
     }
@@ -222,7 +225,7 @@ fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
 }
 
 /// What a file cannot tell.
-fn gaps(model: &Model, survey: &Survey) -> Vec<String> {
+fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<String> {
     let mut found = Vec::new();
     if !survey.has_rotations
         && model.connectors.iter().any(|element| element.nodes.iter().flatten().count() > 0)
@@ -232,7 +235,8 @@ fn gaps(model: &Model, survey: &Survey) -> Vec<String> {
                 .to_string(),
         );
     }
-    if !survey.has_rates {
+    let of_rates = |series: &Series| ["CV", "CA"].iter().any(|rate| series.name.starts_with(rate));
+    if !survey.has_rates && comparison.series.iter().any(of_rates) {
         found.push("no velocity of a node: CV, CA and viscous forces follow from differences of states; add V, VR to *NODE PRINT".to_string());
     }
     found
@@ -251,7 +255,8 @@ fn run(
         return Err(format!("{} has no connector", scene.name));
     }
     let mut sequence = Sequence::new(model, &plan);
-    if !survey.has_rates {
+    let of_rates = |series: &Series| ["CV", "CA"].iter().any(|rate| series.name.starts_with(rate));
+    if !survey.has_rates && comparison.series.iter().any(of_rates) {
         sequence.set_velocities(Velocities::Increments);
     }
     let ends: BTreeMap<String, [Option<Label>; 2]> = model

@@ -53,6 +53,7 @@
 //! | `audit` | oracles, bounds, verdicts, laws, mutants, singular points, findings |
 //! | `bench` | run time against error |
 //! | `report` | text, JSON, JUnit, Markdown, HTML |
+//! | `compare` | results that other programs have written |
 //! | `pintle` | this facade, and the command line |
 
 #[cfg(feature = "cli")]

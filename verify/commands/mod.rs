@@ -3,6 +3,7 @@
 pub(crate) mod bench; // whether times are told of right numbers, with their errors
 mod check; // somebody's routine in a process
 pub(crate) mod cli; // the command line
+mod compare; // results of other programs, with faults drawn into them
 pub(crate) mod convert; // scenes in other forms
 mod doors; // one verdict through every door
 pub(crate) mod export; // exported programs, compiled and run

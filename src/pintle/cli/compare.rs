@@ -103,7 +103,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         let results = Results::new(files.clone(), map.clone());
         found.push((names.join(", "), compare(&scene, &model, &results).map_err(Failure::Input)?));
     }
-    let mut out = BufWriter::new(io::stdout().lock());
+    let mut out = BufWriter::new(anstream::stdout().lock());
     match arguments.format {
         Format::Human => {
             let width = page_width(&io::stdout());

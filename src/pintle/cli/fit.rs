@@ -123,7 +123,7 @@ pub(crate) fn tell(found: &Found, definition: &Definition) -> Result<(), Failure
             }
         }
     }
-    Ok(io::stdout().lock().write_all(text.as_bytes())?)
+    Ok(anstream::stdout().lock().write_all(text.as_bytes())?)
 }
 
 /// What is wrong with one number, where it is simple.
