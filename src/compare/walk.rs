@@ -235,7 +235,9 @@ fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<String> 
                 .to_string(),
         );
     }
-    let of_rates = |series: &Series| ["CV", "CA"].iter().any(|rate| series.name.starts_with(rate));
+    let of_rates = |series: &Series| {
+        series.name.starts_with("CV") || series.name.starts_with("CA") && !series.name.starts_with("CASU")
+    };
     if !survey.has_rates && comparison.series.iter().any(of_rates) {
         found.push("no velocity of a node: CV, CA and viscous forces follow from differences of states; add V, VR to *NODE PRINT".to_string());
     }
@@ -255,8 +257,7 @@ fn run(
         return Err(format!("{} has no connector", scene.name));
     }
     let mut sequence = Sequence::new(model, &plan);
-    let of_rates = |series: &Series| ["CV", "CA"].iter().any(|rate| series.name.starts_with(rate));
-    if !survey.has_rates && comparison.series.iter().any(of_rates) {
+    if !survey.has_rates {
         sequence.set_velocities(Velocities::Increments);
     }
     let ends: BTreeMap<String, [Option<Label>; 2]> = model
