@@ -132,6 +132,14 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
             return Some(words.to_string());
         }
     }
+    // A constant tells no offset from a factor.
+    if points.len() > 2
+        && all(series, |_, _| points[0].got)
+        && points.iter().all(|point| (point.want - points[0].want).abs() <= 2.0 * point.allowed)
+    {
+        let by = points[0].got - points[0].want;
+        return Some(format!("both are constant, {by:.6} apart: an offset and a factor are the same here"));
+    }
     let offset = points[first_wrong].got - points[first_wrong].want;
     if points.len() > 2 && points.iter().all(|point| is(point, point.want + offset)) {
         let is_flat = points.iter().all(|point| is(point, points[0].got));

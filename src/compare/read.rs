@@ -57,11 +57,16 @@ impl Results {
     /// The headings of tables that have no known meaning, by file.
     pub(crate) fn unread(&self) -> Vec<(String, String)> {
         let mut found = Vec::new();
-        for file in self.files.iter().filter(|file| file.extension().is_some_and(|of| of.eq_ignore_ascii_case("csv"))) {
+        for file in
+            self.files.iter().filter(|file| file.extension().is_some_and(|of| of.eq_ignore_ascii_case("csv")))
+        {
             let Ok(opened) = File::open(file) else { continue };
-            let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(BufReader::new(opened));
+            let mut reader =
+                csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(BufReader::new(opened));
             let Ok(headings) = reader.headers() else { continue };
-            let is_meant = |heading: &str| self.map.columns.keys().any(|known| known.trim().eq_ignore_ascii_case(heading.trim()));
+            let is_meant = |heading: &str| {
+                self.map.columns.keys().any(|known| known.trim().eq_ignore_ascii_case(heading.trim()))
+            };
             let unknown: Vec<&str> = headings
                 .iter()
                 .filter(|heading| self.map.column(heading) == Column::Other && !is_meant(heading))
