@@ -1,4 +1,5 @@
 //! Programs in C and Fortran, compiled and run against the library.
+#![expect(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

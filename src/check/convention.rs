@@ -217,7 +217,7 @@ impl Axes {
     pub(crate) const ALL: [Self; 3] = [Self::A, Self::Global, Self::B];
 
     /// T of v_given = T v_a.
-    pub(crate) fn from_a(self, turned: &[Turned; 2]) -> Matrix<f64> {
+    pub(crate) fn out_of_a(self, turned: &[Turned; 2]) -> Matrix<f64> {
         match self {
             Self::A => identity(),
             Self::Global => turned[0].triad,
@@ -741,7 +741,7 @@ impl Own {
         let unit = |k: usize| convention.unit(k, connector);
         let offsets = convention.positions.offsets(definition, connector);
         let slopes = convention.slopes(connector, state);
-        let axes = convention.axes.from_a(&turned);
+        let axes = convention.axes.out_of_a(&turned);
         let blocks = [0, 3].map(|first| convention.axes != Axes::A && is_vector(connector, first));
         let mut given = Given::default();
         // E in the routine's unit of length is E over that unit.

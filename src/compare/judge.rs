@@ -27,8 +27,8 @@ impl Point {
 
     /// Whether the difference is one.
     pub fn is_wrong(&self) -> bool {
-        // No number is wrong.
-        !(self.units() <= 1.0)
+        // What is no number is wrong.
+        self.units() > 1.0 || self.units().is_nan()
     }
 }
 

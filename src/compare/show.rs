@@ -179,24 +179,24 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
+/// One number of a point.
+type Of = dyn Fn(&Point) -> f64;
+
 /// Both curves, and their difference beneath.
 fn picture(series: &Series) -> String {
     let points = &series.points;
-    let range = |of: &dyn Fn(&Point) -> f64, all: &[&dyn Fn(&Point) -> f64]| {
+    let range = |all: &[&Of]| {
         let every =
             || points.iter().flat_map(|point| all.iter().map(move |of| of(point))).filter(|x| x.is_finite());
         let (low, high) = (every().fold(f64::INFINITY, f64::min), every().fold(f64::NEG_INFINITY, f64::max));
-        let _ = of;
         if high > low { (low, high) } else { (low - 1.0, low + 1.0) }
     };
-    let (got, want): (&dyn Fn(&Point) -> f64, &dyn Fn(&Point) -> f64) =
-        (&|point| point.got, &|point| point.want);
-    let (at, apart): (&dyn Fn(&Point) -> f64, &dyn Fn(&Point) -> f64) =
-        (&|point| point.at, &|point| point.got - point.want);
-    let times = range(at, &[at]);
-    let values = range(got, &[got, want]);
-    let differences = range(apart, &[apart]);
-    let path = |class: &str, of: &dyn Fn(&Point) -> f64, (low, high): (f64, f64), top: f64, height: f64| {
+    let (got, want): (&Of, &Of) = (&|point| point.got, &|point| point.want);
+    let (at, apart): (&Of, &Of) = (&|point| point.at, &|point| point.got - point.want);
+    let times = range(&[at]);
+    let values = range(&[got, want]);
+    let differences = range(&[apart]);
+    let path = |class: &str, of: &Of, (low, high): (f64, f64), top: f64, height: f64| {
         let mut d = String::new();
         for point in points.iter().filter(|point| of(point).is_finite()) {
             let x = WIDTH * (point.at - times.0) / (times.1 - times.0);

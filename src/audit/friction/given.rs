@@ -11,6 +11,9 @@ use pintle_model::behavior::friction::{
     Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential,
 };
 
+/// A cause, in words, and the numbers of each name that it would give.
+type Known = (Cause, String, Vec<(String, Vec<f64>)>);
+
 /// What a routine gives of a friction at a state; `None` for what it has not.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrictionNumbers {
@@ -252,7 +255,7 @@ impl FrictionCase {
         let sliding = self.sliding();
         let names: Vec<String> = table.rows.clone();
         // The numbers of a mistaken friction, by the names of rows.
-        let mut found: Vec<(Cause, String, Vec<(String, Vec<f64>)>)> = Vec::new();
+        let mut found: Vec<Known> = Vec::new();
         for (cause, relation, friction) in &subject.others {
             let coefficient = match friction.coefficient {
                 Coefficient::Constant(coefficient) => coefficient,
@@ -320,7 +323,7 @@ impl FrictionCase {
     }
 
     /// P with a sum of magnitudes for the norm, and F_C with sums for the norms of its terms.
-    fn sums(&self, quantity: Quantity) -> Vec<(Cause, String, Vec<(String, Vec<f64>)>)> {
+    fn sums(&self, quantity: Quantity) -> Vec<Known> {
         let criterion = &self.friction.criterion;
         let (Tangential::Norm(components), Internal::Constant(internal)) =
             (&criterion.tangential, &criterion.internal)
@@ -377,7 +380,7 @@ impl FrictionCase {
     }
 
     /// The tangent of an increment that goes to zero, that of slip with the slope of the limit left out, and its symmetric part.
-    fn other_tangents(&self, sliding: &[usize]) -> Vec<(Cause, String, Vec<(String, Vec<f64>)>)> {
+    fn other_tangents(&self, sliding: &[usize]) -> Vec<Known> {
         let input = self.input(0, 0.0);
         let (outcome, tangent) = self.friction.tangent(&self.before, &input, Branch::Decided);
         let own = partials(&tangent);

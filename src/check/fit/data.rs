@@ -173,7 +173,7 @@ impl Expected {
         let right = Right::of(&case)?;
         let connector = case.connector();
         let turned = Turned::of(definition, state);
-        let along = axes.from_a(&turned);
+        let along = axes.out_of_a(&turned);
         let number = |of: Quantity, k: usize, i: usize| {
             let x = right.numbers.entries(of).get(k, i)?;
             Some(Number { x, off: right.bound.tolerance(of, k, i) })

@@ -351,18 +351,21 @@ impl Tally {
 /// How many forms a block has at most.
 const FORMS: usize = Variation::ALL.len();
 
+/// What orders share: by line, expected line and sign, the wrong entries of each form.
+type Shared = Rc<Vec<[u8; FORMS]>>;
+
 /// How many entries of three columns are wrong, were they that block: by line, expected line and sign, then by form. Orders share them.
 struct Blocks<'a> {
     stored: &'a Stored,
     expected: &'a Expected,
     units: Units,
-    known: HashMap<(usize, [usize; 3]), Rc<Vec<[u8; FORMS]>>>,
+    known: HashMap<(usize, [usize; 3]), Shared>,
     flows: HashMap<(usize, usize), Rc<Vec<u8>>>,
 }
 
 impl Blocks<'_> {
     /// Of the block that begins at a place of pintle's, in these columns; none of them is wrong where it is left out.
-    fn of(&mut self, first: usize, columns: [usize; 3]) -> Rc<Vec<[u8; FORMS]>> {
+    fn of(&mut self, first: usize, columns: [usize; 3]) -> Shared {
         if let Some(known) = self.known.get(&(first, columns)) {
             return Rc::clone(known);
         }

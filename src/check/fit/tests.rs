@@ -103,7 +103,7 @@ fn given(definition: &Definition, state: &State<f64>, convention: &Convention) -
     let rows = right.numbers.entries(Quantity::FirstDerivatives);
     let values = right.numbers.entries(Quantity::Value);
     let of = |k: usize| values.get(k, 0);
-    let along = convention.axes.from_a(&turned);
+    let along = convention.axes.out_of_a(&turned);
     let resolve = |k: usize, get: &dyn Fn(usize) -> f64| {
         let first = 3 * (k / 3);
         if convention.axes == Axes::A || !is_vector(&connector, first) {

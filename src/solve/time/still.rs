@@ -20,6 +20,9 @@ use crate::time::run::Run;
 use crate::time::solution::What;
 use pintle_kinematics::vector::Vector;
 
+/// A state, its equations and their solution.
+type Moved<R> = (State<R>, Assembled<R>, Solved<R>);
+
 /// An equilibrium.
 struct Found<R: Number> {
     state: State<R>,
@@ -96,7 +99,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The state after δ, and what holds there.
-    fn moved(&self, time: R, by: &[R]) -> Result<(State<R>, Assembled<R>, Solved<R>), Trouble> {
+    fn moved(&self, time: R, by: &[R]) -> Result<Moved<R>, Trouble> {
         let base = &self.state;
         let mut y = by.to_vec();
         y.resize(2 * by.len(), R::integer(0));
