@@ -140,8 +140,12 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
         let by = points[0].got - points[0].want;
         return Some(format!("both are constant, {by:.6} apart: an offset and a factor are the same here"));
     }
+    // What is found from one point has the digits of that point.
+    let near = |from: &Point, point: &Point, want: f64| {
+        (point.got - want).abs() <= 2.0 * (point.allowed + from.allowed)
+    };
     let offset = points[first_wrong].got - points[first_wrong].want;
-    if points.len() > 2 && points.iter().all(|point| is(point, point.want + offset)) {
+    if points.len() > 2 && points.iter().all(|point| near(&points[first_wrong], point, point.want + offset)) {
         let is_flat = points.iter().all(|point| is(point, points[0].got));
         if !is_flat {
             return Some(format!(
@@ -151,7 +155,10 @@ pub(crate) fn explain(series: &Series, alternatives: &Alternatives) -> Option<St
     }
     let largest = points.iter().max_by(|one, other| one.want.abs().total_cmp(&other.want.abs()))?;
     let factor = largest.got / largest.want;
-    if factor.is_finite() && points.len() > 2 && all(series, |_, point| factor * point.want) {
+    if factor.is_finite()
+        && points.len() > 2
+        && points.iter().all(|point| near(largest, point, factor * point.want))
+    {
         return Some(format!("it is {factor:.6} times what it must be"));
     }
     (first_wrong > 0).then(|| {
