@@ -149,7 +149,7 @@ impl Angle {
     }
 
     /// One of these, in radians.
-    pub(crate) const fn size(self) -> f64 {
+    pub const fn size(self) -> f64 {
         match self {
             Self::Radian => 1.0,
             Self::Degree => std::f64::consts::PI / 180.0,

@@ -34,7 +34,7 @@ pub use python::{DRIVER, command as python_command};
 pub use session::Session;
 
 use pintle_audit::{Candidate, FrictionSubject, Quantity, Question, Report, Settings, Step};
-use pintle_kinematics::connector::Definition;
+use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::mpc::Constraint;
 
 /// What a routine is to be.
@@ -172,7 +172,7 @@ pub fn fit_convention<D: Door>(
     definition: &Definition,
     seed: &str,
 ) -> Result<fit::Found, Misbehaviour> {
-    /// One tells most; a second and a third what one leaves open by chance.
+    /// One tells most; a second and a third what one leaves open by chance. One more is asked where they leave something open.
     const STATES: usize = 3;
     let plain = Convention::default();
     let mut session = Session::open(door, definition, Some(&plain), &[None; 6])?;
@@ -184,18 +184,33 @@ pub fn fit_convention<D: Door>(
         .into_iter()
         .filter(|quantity| offers.contains(quantity))
         .collect();
-    let states = fit::generic_states(definition, seed, STATES);
-    let steps: Vec<Step> = states
-        .iter()
-        .map(|state| Step { state: *state, ..Step::between(&definition.initial, state.pair) })
-        .collect();
     // At the initial state displacements and residuals are zero.
     let connector = pintle_kinematics::connector::Connector::<f64>::new(definition);
     let values_before = std::array::from_fn(|k| connector.differentiated(k).map(|_| 0.0));
-    let question =
-        |(number, step)| Question { number, step, path: &[], values_before, wants: &wants, is_drawn: true };
-    let asked: Vec<Question<'_>> = steps.iter().enumerate().map(question).collect();
-    let given = session.ask_as_it_is(&asked)?;
+    let mut ask = |states: &[State<f64>], first: usize| {
+        let step =
+            |state: &State<f64>| Step { state: *state, ..Step::between(&definition.initial, state.pair) };
+        let steps: Vec<Step> = states.iter().map(step).collect();
+        let question = |(n, step)| Question {
+            number: first + n,
+            step,
+            path: &[],
+            values_before,
+            wants: &wants,
+            is_drawn: true,
+        };
+        session.ask_as_it_is(&steps.iter().enumerate().map(question).collect::<Vec<_>>())
+    };
+    let mut states = fit::generic_states(definition, seed, STATES);
+    let mut given = ask(&states, 0)?;
+    let mut found = fit::fit(definition, &states, &given).map_err(Misbehaviour::NoConvention)?;
+    // What they leave open is asked where it makes a difference.
+    let others = fit::generic_states(definition, &format!("{seed}, others"), STATES + 1);
+    if let Some(n) = found.separating(definition, &others) {
+        given.extend(ask(&others[n..=n], states.len())?);
+        states.push(others[n]);
+        found = fit::fit(definition, &states, &given).map_err(Misbehaviour::NoConvention)?;
+    }
     session.close()?;
-    fit::fit(definition, &states, &given).map_err(Misbehaviour::NoConvention)
+    Ok(found)
 }

@@ -1,5 +1,6 @@
 //! What a heading means: names that are standard are known, a map says the rest.
 
+use pintle_check::Angle;
 use pintle_kinematics::connector::Output;
 use pintle_model::evaluate::request;
 use serde::Deserialize;
@@ -38,28 +39,6 @@ pub(crate) enum Column {
     Output(Output, usize),
     /// Nothing that is compared.
     Other,
-}
-
-/// The unit of an angle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-pub enum Angle {
-    /// Radians.
-    #[default]
-    #[serde(rename = "rad")]
-    Radian,
-    /// Degrees.
-    #[serde(rename = "deg")]
-    Degree,
-}
-
-impl Angle {
-    /// One of these, in radians.
-    pub(crate) const fn size(self) -> f64 {
-        match self {
-            Self::Radian => 1.0,
-            Self::Degree => std::f64::consts::PI / 180.0,
-        }
-    }
 }
 
 /// What the rotations of nodes are.

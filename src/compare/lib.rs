@@ -21,7 +21,7 @@ mod read;
 mod show;
 mod walk;
 
-pub use column::{Angle, Map, Motion, Rotations};
+pub use column::{Map, Motion, Rotations};
 pub use judge::{Comparison, Series, Unjudged};
 pub use printed::Printed;
 pub use read::{Frame, Results};

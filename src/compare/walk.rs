@@ -1,10 +1,11 @@
 //! What the connectors must give along the motion that files tell, beside what the files say of them.
 
 use crate::cause::{Alternatives, explain};
-use crate::column::{Angle, Map, Motion, Rotations};
+use crate::column::{Map, Motion, Rotations};
 use crate::judge::{Comparison, KEPT, Point, Series, Unjudged};
 use crate::printed::Printed;
 use crate::read::{Frame, Results};
+use pintle_check::Angle;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::measure::Unit;

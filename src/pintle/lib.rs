@@ -53,6 +53,7 @@
 //! | `audit` | oracles, bounds, verdicts, laws, mutants, singular points, findings |
 //! | `bench` | run time against error |
 //! | `report` | text, JSON, JUnit, Markdown, HTML |
+//! | `check`, `element` | somebody's routine asked and judged; the conventions of its rows found |
 //! | `compare` | results that other programs have written |
 //! | `pintle` | this facade, and the command line |
 

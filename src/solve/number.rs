@@ -127,7 +127,13 @@ mod tests {
     #[test]
     fn digits_are_those_of_the_number() {
         let third = Wide::integer(1) / Wide::integer(3);
-        let mut numbers = vec![Wide::integer(0), Wide::integer(1), Wide::integer(-25), Wide::ratio(5, 2), Wide::ratio(-35, 100)];
+        let mut numbers = vec![
+            Wide::integer(0),
+            Wide::integer(1),
+            Wide::integer(-25),
+            Wide::ratio(5, 2),
+            Wide::ratio(-35, 100),
+        ];
         let mut x = third;
         for n in 0..400 {
             numbers.push(if n % 2 == 0 { x } else { -x });

@@ -1,7 +1,7 @@
 //! Whether the pages tell the truth: each command of the tutorial and of the how-to pages is run, and prints what the page shows.
 //!
-//! A fence with `file=NAME` is a file, that of `examples/elements` where there is one. In a fence `console`, a line `$ pintle …` is a command, and what follows is
-//! its output, with what goes to the terminal's errors after it; a line `…` stands for any lines. `$ echo $?` is the exit code of the
+//! A fence with `file=NAME` is a file, that of `examples/elements` where there is one. In a fence `console`, a line `$ pintle …` is a command.
+//! What follows is its output, with what goes to the terminal's errors after it. A line `…` stands for any lines. `$ echo $?` is the exit code of the
 //! command before. All of a page runs in one folder.
 
 use std::path::{Path, PathBuf};

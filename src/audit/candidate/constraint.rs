@@ -8,7 +8,6 @@ use crate::mpc::ConstraintNumbers;
 use crate::oracles::certificate::certificate_of_mpc;
 use crate::sampling::cube_orientations;
 use crate::settings::Settings;
-use crate::share::spread;
 use pintle_kinematics::connector::Turns;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::mpc::{
@@ -17,12 +16,8 @@ use pintle_kinematics::mpc::{
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector::{add, apply, identity, product, scale, sub};
-use rayon::prelude::*;
 use std::convert::Infallible;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// How many states are asked for at once.
-const AT_ONCE: usize = 32;
 
 /// A routine to be checked against one multi-point constraint.
 ///
@@ -201,25 +196,16 @@ impl<'a> ConstraintCandidate<'a> {
     /// The first of the routine.
     pub fn try_check<E>(
         &self,
-        mut routine: impl FnMut(&[&MpcCase]) -> Result<Vec<Option<ConstraintNumbers>>, E>,
+        routine: impl FnMut(&[&MpcCase]) -> Result<Vec<Option<ConstraintNumbers>>, E>,
     ) -> Result<Report, E> {
         let cases = self.drawn();
-        let mut given = Vec::with_capacity(cases.len());
-        for asked in cases.chunks(AT_ONCE) {
-            let mut answers = routine(&asked.iter().collect::<Vec<_>>())?.into_iter();
-            given.extend(asked.iter().map(|_| answers.next().flatten()));
-        }
-        let proves = spread(cases.len(), self.settings.wide_states);
-        let judged: Vec<Tables> = cases
-            .par_iter()
-            .zip(given)
-            .enumerate()
-            .filter_map(|(i, (case, given))| Some(self.judge(case, given?, proves.contains(&i))))
-            .collect();
+        let tables = Tables::asked(&cases, routine, self.settings.wide_states, |case, given, proves| {
+            self.judge(case, given, proves)
+        })?;
         let certificate = certificate_of_mpc(self.constraint.kind());
         let formulas = [Quantity::Value, Quantity::FirstDerivatives];
         let about = (&self.settings, cases.len());
-        Ok(Tables::merged(judged).report(self.name, about, certificate, &self.offers, &formulas))
+        Ok(tables.report(self.name, about, certificate, &self.offers, &formulas))
     }
 
     /// What a routine gives at a state.

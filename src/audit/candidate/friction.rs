@@ -7,15 +7,10 @@ use crate::friction::{FrictionNumbers, FrictionSubject};
 use crate::judge::outcome::Report;
 use crate::oracles::certificate::certificate;
 use crate::settings::Settings;
-use crate::share::spread;
 use pintle_kinematics::draw::Draw;
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::friction::{State, StickStiffness};
-use rayon::prelude::*;
 use std::convert::Infallible;
-
-/// How many states are asked for at once.
-const AT_ONCE: usize = 32;
 
 /// A routine to be checked against one friction.
 #[derive(Clone, Debug)]
@@ -143,25 +138,16 @@ impl<'a> FrictionCandidate<'a> {
     /// The first of the routine.
     pub fn try_check<E>(
         &self,
-        mut routine: impl FnMut(&[&FrictionCase]) -> Result<Vec<Option<FrictionNumbers>>, E>,
+        routine: impl FnMut(&[&FrictionCase]) -> Result<Vec<Option<FrictionNumbers>>, E>,
     ) -> Result<Report, E> {
         let cases = self.drawn();
-        let mut given = Vec::with_capacity(cases.len());
-        for asked in cases.chunks(AT_ONCE) {
-            let mut answers = routine(&asked.iter().collect::<Vec<_>>())?.into_iter();
-            given.extend(asked.iter().map(|_| answers.next().flatten()));
-        }
-        let proves = spread(cases.len(), self.settings.wide_states);
-        let judged: Vec<Tables> = cases
-            .par_iter()
-            .zip(given)
-            .enumerate()
-            .filter_map(|(i, (case, given))| Some(self.judge(case, &given?, proves.contains(&i))))
-            .collect();
+        let tables = Tables::asked(&cases, routine, self.settings.wide_states, |case, given, proves| {
+            self.judge(case, &given, proves)
+        })?;
         let formulas = [Quantity::FrictionCriterion, Quantity::FrictionForce, Quantity::FrictionGradient];
         let about = (&self.settings, cases.len());
         let certificate = certificate(&self.subject.connection);
-        Ok(Tables::merged(judged).report(self.name, about, certificate, &self.offers, &formulas))
+        Ok(tables.report(self.name, about, certificate, &self.offers, &formulas))
     }
 
     fn judge(&self, case: &FrictionCase, given: &FrictionNumbers, proves: bool) -> Tables {

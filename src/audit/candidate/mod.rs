@@ -82,7 +82,7 @@ pub struct Candidate<'a> {
 }
 
 /// How many states are asked for at once.
-const AT_ONCE: usize = 32;
+pub(in crate::candidate) const AT_ONCE: usize = 32;
 
 /// A state that is asked for.
 struct Asked {

@@ -1,5 +1,6 @@
 //! What a routine gave at all states, as tables: checks, why they are wrong, the report.
 
+use crate::candidate::AT_ONCE;
 use crate::case::quantity::Quantity;
 use crate::engine::checks_of;
 use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
@@ -10,6 +11,7 @@ use crate::oracles::certificate::Certificate;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use crate::share::spread;
+use rayon::prelude::*;
 
 /// Of how many states wrong numbers are kept, to say why they are.
 const KEPT: usize = 16;
@@ -22,6 +24,31 @@ pub(super) struct Tables {
 }
 
 impl Tables {
+    /// What a routine gives at each case, asked for some at once, and judged; of so many of the states mutants prove the check.
+    ///
+    /// # Errors
+    /// The first of the routine.
+    pub(super) fn asked<C: Sync, G: Send, E>(
+        cases: &[C],
+        mut routine: impl FnMut(&[&C]) -> Result<Vec<Option<G>>, E>,
+        proving: usize,
+        judge: impl Fn(&C, G, bool) -> Self + Sync,
+    ) -> Result<Self, E> {
+        let mut given = Vec::with_capacity(cases.len());
+        for asked in cases.chunks(AT_ONCE) {
+            let mut answers = routine(&asked.iter().collect::<Vec<_>>())?.into_iter();
+            given.extend(asked.iter().map(|_| answers.next().flatten()));
+        }
+        let proves = spread(cases.len(), proving);
+        let judged: Vec<Self> = cases
+            .par_iter()
+            .zip(given)
+            .enumerate()
+            .filter_map(|(i, (case, given))| Some(judge(case, given?, proves.contains(&i))))
+            .collect();
+        Ok(Self::merged(judged))
+    }
+
     /// Judges a table at a state, with mutants where `proves`; `explain` adds what may explain it where it is wrong.
     pub(super) fn see(
         &mut self,

@@ -26,7 +26,7 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::scalar::elementary::norm;
-use search::{Fit, Fits, ODD_FACTOR, Search, Stored, WRONG, index, is_value};
+use search::{Fit, Fits, ODD_FACTOR, Search, Stored, index, is_value};
 use space::Reading;
 
 /// How many conventions of a class are compared in search of a state that tells them apart.
@@ -370,11 +370,6 @@ impl Found {
         let told = states.iter().map(|state| self.told_apart(definition, state)).enumerate();
         let best = told.max_by(|one, other| one.1.cmp(&other.1).then(other.0.cmp(&one.0)))?;
         (best.1 > 1).then_some(best.0)
-    }
-
-    /// What a wrong entry and a departure cost, for the page that states it.
-    pub const fn costs() -> [f64; 2] {
-        [WRONG, 1.0]
     }
 }
 

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 use std::rc::Rc;
 
 /// What a wrong entry costs: more than any two departures, less than four.
-pub(super) const WRONG: f64 = 5.0;
+const WRONG: f64 = 5.0;
 
 /// A row with another factor than units explain.
 pub(super) const ODD_FACTOR: f64 = 4.0;
@@ -278,8 +278,7 @@ fn unexplained(stored: &Stored, expected: &Expected, all: &[Units]) -> usize {
     // By kind of row and column: the sizes that are right.
     let mut sizes: Vec<f64> = Vec::new();
     for (unit, is_rotation, factor) in factors {
-        for (line, of) in expected.lines.iter().zip(right).filter(|(line, _)| line.unit == unit) {
-            debug_assert_eq!(line.unit, unit);
+        for (_, of) in expected.lines.iter().zip(right).filter(|(line, _)| line.unit == unit) {
             let row = &of.row;
             if is_rotation {
                 sizes.extend(row.rotations.iter().flatten().flatten().map(|number| number.x.abs() * factor));

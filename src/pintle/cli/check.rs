@@ -326,7 +326,14 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         (None, None, with) => with.clone().unwrap_or_default(),
     };
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
-    let misbehaved = |misbehaviour: Misbehaviour| Failure::Input(misbehaviour.to_string());
+    let misbehaved = |misbehaviour: Misbehaviour| {
+        let hint = if matches!(misbehaviour, Misbehaviour::WrongShape { .. }) && !arguments.fit_convention {
+            "\n  help: --fit-convention finds in which order and shape a routine gives its rows"
+        } else {
+            ""
+        };
+        Failure::Input(format!("{misbehaviour}{hint}"))
+    };
     if arguments.fit_convention {
         let pintle_check::Subject::Connector(definition) = &subject else {
             return Err(Failure::Usage("--fit-convention finds the conventions of a connector".into()));
