@@ -15,6 +15,9 @@ use std::collections::HashSet;
 /// The largest number of members of a GENERATE range, and of all sets of a deck together.
 pub const MAX_MEMBERS: u64 = 10_000_000;
 
+/// So many ranges of skipped elements are kept before repeated ones are looked for.
+const FEW_RANGES: usize = 64;
+
 /// The largest number of numbers that all sets of a deck may list, whether something has them or not.
 const MAX_LISTED: u64 = 200_000_000;
 
@@ -303,6 +306,7 @@ pub(super) fn resolve(
     for place in order(kind, builders, errors) {
         let Some((name, builder)) = builders.get_index(place) else { continue };
         let mut set = Set { span: builder.span, ..Set::default() };
+        let mut room = FEW_RANGES;
         for entry in &builder.entries {
             match entry {
                 Entry::Set(inner) => {
@@ -311,6 +315,12 @@ pub(super) fn resolve(
                         set.labels.extend_from_slice(&inner.labels);
                         set.unmodelled = set.unmodelled.saturating_add(inner.unmodelled);
                         set.others.extend_from_slice(&inner.others);
+                        // A set that is named again and again brings the same ranges.
+                        if set.others.len() > room {
+                            set.others.sort_unstable();
+                            set.others.dedup();
+                            room = FEW_RANGES + 2 * set.others.len();
+                        }
                     }
                 }
                 Entry::NodesOf(elements) => {
@@ -354,7 +364,7 @@ pub(super) fn resolve(
                     }
                 }
             }
-            if total + set.labels.len() as u64 > MAX_MEMBERS {
+            if total + (set.labels.len() + set.others.len()) as u64 > MAX_MEMBERS {
                 let message =
                     format!("the {} sets have more than {MAX_MEMBERS} members together", kind.name());
                 return Err(Diagnostic::error(
@@ -374,7 +384,9 @@ pub(super) fn resolve(
             set.labels.sort_unstable();
             set.labels.dedup();
         }
-        total += set.labels.len() as u64;
+        set.others.sort_unstable();
+        set.others.dedup();
+        total += (set.labels.len() + set.others.len()) as u64;
         done[place] = Some(set);
     }
     Ok(builders.keys().cloned().zip(done.into_iter().map(Option::unwrap_or_default)).collect())
