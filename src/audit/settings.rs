@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// What an audit is to do.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Settings {
     /// States per type for the oracles on doubles.
     pub states: usize,
@@ -38,7 +39,8 @@ pub struct Settings {
 }
 
 /// A time that runs.
-#[derive(Clone, Copy, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Budget {
     /// How much there was (s).
     pub seconds: f64,
@@ -86,7 +88,8 @@ impl Settings {
 }
 
 /// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Planted {
     /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope

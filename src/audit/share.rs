@@ -17,7 +17,8 @@ const WIDE: u64 = 9;
 const FEW: u64 = WIDE;
 
 /// How much of a scene was judged.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
     /// The scene.
     pub scene: String,

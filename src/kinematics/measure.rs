@@ -76,7 +76,8 @@ pub enum Unit {
 }
 
 /// What happens to a measure at the points where it, or a derivative, does not exist.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SingularClass {
     /// The value continues, the first derivatives jump with the direction of approach.

@@ -28,7 +28,8 @@ macro_rules! choices {
         pub enum $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $spelling:literal,)+ }
     )+) => {$(
         $(#[$meta])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[serde(rename_all = "snake_case")]
         pub enum $name {
             $($(#[$variant_meta])* #[doc = concat!(" A deck says `", $spelling, "`.")] $variant,)+

@@ -80,7 +80,9 @@ pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, MAX_ERRORS, Result, Severity};
 pub use digits::{Digits, DigitsOfState};
 pub use document::in_words_of;
-pub use document::{Converted, Format, MAX_DOCUMENT, schema};
+#[cfg(feature = "schema")]
+pub use document::schema;
+pub use document::{Converted, Format, MAX_DOCUMENT, SCHEMA_TEXT};
 pub use forces::{ForceFile, ForceStream, StateIndex};
 pub use freedom::NodeFreedom;
 pub use gallery::{Example, GALLERY};

@@ -279,20 +279,23 @@ fn what_has_no_counter_example_is_said() {
     );
 }
 
-/// The JSON report obeys its schema, whatever it has to say; the copy in the repository is current.
+/// The copy in the repository, which the program prints.
+#[cfg(feature = "schema")]
 #[test]
-fn the_json_report_obeys_its_schema() {
-    let schema = pintle_report::audit::schema();
+fn the_schema_is_that_of_the_types() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/pintle-audit-1.json");
-    let text = format!("{schema:#}\n");
+    let types = format!("{:#}\n", pintle_report::audit::schema());
     if std::env::var_os("PINTLE_UPDATE").is_some() {
-        fs::write(path, &text).unwrap();
+        fs::write(path, &types).unwrap();
     }
     let copy = fs::read_to_string(path).unwrap();
-    assert!(
-        copy == text,
-        "{path} is not what `pintle schema audit` prints; run the test with PINTLE_UPDATE=1"
-    );
+    assert!(copy == types, "{path} is not what the types give; run the test with PINTLE_UPDATE=1");
+}
+
+/// The JSON report obeys its schema, whatever it has to say.
+#[test]
+fn the_json_report_obeys_its_schema() {
+    let schema: Value = serde_json::from_str(pintle_report::audit::SCHEMA_TEXT).unwrap();
     let printed: Value =
         serde_json::from_str(&stdout(&pintle(&["schema", "audit"]).assert().success())).unwrap();
     assert_eq!(printed, schema);

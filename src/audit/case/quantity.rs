@@ -7,9 +7,8 @@ use pintle_kinematics::node::{DOF, DOFS};
 use serde::{Deserialize, Serialize};
 
 /// A kind of number that a connector gives for each component.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// The residual of a constrained component, the displacement of any other.

@@ -23,7 +23,8 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What numbers were compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
     /// An oracle's.
@@ -53,7 +54,8 @@ struct Components {
 }
 
 /// One check over all cases of a connector.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Check {
     /// The numbers judged; a law may span several.
     pub quantity: Option<Quantity>,
@@ -72,7 +74,7 @@ pub struct Check {
     /// Entries compared.
     pub compared: u64,
     /// The largest error in units of its tolerance, at any state.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub largest: f64,
     /// The entry that decided the verdict: nearest to, or farthest beyond, its tolerance.
     pub worst: Option<Finding>,
@@ -374,7 +376,8 @@ impl Expected {
 }
 
 /// Everything that was found about one connector or type.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Subject {
     /// The type, or the type with the element.
     pub name: String,
@@ -542,7 +545,8 @@ impl Subject {
 }
 
 /// An audit.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
     /// The version of this program.
     pub version: &'static str,
@@ -559,7 +563,7 @@ pub struct Report {
     pub atlas: Vec<Approach>,
     /// What is found in the models of scenes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(with = "Vec<serde_json::Value>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<serde_json::Value>"))]
     pub models: Vec<ModelReport>,
 }
 

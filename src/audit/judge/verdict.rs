@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What is said of a quantity at a state, the mildest first.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Every entry is right to rounding.
@@ -87,7 +86,8 @@ pub struct Summand {
 }
 
 /// One entry, what it is and what it must be.
-#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// The entry by name: `∂ur1/∂θb3`.
     pub entry: String,
@@ -101,20 +101,20 @@ pub struct Finding {
     #[serde(skip)]
     pub sum: Vec<Summand>,
     /// What was given.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub got: f64,
     /// What it must be.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub want: f64,
     /// How far apart they may be.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub tolerance: f64,
     /// |got − want| in units of the tolerance.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub units: f64,
     /// Where there is no derivative: those from below and from above, not a number from a side that has none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<[Option<f64>; 2]>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[Option<f64>; 2]>"))]
     pub one_sided: Option<[f64; 2]>,
     /// At a singular point that is no kink: what there is no derivative for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -130,7 +130,8 @@ impl Finding {
 }
 
 /// The outcome of one comparison.
-#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judgement {
     /// The verdict.
     pub verdict: Verdict,
@@ -192,7 +193,8 @@ pub fn units(got: f64, want: Wide, allowed: f64) -> f64 {
 }
 
 /// How mutants with one kind of mistake fared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fared {
     /// Noticed.
     pub killed: u64,
@@ -220,7 +222,8 @@ impl Fared {
 }
 
 /// How mutants of the same numbers fared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// Noticed.
     pub killed: u64,
@@ -231,7 +234,7 @@ pub struct Score {
     /// Not noticed, though the change exceeds twice what is allowed.
     pub survived: u64,
     /// By kind of mistake, by the code that explains it.
-    #[schemars(with = "BTreeMap<String, Fared>")]
+    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, Fared>"))]
     pub by_mistake: BTreeMap<Cause, Fared>,
     /// The mistakes that survived, with an entry each.
     pub survivors: BTreeMap<String, String>,

@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// What is known of one type.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
     /// States at which JAX, with formulas of its own, gives the same values, rates, rows and second derivatives.

@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 
 /// What an oracle shares with the product: an error in a shared part is invisible to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shares {
     /// The source text of the kinematics: a wrong formula.
     pub kinematics: bool,
@@ -28,9 +29,8 @@ pub struct Shares {
 }
 
 /// A source of reference numbers.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Oracle {
     /// Central differences on 237-bit numbers.

@@ -22,24 +22,25 @@ pub const LADDER: [f64; 15] =
     [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15];
 
 /// One rung of the ladder.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rung {
     /// The distance to the set (rad, or lengths of the connector).
     pub distance: f64,
     /// The error of the value in units u of its conditioned scale, against 237 bits.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub value_error: f64,
     /// The largest error of a first derivative in units u of the conditioned scale.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub first_error: f64,
     /// The same relative to the largest derivative of the row: how many digits are left.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub first_relative: f64,
     /// The largest first derivative, lengths in units of the connector's.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub steepness: f64,
     /// The relative error of the largest first derivative from which on it would have been noticed here, 2 C u F/|∂f| with its conditioned scale F; 1 where nothing less would.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub detectable: f64,
 }
 
@@ -88,7 +89,8 @@ fn detectable(first: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 /// One singular set of one component, approached.
-#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Approach {
     /// The connection type.
     pub connection: String,

@@ -50,7 +50,8 @@ pub struct Motion<S> {
 }
 
 /// What forces depend on besides motions. The default is that nothing of it is known.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Conditions {
     /// The temperature.
     pub temperature: Option<f64>,

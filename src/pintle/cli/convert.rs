@@ -109,12 +109,9 @@ fn save_states(file: &Path, scene: &Scene, files: Files) -> Result<(), Failure> 
 
 /// `pintle schema`.
 pub(crate) fn schema(of: Described) -> Result<(), Failure> {
-    let mut out = BufWriter::new(io::stdout().lock());
-    let schema = match of {
-        Described::Scene => pintle_scene::schema(),
-        Described::Audit => pintle_report::audit::schema(),
+    let text = match of {
+        Described::Scene => pintle_scene::SCHEMA_TEXT,
+        Described::Audit => pintle_report::audit::SCHEMA_TEXT,
     };
-    serde_json::to_writer_pretty(&mut out, &schema).map_err(io::Error::from)?;
-    writeln!(out)?;
-    Ok(out.flush()?)
+    Ok(io::stdout().lock().write_all(text.as_bytes())?)
 }

@@ -22,7 +22,8 @@ use std::io::{self, Write};
 /// The schema of the JSON report.
 pub const SCHEMA: &str = "pintle-audit/1";
 
-#[derive(serde::Serialize, schemars::JsonSchema)]
+#[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Document<'a> {
     schema: &'static str,
     /// What the program was built from, where that is known.
@@ -48,7 +49,8 @@ struct Document<'a> {
     report: &'a Report,
 }
 
-#[derive(serde::Serialize, schemars::JsonSchema)]
+#[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Described {
     name: &'static str,
     meaning: &'static str,
@@ -56,7 +58,11 @@ struct Described {
     independent: bool,
 }
 
-/// The JSON Schema of the JSON report.
+/// The JSON Schema of the JSON report, as text.
+pub const SCHEMA_TEXT: &str = include_str!("../../../schema/pintle-audit-1.json");
+
+/// The JSON Schema that the types give; [`SCHEMA_TEXT`] is its copy.
+#[cfg(feature = "schema")]
 pub fn schema() -> serde_json::Value {
     let settings = schemars::generate::SchemaSettings::default().for_serialize();
     let mut schema = settings.into_generator().into_root_schema_for::<Document<'_>>();

@@ -16,7 +16,6 @@ use crate::model::{
 use crate::orientation::System;
 use crate::span::{Span, Spanned};
 use crate::states::Motion;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The version of the form.
@@ -60,7 +59,8 @@ macro_rules! form {
         $($(#[$field_meta:meta])* $field:ident: $type:ty),* $(,)?
     }) => {
         $(#[$meta])*
-        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[serde(deny_unknown_fields)]
         pub(crate) struct $name {
             $($(#[$needed_meta])* pub(crate) $needed: $needed_type,)*
@@ -211,7 +211,8 @@ form! {
 }
 
 /// How the points of an orientation are given.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Definition {
     /// Global coordinates.

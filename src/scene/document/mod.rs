@@ -61,7 +61,11 @@ pub const MAX_DOCUMENT: u64 = 1 << 28;
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// The JSON Schema of scenes in TOML and JSON.
+/// The JSON Schema of scenes in TOML and JSON, as text: what [`Scene::parse_toml`] and [`Scene::parse_json`] read.
+pub const SCHEMA_TEXT: &str = include_str!("../../../schema/pintle-scene-1.json");
+
+/// The JSON Schema that the types give; [`SCHEMA_TEXT`] is its copy.
+#[cfg(feature = "schema")]
 #[must_use]
 pub fn schema() -> serde_json::Value {
     let mut schema = schemars::schema_for!(Document);

@@ -4,6 +4,7 @@
 use crate::document::de::PLACED;
 use crate::document::form::{FullRow, List, Name, Range, placeless};
 use crate::span::{Span, Spanned};
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeSeq};
@@ -58,6 +59,8 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
     }
 }
 
+#[cfg(feature = "schema")]
+
 impl<T: JsonSchema> JsonSchema for Entries<T> {
     fn inline_schema() -> bool {
         true
@@ -97,6 +100,8 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Spanned<T> {
     }
 }
 
+#[cfg(feature = "schema")]
+
 impl<T: JsonSchema> JsonSchema for Spanned<T> {
     fn inline_schema() -> bool {
         T::inline_schema()
@@ -115,6 +120,7 @@ impl<T: JsonSchema> JsonSchema for Spanned<T> {
 /// A type whose JSON Schema is written out, where it is used.
 macro_rules! described {
     ($name:ident, $schema:tt) => {
+        #[cfg(feature = "schema")]
         impl JsonSchema for $name {
             fn inline_schema() -> bool {
                 true
@@ -351,6 +357,8 @@ impl<'de> Deserialize<'de> for OneOrMany {
     }
 }
 
+#[cfg(feature = "schema")]
+
 impl JsonSchema for OneOrMany {
     fn inline_schema() -> bool {
         true
@@ -411,6 +419,8 @@ impl<'de> Deserialize<'de> for Member {
     }
 }
 
+#[cfg(feature = "schema")]
+
 impl JsonSchema for Member {
     fn inline_schema() -> bool {
         true
@@ -470,6 +480,8 @@ impl<'de> Deserialize<'de> for Row {
         deserializer.deserialize_any(Reader)
     }
 }
+
+#[cfg(feature = "schema")]
 
 impl JsonSchema for Row {
     fn schema_name() -> Cow<'static, str> {

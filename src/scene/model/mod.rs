@@ -18,7 +18,6 @@ use crate::label::labelled::LabelSet;
 use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
 use pintle_kinematics::mpc;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -69,7 +68,8 @@ impl Set {
 }
 
 /// The space a connector element lives in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Dimension {
     /// CONN2D2: components 1, 2 and 6; plane or axisymmetric.
     #[serde(rename = "CONN2D2")]
@@ -117,7 +117,8 @@ impl ConnectorElement {
 }
 
 /// Kinds of point elements.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "UPPERCASE")]
 pub enum PointKind {
     /// A point mass.

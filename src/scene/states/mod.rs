@@ -30,7 +30,6 @@ use crate::freedom::NodeFreedom;
 use crate::label::{Label, LabelError};
 use crate::model::{NodeMotion, Rotation, Scene, State};
 use crate::span::{Span, Spanned};
-use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use std::ops::ControlFlow;
@@ -254,7 +253,8 @@ impl Serialize for NodeMotion {
 }
 
 /// What a node does. Everything is 0 unless given; components are global.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Motion {
     /// From the initial position.

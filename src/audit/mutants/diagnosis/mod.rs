@@ -40,23 +40,25 @@ pub use sample::Sample;
 pub use table::{diagnose_table, diagnose_tables};
 
 /// One mistake that explains wrong entries.
-#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Explained {
     /// The mistake.
     #[serde(skip)]
     pub cause: Cause,
     /// Its code.
-    #[schemars(with = "String")]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub code: Code,
     /// What equals what, and what that means.
     pub sentence: String,
     /// Others that make the same numbers at these states.
-    #[schemars(with = "Vec<String>")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<String>"))]
     pub also: Vec<Code>,
 }
 
 /// Why numbers are wrong.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Diagnosis {
     /// The mistakes that explain wrong entries, the one that explains most first.
     pub causes: Vec<Explained>,
