@@ -44,7 +44,7 @@ pub use number::Number;
 pub use references::REFERENCES;
 pub use refusal::Refusal;
 pub use time::integrate::Method;
-pub use time::run::{Ended, Options, Stick, solve};
+pub use time::run::{Ended, Options, Solvable, Stick, solve};
 pub use time::solution::{ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Solution, What};
 
 #[cfg(test)]

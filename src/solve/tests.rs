@@ -1,9 +1,9 @@
 use crate::fault::Fault;
-use crate::{Method, Number, Options, REFERENCES, Solution, Stick, What, solve};
+use crate::{Method, Options, REFERENCES, Solution, Solvable, Stick, What, solve};
 use pintle_kinematics::scalar::{Real, Wide};
 use pintle_scene::Scene;
 
-fn solved<R: Number>(deck: &str, options: &Options) -> Solution<R> {
+fn solved<R: Solvable>(deck: &str, options: &Options) -> Solution<R> {
     let scene = Scene::parse("deck.inp", deck).unwrap();
     match solve(&scene, options) {
         Ok(solution) => solution,

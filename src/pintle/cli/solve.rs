@@ -8,7 +8,7 @@ use pintle_kinematics::scalar::Wide;
 use pintle_report::solve as report;
 use pintle_scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
 use pintle_solve::{
-    Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, Stick, solve,
+    Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, Solvable, Stick, solve,
 };
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
@@ -209,7 +209,7 @@ fn length(scene: &Scene) -> f64 {
     last.map_or(0.0, |([_, end], _)| end)
 }
 
-fn solved<R: Number>(
+fn solved<R: Solvable>(
     arguments: &Solve,
     files: Files,
     scene: &Scene,

@@ -10,6 +10,7 @@ use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
 use pintle_kinematics::connector::StopStatus;
+use pintle_kinematics::scalar::Wide;
 use pintle_kinematics::vector::Vector;
 use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
@@ -108,7 +109,34 @@ pub(crate) struct Run<'a, R: Number> {
 ///
 /// # Errors
 /// What is not solved, before it begins; or where it ends early, with the solution so far.
-pub fn solve<R: Number>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
+pub fn solve<R: Solvable>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
+    R::solve(scene, options)
+}
+
+/// The numbers of which this crate holds the solver's code, so that no crate that calls it compiles it again.
+pub trait Solvable: Number {
+    /// [`solve`] on these numbers.
+    ///
+    /// # Errors
+    /// As of [`solve`].
+    fn solve(scene: &Scene, options: &Options) -> Result<Solution<Self>, Box<Ended<Self>>>;
+}
+
+impl Solvable for f64 {
+    #[inline(never)]
+    fn solve(scene: &Scene, options: &Options) -> Result<Solution<Self>, Box<Ended<Self>>> {
+        solve_on(scene, options)
+    }
+}
+
+impl Solvable for Wide {
+    #[inline(never)]
+    fn solve(scene: &Scene, options: &Options) -> Result<Solution<Self>, Box<Ended<Self>>> {
+        solve_on(scene, options)
+    }
+}
+
+fn solve_on<R: Number>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
     let nothing =
         |why: Refusal| Box::new(Ended { solution: Solution::empty(options.method), time: 0.0, why });
     let model = Model::compile(scene).map_err(|error| nothing(error.into()))?;
