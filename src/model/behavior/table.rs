@@ -130,8 +130,14 @@ impl Table {
 
     /// The dependent value `output` (from 0) at the given variables. `argument` is asked for those of [`Table::depends_on`] only.
     pub fn evaluate<S: Scalar>(&self, output: usize, argument: impl Fn(Variable) -> S) -> S {
+        self.evaluated(output, &argument)
+    }
+
+    /// One for each type of numbers, not for each argument.
+    #[inline(never)]
+    fn evaluated<S: Scalar>(&self, output: usize, argument: &dyn Fn(Variable) -> S) -> S {
         let met = Cell::new(false);
-        let value = self.at(output, &argument, &|_| Side::Right, &met);
+        let value = self.at(output, argument, &|_| Side::Right, &met);
         if !met.get() || S::ORDER == 0 {
             return value;
         }
@@ -142,7 +148,7 @@ impl Table {
                 least(left, right)
             })
             .collect();
-        self.at(output, &argument, &|level| sides[level], &met)
+        self.at(output, argument, &|level| sides[level], &met)
     }
 
     /// What the rounding of a slope is measured by: the sum of the magnitudes of the slopes of the rows between which it is interpolated, and
@@ -170,7 +176,7 @@ impl Table {
         block: &Block,
         levels: usize,
         output: usize,
-        argument: &impl Fn(Variable) -> f64,
+        argument: &dyn Fn(Variable) -> f64,
     ) -> f64 {
         let (at, blocks) = match block {
             Block::Values(values) => return values[output].abs(),
@@ -190,7 +196,7 @@ impl Table {
         &self,
         (block, levels): (&Block, usize),
         output: usize,
-        argument: &impl Fn(Variable) -> f64,
+        argument: &dyn Fn(Variable) -> f64,
         level: usize,
         side: Side,
     ) -> f64 {
@@ -271,8 +277,8 @@ impl Table {
     fn at<S: Scalar>(
         &self,
         output: usize,
-        argument: &impl Fn(Variable) -> S,
-        side: &impl Fn(usize) -> Side,
+        argument: &dyn Fn(Variable) -> S,
+        side: &dyn Fn(usize) -> Side,
         met: &Cell<bool>,
     ) -> S {
         self.descend(&self.root, self.variables.len(), output, argument, side, met)
@@ -284,8 +290,8 @@ impl Table {
         block: &Block,
         levels: usize,
         output: usize,
-        argument: &impl Fn(Variable) -> S,
-        side: &impl Fn(usize) -> Side,
+        argument: &dyn Fn(Variable) -> S,
+        side: &dyn Fn(usize) -> Side,
         met: &Cell<bool>,
     ) -> S {
         let (at, blocks) = match block {
@@ -321,7 +327,7 @@ impl Table {
         &self,
         (block, levels): (&Block, usize),
         output: usize,
-        argument: &impl Fn(Variable) -> R,
+        argument: &dyn Fn(Variable) -> R,
         level: usize,
         side: Side,
     ) -> R {
@@ -356,7 +362,7 @@ impl Table {
     }
 
     /// The slopes on both sides of where the variable `level` is.
-    fn slopes<R: Real>(&self, output: usize, argument: &impl Fn(Variable) -> R, level: usize) -> [R; 2] {
+    fn slopes<R: Real>(&self, output: usize, argument: &dyn Fn(Variable) -> R, level: usize) -> [R; 2] {
         let from = |side| self.slope((&self.root, self.variables.len()), output, argument, level, side);
         [from(Side::Left), from(Side::Right)]
     }
