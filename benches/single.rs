@@ -17,13 +17,14 @@ mod hand {
 use hand::scalar::{self, Row};
 use hand::types::TYPES;
 use pintle_bench::worse;
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::batch::{Batch, COLUMNS};
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{
     Branch, Connector, Definition, Increment, Linear, Output, Request, State, Tally,
 };
 use pintle_kinematics::node::{DOFS, Node, Pair};
-use pintle_kinematics::scalar::{Differentiable, Wide};
+use pintle_kinematics::scalar::Wide;
 use pintle_kinematics::{so3, vector};
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -26,11 +26,12 @@ use crate::oracles::differences;
 use crate::oracles::differences::FIRST_STEP;
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::relation::{Form, Point, Quantity as Of, Relation, Row, place_of};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::scalar::{Differentiable, Scalar, U, Wide};
+use pintle_kinematics::scalar::{Scalar, U, Wide};
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector::{Matrix, Vector, add, apply, cross, product, scale, sub};
 

@@ -30,5 +30,7 @@ pub mod scalar;
 pub mod so3;
 pub mod vector;
 
+pub use compiled::Differentiable;
+
 /// The version of pintle, as every report states it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -68,7 +68,8 @@ pub use pintle_kinematics::{so3, vector};
 
 /// Numbers that carry derivatives.
 pub mod scalar {
-    pub use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded, U, Wide, elementary};
+    pub use pintle_kinematics::Differentiable;
+    pub use pintle_kinematics::scalar::{Duals, Real, Scalar, Seeded, U, Wide, elementary};
 }
 
 /// Connection types.

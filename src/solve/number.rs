@@ -1,7 +1,8 @@
 //! The numbers that a solution is computed on.
 
 use num_bigint::{BigInt, BigUint};
-use pintle_kinematics::scalar::{Differentiable, Real, Wide};
+use pintle_kinematics::Differentiable;
+use pintle_kinematics::scalar::{Real, Wide};
 use pintle_model::behavior::friction::Ordered;
 use std::cmp::Ordering;
 

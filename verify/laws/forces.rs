@@ -6,6 +6,7 @@ use crate::states::{
     types,
 };
 use crate::tolerance::WIDE;
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{
     Branch, Components, Connector, Definition, Evaluation, Flag, Increment, NodalRow, Request, State, Tally,
@@ -13,7 +14,7 @@ use pintle_kinematics::connector::{
 use pintle_kinematics::force::{ForceRows, Want};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Node, Pair};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, Vector, add, apply, column, cross, dot, identity, sub};
 

@@ -4,6 +4,7 @@
 use super::{Check, U};
 use crate::states::{Draw, turn};
 use pintle_audit::mpc::{exact, moved};
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{
     Connector, Definition, Increment, NodalRow, Output, Request, Tally, Turns,
@@ -15,7 +16,7 @@ use pintle_kinematics::mpc::{
 };
 use pintle_kinematics::node;
 use pintle_kinematics::node::{Node, Pair};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{

@@ -5,12 +5,13 @@ use super::Check;
 use super::mpc::{Case, Truth, cases, following};
 use crate::states::Draw;
 use pintle_audit::mpc::moved;
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::mpc::{
     Constraint, DOFS, Dofs, FLOW, Kind, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M, THETA_S, XM, XS,
     force,
 };
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, add, cross, dot, product, sub};
 

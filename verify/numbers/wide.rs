@@ -7,7 +7,8 @@
 
 use num_dual::{Dual, Dual2, Dual2SVec, DualNum, DualSVec};
 use num_traits::Num;
-use pintle_kinematics::scalar::{Differentiable, MAX_ORDER, Real, Scalar, Seeded, Series, Wide, elementary};
+use pintle_kinematics::scalar::Duals;
+use pintle_kinematics::scalar::{MAX_ORDER, Real, Scalar, Seeded, Series, Wide, elementary};
 use serde_json::Value;
 use std::sync::LazyLock;
 

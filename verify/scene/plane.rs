@@ -8,8 +8,9 @@ use pintle_kinematics::connector::{
     Branch, Components, Connector, Definition, Evaluation, Increment, Request, State, Tally,
 };
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
+use pintle_kinematics::scalar::Duals;
 use pintle_kinematics::scalar::elementary::{recip, sin_cos, sqrt};
-use pintle_kinematics::scalar::{Differentiable, Scalar, Seeded};
+use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_kinematics::vector::Matrix;
 use std::f64::consts::{PI, TAU};
 
@@ -214,7 +215,7 @@ fn plane_rates(draw: &mut Draw) -> [[f64; DOFS]; 2] {
 /// Values, rows, second derivatives and rates are those of the formulas of the plane.
 #[test]
 fn the_plane_by_its_own_formulas() {
-    type Dual = <f64 as Differentiable>::Hessian<8>;
+    type Dual = <f64 as Duals>::Hessian<8>;
     let [mut values, mut rows] = ["plane, values", "plane, rows"].map(Check::of);
     let [mut second, mut rate] = ["plane, second derivatives", "plane, rates"].map(Check::of);
     everywhere(|case, draw| {

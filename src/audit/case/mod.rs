@@ -5,13 +5,14 @@ pub mod hex;
 pub mod quantity;
 pub mod stage;
 
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{
     Branch, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns,
 };
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::Real;
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::scalar::{Differentiable, Real};
 use pintle_kinematics::so3::{self, turn};
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, add, apply, product, sub, transpose};

@@ -17,8 +17,9 @@ use crate::mutants::mutant::Mistake;
 use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::scalar::elementary::exp;
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_model::behavior::friction::{
     BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
 };

@@ -29,13 +29,14 @@ use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;
 
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Output, Request, Tally, Turns};
 use pintle_kinematics::measure::{SingularClass, Unit};
 use pintle_kinematics::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
     Turning, XM, XS,
 };
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{add, product, sub};

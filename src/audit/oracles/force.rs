@@ -8,13 +8,14 @@
 use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::oracles::truth::{Displaced, Truth};
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::Loading;
 use pintle_kinematics::connector::{Branch, Components, Connector, Mask, Output, Request, State, Tally};
 use pintle_kinematics::force::Want;
 use pintle_kinematics::node;
 use pintle_kinematics::node::{DOFS, Pair};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::scalar::{Differentiable, Scalar, Wide};
+use pintle_kinematics::scalar::{Scalar, Wide};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Vector, apply, dot, product, sub, transpose};
 use std::cell::LazyCell;

@@ -11,6 +11,7 @@ use crate::case::{Case, exact_branch, exact_state, moved};
 use crate::judge::bound::Bound;
 use crate::oracles::differences;
 use crate::oracles::differences::{FIRST_STEP, NOISE};
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{
     Branch, Components, Connector, Evaluation, Increment, Mask, NodalRow, Output, Request, State, Tally,
 };
@@ -18,7 +19,7 @@ use pintle_kinematics::measure::{Margin, Measure, SingularClass};
 use pintle_kinematics::node;
 use pintle_kinematics::node::dof_size;
 use pintle_kinematics::node::{DOFS, Dependence, Pair};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::vector::{
     Matrix, Vector, apply_transposed, product, sub, transpose, transposed_product,
 };

@@ -4,7 +4,7 @@ use crate::connector::{Components, Connector, Mask, Row, State, Tally};
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node;
 use crate::node::{DOFS, Dependence, Pair, Relative};
-use crate::scalar::{Differentiable, Real, Select};
+use crate::scalar::{Duals, Real, Select};
 use crate::so3;
 use crate::vector;
 use crate::vector::{Vector, add, dot, scale, sub};
@@ -72,28 +72,7 @@ impl<R: Real> Increment<R> {
 /// increment of half a turn, and no more than to matter within some 3e-6 rad of it.
 const LEAN: (i32, i32) = (1, 1_000_000);
 
-impl<R: Differentiable> Connector<R> {
-    /// The branch after `state`, which follows by `increment` the state that left `branch`.
-    ///
-    /// Turns are counted to the nearest, from where the whole turns of the nodes' own increments would have taken the angle. An
-    /// increment of exactly half a turn goes the way the nodes turned, or to the principal angle where that is not said.
-    pub fn advance(&self, state: &State<R>, increment: &Increment<R>, branch: &Branch<R>) -> Branch<R> {
-        self.follow(state, increment, branch, [true; 6], &mut Tally::default())
-    }
-
-    /// The same for the components in `wanted` only; what belongs to others stays as it was. Angles of one set of Cardan or
-    /// Euler angles are followed together. `tally` counts the work.
-    pub fn follow(
-        &self,
-        state: &State<R>,
-        increment: &Increment<R>,
-        branch: &Branch<R>,
-        wanted: Mask,
-        tally: &mut Tally,
-    ) -> Branch<R> {
-        R::follow(self, state, increment, branch, wanted, tally)
-    }
-
+impl<R: Duals> Connector<R> {
     /// Whether the history of these components depends on how the nodes turn: else [`Connector::follow`] does not read the increment.
     pub fn history_turns(&self, wanted: Mask) -> bool {
         self.follower().turns(wanted)
@@ -116,7 +95,7 @@ pub(crate) struct Follower<'a, R> {
     pub(super) section: &'a Section<R>,
 }
 
-impl<R: Differentiable> Follower<'_, R> {
+impl<R: Duals> Follower<'_, R> {
     /// [`Connector::history_turns`].
     fn turns(&self, wanted: Mask) -> bool {
         let rows = self.rows.iter().zip(wanted).filter(|(_, wanted)| *wanted);

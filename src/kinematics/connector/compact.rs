@@ -3,7 +3,7 @@
 use crate::connector::{Branch, Connector, Differentiation, Mask, State, Tally};
 use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, RelativeGradient, THETA_A, THETA_B, XA, XB};
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::vector::Vector;
 
 /// A row of nodal first derivatives as the parts it is made of. They are g and h, the derivatives by the relative translation and
@@ -55,21 +55,7 @@ impl CompactRow<f64> {
     }
 }
 
-impl<R: Differentiable> Connector<R> {
-    /// The rows of the components in `wanted`, in their order, of the residual of a constrained component and of the displacement
-    /// of any other. They are at `state` on the sheets of `branch`, which must be that of the state ([`Connector::advance`]). They
-    /// hold the entries of [`crate::connector::Evaluation::jacobian`] without the array of fourteen. Entries of degrees of freedom
-    /// beyond [`Connector::row_pattern`] have no meaning.
-    pub fn compact_rows(
-        &self,
-        state: &State<R>,
-        branch: &Branch<R>,
-        wanted: Mask,
-        tally: &mut Tally,
-    ) -> [Option<CompactRow<R>>; 6] {
-        R::compact_rows(self, state, branch, wanted, tally)
-    }
-
+impl<R: Duals> Connector<R> {
     pub(crate) fn compact_rows_any(
         &self,
         state: &State<R>,

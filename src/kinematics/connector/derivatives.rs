@@ -6,12 +6,12 @@ use crate::connector::{
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node;
 use crate::node::{DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
-use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::scalar::{Duals, Scalar, Seeded};
 use crate::vector;
 use crate::vector::{Vector, column};
 use num_dual::{Dual, DualSVec, HyperDual};
 
-impl<R: Differentiable> Connector<R> {
+impl<R: Duals> Connector<R> {
     pub(super) fn rates(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, request, .. } = *pass;
         let of_position = |k: usize| request.wants_any([Output::CV, Output::CA], k);
@@ -66,7 +66,7 @@ impl<R: Differentiable> Connector<R> {
         let Pass { state, history, chosen, request, .. } = *pass;
         if const { R::HAS_COMPILED_FORMULAS } && request.order == 1 {
             let mut rows = [Linear::default(); 6];
-            let count = self.linearize(&state.pair, &evaluation.branch, chosen, &mut rows);
+            let count = self.linearize_any(&state.pair, &evaluation.branch, chosen, &mut rows);
             tally.gradients += count as u64;
             for Linear { component, row, .. } in rows.iter().take(count) {
                 evaluation.jacobian[*component] = Some(*row);
@@ -197,7 +197,7 @@ impl<R: Differentiable> Connector<R> {
 
 /// Where measures are differentiated, and by which degrees of freedom.
 #[derive(Clone, Copy)]
-pub(crate) struct Differentiation<'a, R: Differentiable> {
+pub(crate) struct Differentiation<'a, R: Duals> {
     pub(crate) state: &'a State<R>,
     pub(crate) history: &'a History<R>,
     pub(crate) active: &'a [bool; DOFS],
@@ -258,7 +258,7 @@ impl Seeds {
 
     /// Evaluates those measures that depend on just these variations, on numbers with derivatives along them, and hands on their
     /// relative derivatives.
-    fn pass<R: Differentiable, S: Seeded<N, Real = R>, const N: usize>(
+    fn pass<R: Duals, S: Seeded<N, Real = R>, const N: usize>(
         self,
         (connector, state, history): (&Connector<R>, &State<R>, &History<R>),
         measures: &[(usize, Measure)],
@@ -293,7 +293,7 @@ impl Seeds {
 }
 
 /// A state that moves: measures evaluated on numbers with two time derivatives.
-struct Along<'a, R: Differentiable> {
+struct Along<'a, R: Duals> {
     connector: &'a Connector<R>,
     state: &'a State<R>,
     acceleration: &'a NodalRates<R>,
@@ -304,7 +304,7 @@ struct Along<'a, R: Differentiable> {
     measures: Vec<Measure>,
 }
 
-impl<'a, R: Differentiable> Along<'a, R> {
+impl<'a, R: Duals> Along<'a, R> {
     fn new(
         connector: &'a Connector<R>,
         state: &'a State<R>,
@@ -351,11 +351,7 @@ impl<'a, R: Differentiable> Along<'a, R> {
 }
 
 /// The relative pair along time.
-fn moving<R: Differentiable>(
-    pair: &Pair<R>,
-    rates: &RelativeRates<R>,
-    needed: Dependence,
-) -> Relative<R::Time> {
+fn moving<R: Duals>(pair: &Pair<R>, rates: &RelativeRates<R>, needed: Dependence) -> Relative<R::Time> {
     let zero = R::integer(0);
     let vector = |of: [[R; 3]; 2]| [0, 1, 2].map(|i| R::moving(zero, of[0][i], of[1][i]));
     let flow = [0, 1].map(|i| R::moving(zero, rates.flow[0][i], rates.flow[1][i]));
@@ -363,7 +359,7 @@ fn moving<R: Differentiable>(
 }
 
 /// The rate of a one-form, row·q̇, and its time derivative, row·q̈ + (row)˙·q̇.
-fn one_form_rates<R: Differentiable>(
+fn one_form_rates<R: Duals>(
     measure: Measure,
     state: &State<R>,
     acceleration: &NodalRates<R>,

@@ -4,7 +4,7 @@ use crate::connector::{Branch, Components, Connector, Increment, Mask, Row, Stat
 use crate::measure::{Margin, Measure, SingularClass, Unit};
 use crate::node::{DOFS, Pair};
 use crate::scalar::elementary::norm;
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::so3;
 use crate::vector;
 use crate::vector::{Matrix, column, dot, scale, sub};
@@ -333,7 +333,7 @@ const CERTAIN_PATH: f64 = 1e-9;
 /// certainty.
 pub const CERTAIN_TURNS: f64 = 0.1;
 
-impl<R: Differentiable> Connector<R> {
+impl<R: Duals> Connector<R> {
     /// The singular sets next to which the initial positions lay, so that rounding decided them.
     pub fn undetermined_origins(&self) -> &[Option<&'static str>; 6] {
         &self.kind.undetermined_origins

@@ -7,7 +7,7 @@ use crate::connector::{Branch, Components, Connector, Kind, Mask, NodalRow, Row}
 use crate::measure::formula::{Formula, Pass, Task, alone, cover};
 use crate::measure::{Measure, Shared};
 use crate::node::{DOFS, Dependence, Pair, RelativeGradient};
-use crate::scalar::{Differentiable, Real, Scalar, Seeded};
+use crate::scalar::{Duals, Real, Scalar, Seeded};
 use crate::vector;
 
 /// A value with its derivatives by the nodal degrees of freedom.
@@ -27,45 +27,7 @@ impl<R: Real> Default for Linear<R> {
     }
 }
 
-impl<R: Differentiable> Connector<R> {
-    /// Values and rows of the components in `wanted` that there are, in their order: of the residual of a constrained component, of
-    /// the position of any other. They are at the nodes `pair` on the sheets of `branch`, which must be that of the state
-    /// ([`Connector::advance`]). They go to the front of `out`, whose rest stays as it is; gives their number.
-    ///
-    /// Several times as fast as [`Connector::evaluate`], for there is no history, no request and no output that may be absent; the
-    /// numbers are the same. Offsets, turns and references are the caller's.
-    ///
-    /// ```
-    /// use pintle_kinematics::catalog::ConnectionType;
-    /// use pintle_kinematics::connector::{Connector, Definition, Linear};
-    /// use pintle_kinematics::node::{Node, Pair};
-    /// use pintle_kinematics::{so3, vector};
-    ///
-    /// let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
-    /// let turned = |angle| Pair {
-    ///     reference: [0.0; 3],
-    ///     a: node(vector::identity()),
-    ///     b: node(so3::matrix(so3::exp([angle, 0.0, 0.0]))),
-    /// };
-    /// let definition = Definition::new(ConnectionType::named("REVOLUTE", None)?, turned(0.0));
-    /// let connector = Connector::<f64>::new(&definition);
-    /// let mut rows = [Linear::default(); 6];
-    /// let count = connector.linearize(&turned(0.3), &connector.initial_branch(), [true; 6], &mut rows);
-    /// assert_eq!(count, 3);
-    /// assert_eq!((rows[0].component, rows[0].value), (3, 0.3)); // ur1
-    /// assert_eq!(rows[0].row[10..13], [1.0, 0.0, 0.0]); // ∂ur1/∂θb1, ∂ur1/∂θb2, ∂ur1/∂θb3
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn linearize(
-        &self,
-        pair: &Pair<R>,
-        branch: &Branch<R>,
-        wanted: Mask,
-        out: &mut [Linear<R>; 6],
-    ) -> usize {
-        R::linearize(self, pair, branch, wanted, out)
-    }
-
+impl<R: Duals> Connector<R> {
     pub(crate) fn linearize_any(
         &self,
         pair: &Pair<R>,
@@ -159,11 +121,6 @@ impl<R: Differentiable> Connector<R> {
         self.mask(measure, &mut out.row);
     }
 
-    /// The values of [`Connector::linearize`] alone, by component.
-    pub fn values(&self, pair: &Pair<R>, branch: &Branch<R>, wanted: Mask) -> Components<R> {
-        R::values(self, pair, branch, wanted)
-    }
-
     pub(crate) fn values_any(&self, pair: &Pair<R>, branch: &Branch<R>, wanted: Mask) -> Components<R> {
         if wanted == [true; 6] {
             return self.all_values(pair, branch);
@@ -247,7 +204,7 @@ impl Program {
 }
 
 /// The values of one formula, handed on with their rows.
-struct Values<'a, R: Differentiable, P> {
+struct Values<'a, R: Duals, P> {
     kind: &'a Kind<R>,
     pair: &'a Pair<R>,
     branch: &'a Branch<R>,
@@ -255,7 +212,7 @@ struct Values<'a, R: Differentiable, P> {
     put: &'a mut P,
 }
 
-impl<R: Differentiable, P: FnMut(usize, R)> Task for Values<'_, R, P> {
+impl<R: Duals, P: FnMut(usize, R)> Task for Values<'_, R, P> {
     #[inline(always)]
     fn run<F: Formula<M>, const M: usize>(self) {
         let Self { kind, pair, branch, rows, put } = self;
@@ -266,7 +223,7 @@ impl<R: Differentiable, P: FnMut(usize, R)> Task for Values<'_, R, P> {
 
 /// The values of a formula.
 #[inline(never)]
-fn evaluate<F: Formula<M>, R: Differentiable, const M: usize>(
+fn evaluate<F: Formula<M>, R: Duals, const M: usize>(
     kind: &Kind<R>,
     pair: &Pair<R>,
     branch: &Branch<R>,
@@ -277,7 +234,7 @@ fn evaluate<F: Formula<M>, R: Differentiable, const M: usize>(
 }
 
 /// The rows of one formula, to be written where the slots say.
-struct Rows<'a, R: Differentiable> {
+struct Rows<'a, R: Duals> {
     kind: &'a Kind<R>,
     pair: &'a Pair<R>,
     branch: &'a Branch<R>,
@@ -287,7 +244,7 @@ struct Rows<'a, R: Differentiable> {
     out: &'a mut [Linear<R>; 6],
 }
 
-impl<R: Differentiable> Task for Rows<'_, R> {
+impl<R: Duals> Task for Rows<'_, R> {
     #[inline(always)]
     fn run<F: Formula<M>, const M: usize>(self) {
         let Self { kind, pair, branch, slots, components, out } = self;
@@ -302,7 +259,7 @@ impl<R: Differentiable> Task for Rows<'_, R> {
 
 /// The values and rows of a formula, by the N relative variations from number `first` on.
 #[inline(never)]
-fn differentiate<F: Formula<M>, R: Differentiable, const M: usize, const N: usize>(
+fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
     kind: &Kind<R>,
     pair: &Pair<R>,
     branch: &Branch<R>,

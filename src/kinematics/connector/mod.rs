@@ -28,7 +28,7 @@ use crate::measure::{History, LOCK, Measure, Section, Shared, SingularClass, Uni
 use crate::node;
 use crate::node::{DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::lanes::{LANES, Lanes};
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::so3;
 use crate::vector;
 use crate::vector::Vector;
@@ -143,7 +143,7 @@ struct Row {
 
 /// One evaluation: the state, what its history decides, the components wanted and what is wanted of them.
 #[derive(Clone, Copy)]
-struct Pass<'a, R: Differentiable> {
+struct Pass<'a, R: Duals> {
     state: &'a State<R>,
     history: &'a History<R>,
     rows: &'a Components<Row>,
@@ -151,7 +151,7 @@ struct Pass<'a, R: Differentiable> {
     request: &'a Request,
 }
 
-impl<'a, R: Differentiable> Pass<'a, R> {
+impl<'a, R: Duals> Pass<'a, R> {
     /// The components chosen that there are.
     fn rows(&self) -> impl Iterator<Item = (usize, &'a Row)> + use<'a, R> {
         let (rows, chosen) = (self.rows, self.chosen);
@@ -183,7 +183,7 @@ struct Kind<R> {
 
 /// A connector on numbers of type R: `f64` for the product, [`crate::scalar::Wide`] for the truth.
 #[derive(Clone, Debug)]
-pub struct Connector<R: Differentiable> {
+pub struct Connector<R: Duals> {
     kind: Arc<Kind<R>>,
     /// The initial position of each component (principal); zero where there is none.
     initial: [R; 6],
@@ -270,12 +270,7 @@ pub struct Evaluation<R> {
     pub branch: Branch<R>,
 }
 
-impl<R: Differentiable> Connector<R> {
-    /// A connector from its definition. Angles of the initial state are principal.
-    pub fn new(definition: &Definition) -> Self {
-        R::make(definition)
-    }
-
+impl<R: Duals> Connector<R> {
     pub(crate) fn make(definition: &Definition) -> Self {
         let exact_node = |node: &node::Node<f64>| node::Node {
             displacement: vector::exact(node.displacement),
@@ -421,47 +416,6 @@ impl<R: Differentiable> Connector<R> {
         pair.varied(needed, zero, zero, [R::integer(0); 2])
     }
 
-    /// Evaluates what `request` names at `state`, which follows by `increment` the state that left `branch`; `tally` counts the
-    /// work.
-    pub fn evaluate(
-        &self,
-        state: &State<R>,
-        increment: &Increment<R>,
-        branch: &Branch<R>,
-        request: &Request,
-        tally: &mut Tally,
-    ) -> Evaluation<R> {
-        let next = self.advance(state, increment, branch);
-        self.evaluate_on(state, next, request, tally)
-    }
-
-    /// The same with the branch of the state itself, as [`Connector::follow`] gives it for the components of the request.
-    pub fn evaluate_on(
-        &self,
-        state: &State<R>,
-        next: Branch<R>,
-        request: &Request,
-        tally: &mut Tally,
-    ) -> Evaluation<R> {
-        let mut evaluation = Evaluation::empty(next);
-        R::evaluate(self, &mut evaluation, state, request, tally);
-        evaluation
-    }
-
-    /// The same, written over another evaluation.
-    pub fn evaluate_into(
-        &self,
-        evaluation: &mut Evaluation<R>,
-        state: &State<R>,
-        next: Branch<R>,
-        request: &Request,
-        tally: &mut Tally,
-    ) {
-        evaluation.clear();
-        evaluation.branch = next;
-        R::evaluate(self, evaluation, state, request, tally);
-    }
-
     /// Adds what a request names to an evaluation that has nothing but its branch.
     pub(crate) fn add_any(
         &self,
@@ -581,7 +535,7 @@ impl<R> Evaluation<R> {
     }
 
     /// Takes everything from it but its branch, in place: it is three kilobytes long.
-    fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         let Self {
             position,
             displacement,

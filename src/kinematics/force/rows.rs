@@ -8,7 +8,7 @@ use crate::force::Wrench;
 use crate::force::dual::dual_basis;
 use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB, skew};
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::so3;
 use crate::vector::{Matrix, Vector, add, apply, column, dot, identity, scale, sub};
 
@@ -57,41 +57,10 @@ pub struct ForceRows<R> {
     printed: Option<(PrintedMoment, [Vector<R>; 3])>,
 }
 
-impl<R: Differentiable> Connector<R> {
+impl<R: Duals> Connector<R> {
     /// Whether component k (0-based) has a force.
     pub fn has_force(&self, k: usize) -> bool {
         self.position_measure(k).is_some() && self.connection().loading(k).is_some()
-    }
-
-    /// The rows of virtual work of the components wanted, at a state and the branch that it left; `tally` counts the work.
-    ///
-    /// Rows hold the nodal forces of both ends, also of a ground node: those are the reactions of the ground. Degrees of freedom that a
-    /// two-dimensional connector does not have are zero.
-    ///
-    /// At singular points ([`Measure::singular_set`], which [`Connector::margins`] finds) rows are those of the minimal-norm
-    /// derivatives, or zero: finite, and flagged.
-    pub fn force_rows(
-        &self,
-        state: &State<R>,
-        branch: &Branch<R>,
-        components: Mask,
-        want: Want,
-        tally: &mut Tally,
-    ) -> ForceRows<R> {
-        self.force_rows_after(state, branch, components, want, None, tally)
-    }
-
-    /// The same beside an evaluation of the same state: what that has differentiated is taken over.
-    pub fn force_rows_after(
-        &self,
-        state: &State<R>,
-        branch: &Branch<R>,
-        components: Mask,
-        want: Want,
-        evaluation: Option<&Evaluation<R>>,
-        tally: &mut Tally,
-    ) -> ForceRows<R> {
-        R::force_rows(self, state, branch, components, want, evaluation, tally)
     }
 
     pub(crate) fn force_rows_any(

@@ -6,13 +6,13 @@ use crate::connector::{
 use crate::measure::{Margin, Unit};
 use crate::mpc::{Constraint, Evaluation, FLOW, Kind, RHO, ROWS, Rows, State, Turning, angle_between};
 use crate::scalar::elementary::norm;
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::so3;
 use crate::vector;
 use crate::vector::{cross, dot};
 use std::f64::consts::{PI, TAU};
 
-impl<R: Differentiable> Constraint<R> {
+impl<R: Duals> Constraint<R> {
     /// How far the relative rotation is from what the hinges allow (rad). One hinge: the angle of a carried by S to a carried by
     /// M. Two: how much the angle between the axes, a2 carried by S, differs from the initial one. `None` without hinges, where
     /// the residual tells it.

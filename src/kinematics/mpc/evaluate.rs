@@ -5,7 +5,7 @@ use crate::mpc::{
     Constraint, DOFS, Dofs, FLOW, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M, THETA_S, Translation,
     Turning, XM, XS,
 };
-use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::scalar::{Duals, Scalar, Seeded};
 use crate::so3;
 use crate::vector;
 use crate::vector::{Vector, add, dot, scale};
@@ -42,7 +42,7 @@ type Place = (usize, Option<usize>);
 const OF_ROTATION: [usize; 8] =
     [THETA_S, THETA_S + 1, THETA_S + 2, THETA_M, THETA_M + 1, THETA_M + 2, PHI, PHI + 1];
 
-impl<R: Differentiable> Evaluation<R> {
+impl<R: Duals> Evaluation<R> {
     fn new(angles: [Turns<R>; 2], taken: [R; 2]) -> Self {
         Self {
             residual: [None; ROWS],
@@ -100,7 +100,7 @@ impl<R: Differentiable> Evaluation<R> {
     }
 }
 
-impl<R: Differentiable> Constraint<R> {
+impl<R: Duals> Constraint<R> {
     /// The residual for nodes moved by nilpotent amounts.
     fn residual<S: Scalar<Real = R>>(&self, state: &State<R>, angles: [R; 2], moved: &Dofs<S>) -> Rows<S> {
         let part = |at: usize| [moved[at], moved[at + 1], moved[at + 2]];
@@ -135,20 +135,6 @@ impl<R: Differentiable> Constraint<R> {
             rows[FLOW] = Some(apart + moved[PSI_S] - moved[PSI_M]);
         }
         rows
-    }
-
-    /// Evaluates the constraint. The turns of an angle are counted to the nearest of `previous`, from where the whole turns of S
-    /// against M since then would have taken it. An increment of exactly half a turn goes the way S turned, or to the principal
-    /// angle where that is not said.
-    pub fn evaluate(
-        &self,
-        state: &State<R>,
-        previous: &[Turns<R>; 2],
-        turning: &Turning<R>,
-        request: &Request,
-        tally: &mut Tally,
-    ) -> Evaluation<R> {
-        R::constrain(self, state, previous, turning, request, tally)
     }
 
     pub(crate) fn evaluate_any(

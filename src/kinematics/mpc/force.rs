@@ -16,7 +16,7 @@ use crate::mpc::{
     Translation, XS,
 };
 use crate::node::skew;
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::vector::{Vector, cross, dot, scale};
 
 /// A matrix over the degrees of freedom.
@@ -30,7 +30,7 @@ fn part<R: Copy>(of: &Dofs<R>, at: usize) -> Vector<R> {
     [of[at], of[at + 1], of[at + 2]]
 }
 
-impl<R: Differentiable> Evaluation<R> {
+impl<R: Duals> Evaluation<R> {
     /// Rows with a multiplier, those without left out.
     fn loaded<'a>(
         &'a self,
@@ -96,7 +96,7 @@ pub struct Elimination<R> {
     solved: Rows<Dofs<R>>,
 }
 
-impl<R: Differentiable> Constraint<R> {
+impl<R: Duals> Constraint<R> {
     /// The degrees of freedom that the constraint makes dependent: those of S that it has. A LINK takes the displacement of S along
     /// which it points most; the first of equal ones \[R\].
     pub fn dependent(&self, state: &State<R>) -> [bool; DOFS] {
@@ -171,7 +171,7 @@ fn is_zero<R: Real>(x: R) -> bool {
     !R::holds(zero.less(x.magnitude()))
 }
 
-impl<R: Differentiable> Elimination<R> {
+impl<R: Duals> Elimination<R> {
     /// The multipliers that put given forces and moments on the dependent degrees of freedom: λ = J_d⁻ᵀ F_d. Forces on others are
     /// not looked at. What the constraint then puts on the others is [`Evaluation::nodal`] of them.
     pub fn multipliers(&self, forces: &Dofs<R>) -> Rows<R> {

@@ -54,7 +54,7 @@ pub use evaluate::Evaluation;
 pub use kind::{Entry, Kind, TABLE, Translation};
 pub(crate) use residual::turned;
 
-use crate::scalar::{Differentiable, Real};
+use crate::scalar::{Duals, Real};
 use crate::vector;
 use crate::vector::{Matrix, Vector, cross, dot, sub};
 
@@ -95,7 +95,7 @@ pub type Rows<T> = [Option<T>; ROWS];
 /// A multi-point constraint on numbers of type R.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(bound(serialize = "R: serde::Serialize", deserialize = "R: serde::Deserialize<'de>"))]
-pub struct Constraint<R: Differentiable> {
+pub struct Constraint<R: Duals> {
     kind: Kind,
     /// X_S − X_M.
     arm: Vector<R>,
@@ -163,7 +163,7 @@ impl<R: Real> Turning<R> {
     }
 }
 
-impl<R: Differentiable> Constraint<R> {
+impl<R: Duals> Constraint<R> {
     /// A constraint between nodes with these initial positions. The third and fourth, where the kind has them, give its axes, from
     /// M to J (UNIVERSAL: J1 and J2). Where they coincide with M the first is along the global z and the second along the global x
     /// (keyword *MPC). What the kind does not have is not looked at.
@@ -206,7 +206,7 @@ impl<R: Differentiable> Constraint<R> {
     }
 
     /// The same on another real number; exactly so from doubles.
-    pub fn exact<S: Differentiable>(&self) -> Constraint<S>
+    pub fn exact<S: Duals>(&self) -> Constraint<S>
     where
         R: Into<f64>,
     {

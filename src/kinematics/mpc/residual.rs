@@ -2,7 +2,7 @@
 
 use crate::mpc::{Constraint, State};
 use crate::scalar::elementary::{atan2, norm};
-use crate::scalar::{Differentiable, Scalar};
+use crate::scalar::{Duals, Scalar};
 use crate::so3;
 use crate::vector;
 use crate::vector::{Matrix, Vector, add, constant, cross, dot_real, sub};
@@ -13,7 +13,7 @@ pub(crate) fn turned<S: Scalar>(rotation: &Matrix<S::Real>, theta: Vector<S>) ->
     vector::product(&so3::matrix(so3::exp(theta)), &constant)
 }
 
-impl<R: Differentiable> Constraint<R> {
+impl<R: Duals> Constraint<R> {
     /// u_S − u_M, for nodes moved by x_S and x_M.
     pub(super) fn slip<S: Scalar<Real = R>>(
         &self,

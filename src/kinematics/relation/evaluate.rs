@@ -4,7 +4,7 @@ use crate::connector::{Output, Request, Tally};
 use crate::mpc::turned;
 use crate::relation::{Form, Point, Quantity, Relation, Share, Term, place_of};
 use crate::scalar::elementary::norm;
-use crate::scalar::{Differentiable, Scalar, Seeded};
+use crate::scalar::{Duals, Scalar, Seeded};
 use crate::so3;
 use crate::vector;
 use crate::vector::{
@@ -73,7 +73,7 @@ fn rho<S: Scalar>(axes: &Matrix<S::Real>, fixed: &[bool; 6], q: &Matrix<S>) -> V
     }
 }
 
-impl<R: Differentiable> Relation<R> {
+impl<R: Duals> Relation<R> {
     /// q of a term, of a node that is moved.
     fn quantity<S: Scalar<Real = R>>(term: &Term<R>, node: &Point<R>, moved: &Moved<S>) -> S {
         match term.quantity {
@@ -180,7 +180,7 @@ impl<R: Differentiable> Relation<R> {
 
     /// The derivatives of the residual by the degrees of freedom of two nodes, 0 and 1 of what is carried.
     fn by_two(&self, nodes: &[Point<R>]) -> Vec<[R; 12]> {
-        type Seeds<R> = <R as Differentiable>::Gradient<12>;
+        type Seeds<R> = <R as Duals>::Gradient<12>;
         let seeded = |place: usize| -> Moved<Seeds<R>> {
             std::array::from_fn(|j| match j {
                 0..6 if place < 2 => Seeds::<R>::seed(R::integer(0), 6 * place + j),
@@ -192,7 +192,7 @@ impl<R: Differentiable> Relation<R> {
 
     /// The same by a rotation of one node.
     fn by_turn(&self, nodes: &[Point<R>], of: usize) -> Vec<Vector<R>> {
-        type Seeds<R> = <R as Differentiable>::Gradient<3>;
+        type Seeds<R> = <R as Duals>::Gradient<3>;
         let seeded = |place: usize| -> Moved<Seeds<R>> {
             std::array::from_fn(|j| match j {
                 3..6 if place == of => Seeds::<R>::seed(R::integer(0), j - 3),
@@ -265,7 +265,7 @@ impl<R: Differentiable> Relation<R> {
     /// The derivatives of a term by the rotation of its node.
     fn of_rotation(term: &Term<R>, node: &Point<R>) -> Vector<R> {
         let zero = R::integer(0);
-        type Seeds<R> = <R as Differentiable>::Gradient<3>;
+        type Seeds<R> = <R as Duals>::Gradient<3>;
         let seeded: Moved<Seeds<R>> = std::array::from_fn(|j| match j {
             3..6 => Seeds::<R>::seed(zero, j - 3),
             _ => Seeds::<R>::zero(),

@@ -194,7 +194,7 @@ fn row<R: Real, const N: usize, const I: usize, const J: usize>(parts: Option<SM
 ///
 /// The catalogue is evaluated through these associated types only, so that another real number (vector lanes, a traced
 /// symbol) may bring dual numbers of its own.
-pub trait Differentiable: Real {
+pub trait Duals: Real {
     /// First derivatives in N directions.
     type Gradient<const N: usize>: Scalar<Real = Self> + Seeded<N>;
     /// First and second derivatives in N directions.
@@ -210,13 +210,11 @@ pub trait Differentiable: Real {
     fn moving(value: Self, velocity: Self, acceleration: Self) -> Self::Time;
     /// The first and second time derivative.
     fn rates(moving: Self::Time) -> (Self, Self);
-
-    crate::compiled::entry_points!(inline);
 }
 
 macro_rules! differentiable {
     ($($real:ty: $compiled:literal;)*) => { $(
-        impl Differentiable for $real {
+        impl Duals for $real {
             const HAS_COMPILED_FORMULAS: bool = $compiled;
             type Gradient<const N: usize> = FirstOrder<Self, N>;
             type Hessian<const N: usize> = SecondOrder<Self, N>;
@@ -231,8 +229,6 @@ macro_rules! differentiable {
             fn rates(moving: Self::Time) -> (Self, Self) {
                 (moving.v1, moving.v2)
             }
-
-            crate::compiled::entry_points!(inline(never));
         }
     )* };
 }
@@ -245,7 +241,7 @@ differentiable! {
 
 /// Dual numbers of plain arrays, in place of num-dual's: those ask of the number underneath an order and a conversion to `f64`,
 /// which four lanes do not have.
-impl<const FUSED: bool> Differentiable for Lanes<FUSED> {
+impl<const FUSED: bool> Duals for Lanes<FUSED> {
     type Gradient<const N: usize> = FirstOrder<Self, N>;
     type Hessian<const N: usize> = SecondOrder<Self, N>;
     type Time = SecondOrder<Self, 1>;

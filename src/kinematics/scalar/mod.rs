@@ -99,7 +99,7 @@ mod wide;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-pub use dual::{Differentiable, Seeded};
+pub use dual::{Duals, Seeded};
 pub use wide::Wide;
 
 /// u = 2⁻⁵³, the unit of rounding of `f64`.

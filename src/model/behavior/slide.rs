@@ -5,7 +5,8 @@ use crate::behavior::friction::{BeltInput, FLOW, Frictions, wrap_angle};
 use crate::behavior::state::{Behavior, History, Kinematics};
 use crate::behavior::{Conditions, Forces, Motion, Unknown};
 use pintle_kinematics::connector::{Components, Mask};
-use pintle_kinematics::scalar::{Differentiable, Scalar, Seeded};
+use pintle_kinematics::scalar::Duals;
+use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_kinematics::vector::{Vector, add};
 
 /// A friction at a state.
@@ -50,7 +51,7 @@ pub enum Wrap {
 impl Wrap {
     /// The angle between two segments that are given by their directions (the angle of wrap a decision of ours), with how it changes.
     pub(crate) fn measured(first: Vector<f64>, second: Vector<f64>) -> (f64, Self) {
-        type Moving = <f64 as Differentiable>::Gradient<6>;
+        type Moving = <f64 as Duals>::Gradient<6>;
         let seeded = |of: Vector<f64>, at: usize| [0, 1, 2].map(|i| Moving::seed(of[i], at + i));
         let (first, second) = (seeded(first, 0), seeded(second, 3));
         let zero = [0.0; 3].map(Moving::from_real);

@@ -11,8 +11,9 @@ use crate::behavior::law::{ForceKink, Law};
 use crate::behavior::slide::{Beyond, Slip, Wrap};
 use crate::behavior::state::{Behavior, History, Outcome};
 use crate::behavior::{Conditions, Motion, Unknown};
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Components, Mask, StopStatus};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded};
+use pintle_kinematics::scalar::{Real, Scalar, Seeded};
 use pintle_kinematics::vector::Vector;
 
 /// The slopes of component forces: ∂F_i/∂x_j, i and j from u1, u2, u3, ur1, ur2, ur3.

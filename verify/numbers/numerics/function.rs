@@ -1,6 +1,7 @@
 //! The functions under test, each on plain inputs, with first and second derivatives.
 
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded, elementary};
+use pintle_kinematics::Differentiable;
+use pintle_kinematics::scalar::{Real, Scalar, Seeded, elementary};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector};

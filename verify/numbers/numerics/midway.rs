@@ -2,7 +2,8 @@
 
 use super::U;
 use super::function::turned_matrix;
-use pintle_kinematics::scalar::{Differentiable, Seeded, Wide};
+use pintle_kinematics::Differentiable;
+use pintle_kinematics::scalar::{Seeded, Wide};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::Matrix;

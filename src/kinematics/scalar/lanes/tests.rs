@@ -2,7 +2,7 @@
 
 use crate::scalar::elementary::{atan2, atan2_opposite, elevation, norm};
 use crate::scalar::lanes::{FirstOrder, LANES, LaneMask, Lanes, Real, SecondOrder};
-use crate::scalar::{Differentiable, MAX_ORDER, Scalar, Seeded, Wide};
+use crate::scalar::{Duals, MAX_ORDER, Scalar, Seeded, Wide};
 use crate::so3;
 use crate::vector;
 use crate::vector::Matrix;
@@ -45,7 +45,7 @@ fused_and_not!(
 );
 
 type Second<const FUSED: bool, const N: usize> = SecondOrder<Lanes<FUSED>, N>;
-type One<const N: usize> = <f64 as Differentiable>::Hessian<N>;
+type One<const N: usize> = <f64 as Duals>::Hessian<N>;
 
 /// Two doubles are at most this many roundings of the larger one apart, or differ below the normal numbers. There the scaling of
 /// one double by a fixed power of two makes 0 of what that of lanes keeps: 1e-160 over 1e150.
@@ -311,8 +311,8 @@ fn angles_of_cosines<const FUSED: bool>() {
 
 fn rates_in_time<const FUSED: bool>() {
     let [x, v, a] = [1.0, 2.0, 3.0].map(|first| Lanes::<FUSED>([first, 5.0, -first, 0.5]));
-    let moving = Differentiable::moving(x, v, a);
-    assert_eq!((moving.real(), <Lanes<FUSED> as Differentiable>::rates(moving)), (x, (v, a)));
+    let moving = Duals::moving(x, v, a);
+    assert_eq!((moving.real(), <Lanes<FUSED> as Duals>::rates(moving)), (x, (v, a)));
 }
 
 /// Arctangents have errors of 2.4 u, sines and cosines of 1.8 u (measured), against the wide scalar: a constant that is wrong in

@@ -19,8 +19,10 @@ use crate::behavior::friction::root::slip_increment;
 use crate::behavior::friction::stick::{Limit, Stick, StickStiffness};
 use crate::behavior::friction::update::{Branch, Outcome, State, Status, THRESHOLD};
 use crate::behavior::friction::{Context, Ordered, capped, is_finite, is_zero};
+use pintle_kinematics::Differentiable;
+use pintle_kinematics::scalar::Duals;
 use pintle_kinematics::scalar::elementary::{abs, atan2, direction, exp_m1, norm, recip};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded};
+use pintle_kinematics::scalar::{Real, Scalar, Seeded};
 use pintle_kinematics::vector::{Vector, cross, dot, sub};
 use serde::Serialize;
 
@@ -119,7 +121,7 @@ impl Belt {
         angle: R,
         coefficient: R,
     ) -> (Point<Derivatives<R>>, Vec<Flag>) {
-        let seed = <R as Differentiable>::Hessian::<6>::seed;
+        let seed = <R as Duals>::Hessian::<6>::seed;
         let [first, second] = tension;
         let (point, flags) =
             self.at([seed(first, 0), seed(second, 1)], seed(angle, 2), Scalar::from_real(coefficient));
@@ -143,7 +145,7 @@ impl Belt {
         input: &BeltInput<'_, R>,
         branch: Branch,
     ) -> (Outcome<R>, BeltTangent<R>) {
-        let seed = <R as Differentiable>::Gradient::<INPUTS>::seed;
+        let seed = <R as Duals>::Gradient::<INPUTS>::seed;
         let seeded = BeltInput {
             flow: seed(input.flow, 0),
             tension: [seed(input.tension[0], 1), seed(input.tension[1], 2)],
@@ -278,7 +280,7 @@ impl Belt {
         S: Scalar,
         S::Real: Ordered + Differentiable,
     {
-        type Slope<R> = <R as Differentiable>::Gradient<1>;
+        type Slope<R> = <R as Duals>::Gradient<1>;
         let constant = |x: S| Slope::<S::Real>::from_real(x.real());
         let fixed = BeltInput {
             flow: constant(input.flow),

@@ -4,12 +4,13 @@ use crate::behavior::friction::derived::{Derived, Potential};
 use crate::behavior::friction::flags::{Flag, Flags};
 use crate::behavior::friction::{Context, Ordered, is_divisor, is_zero};
 use crate::behavior::table::{Table, Variable};
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::{
     Contact, CrossAxis, FORCE, Factor, Friction as Catalogued, FrictionCriterion, Load, PLANE, Quantity,
     SPATIAL,
 };
 use pintle_kinematics::scalar::elementary::{abs, norm, sin_cos};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded};
+use pintle_kinematics::scalar::{Real, Scalar, Seeded};
 use pintle_kinematics::vector::{cross, dot};
 use pintle_scene::Basis;
 

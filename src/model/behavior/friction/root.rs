@@ -2,7 +2,8 @@
 
 use crate::behavior::friction::flags::{Flag, Flags};
 use crate::behavior::friction::{Ordered, is_finite, is_zero};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar};
+use pintle_kinematics::Differentiable;
+use pintle_kinematics::scalar::{Real, Scalar};
 use std::cmp::Ordering;
 
 /// Δγ from p − ℓ(0) − Δγ = ℓ(Δγ) − ℓ(0), the first one met from stick, with its derivatives: p = P(f_tr)/K, ℓ = L/K.
@@ -137,8 +138,9 @@ impl<R: Ordered + Differentiable> Equations<R> {
 mod tests {
     use super::{Equations, SLOTS, first_root, slip_increment, sorted};
     use crate::behavior::friction::flags::{Flag, Flags};
+    use pintle_kinematics::scalar::Duals;
     use pintle_kinematics::scalar::elementary::{exp, recip};
-    use pintle_kinematics::scalar::{Differentiable, Scalar, Seeded};
+    use pintle_kinematics::scalar::{Scalar, Seeded};
     use std::cell::Cell;
 
     /// Each once, in increasing order; a table of a hundred thousand rows costs no time.
@@ -185,7 +187,7 @@ mod tests {
     /// force and −x/(K + L′) by the stiffness.
     #[test]
     fn slips_have_their_derivatives() {
-        type Number = <f64 as Differentiable>::Gradient<2>;
+        type Number = <f64 as Duals>::Gradient<2>;
         let count = Cell::new(0);
         let steep = |x: f64| 1.5 * (-x / 2.0).exp();
         let mut flags = Flags::default();

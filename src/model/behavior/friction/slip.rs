@@ -10,8 +10,10 @@ use crate::behavior::friction::stretch::Stretch;
 use crate::behavior::friction::update::{Friction, Input};
 use crate::behavior::friction::{Context, Ordered, is_zero, largest};
 use crate::behavior::table::Variable;
+use pintle_kinematics::Differentiable;
+use pintle_kinematics::scalar::Duals;
 use pintle_kinematics::scalar::elementary::{direction, norm, recip};
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded};
+use pintle_kinematics::scalar::{Real, Scalar, Seeded};
 
 /// A solution of the slip equations.
 pub(super) struct Slip<S> {
@@ -57,7 +59,7 @@ where
 
     /// ℓ after a real slip and its derivative, everything else being fixed.
     fn limit_and_slope(&self, increment: S::Real) -> (S::Real, S::Real) {
-        type Slope<R> = <R as Differentiable>::Gradient<1>;
+        type Slope<R> = <R as Duals>::Gradient<1>;
         let constant = |x: S| Slope::<S::Real>::from_real(x.real());
         let input = self.input.map(constant);
         let seeded = Slope::<S::Real>::seed(increment, 0);
@@ -172,7 +174,7 @@ where
         let n = self.radii.len();
         let zero = S::Real::integer(0);
         let unit = self.stick.stiffness().real();
-        let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Differentiable>::Hessian::<6>::seed(t[k], k));
+        let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Duals>::Hessian::<6>::seed(t[k], k));
         let context = self.input.context.map(|x| Scalar::from_real(x.real()));
         let p = potential.evaluate(&seeded, Scalar::from_real(unit), &context, &mut Flags::default());
         let (gradient, hessian) = (p.gradient(), p.hessian());
@@ -295,8 +297,8 @@ where
 
     /// ∂P/∂f at real t, as K moves, and as the scale factors of derived components move with the context.
     fn gradient(&self, potential: &Potential, t: &[S::Real; 6]) -> [S; 6] {
-        type First<R> = <R as Differentiable>::Gradient<6>;
-        type Mixed<R> = <R as Differentiable>::Hessian<2>;
+        type First<R> = <R as Duals>::Gradient<6>;
+        type Mixed<R> = <R as Duals>::Hessian<2>;
         let seeded = [0, 1, 2, 3, 4, 5].map(|k| First::<S::Real>::seed(t[k], k));
         let (context, stiffness) = (&self.input.context, self.stick.stiffness());
         let still = context.map(|x| First::<S::Real>::from_real(x.real()));
@@ -376,7 +378,7 @@ where
         let share = low;
         let mut lifted = S::from_real(share);
         if zero.less(high) {
-            type Slope<R> = <R as Differentiable>::Gradient<1>;
+            type Slope<R> = <R as Duals>::Gradient<1>;
             let constant = |x: S| Slope::<S::Real>::from_real(x.real());
             let seeded = Slope::<S::Real>::seed(share, 0);
             let slip = (Slope::<S::Real>::one() - seeded).scale(whole.real());

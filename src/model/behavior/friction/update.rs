@@ -20,8 +20,9 @@ use crate::behavior::friction::flags::{Flag, Flags};
 use crate::behavior::friction::slip::{Problem, Slip};
 use crate::behavior::friction::stick::{Limit, StickStiffness};
 use crate::behavior::friction::{Context, Ordered, is_finite, length};
+use pintle_kinematics::Differentiable;
 use pintle_kinematics::scalar::elementary::recip;
-use pintle_kinematics::scalar::{Differentiable, Real, Scalar, Seeded};
+use pintle_kinematics::scalar::{Real, Scalar, Seeded};
 use serde::{Deserialize, Serialize};
 
 /// A trial traction this near to the limit, relative to it, is flagged.

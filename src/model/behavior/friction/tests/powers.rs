@@ -4,11 +4,12 @@ use crate::behavior::friction::derived::{Contribution, Derived, DerivedPart, For
 use crate::behavior::friction::flags::{Flag, Flags};
 use crate::behavior::friction::stretch::Stretch;
 use crate::behavior::friction::{Context, Ordered};
-use pintle_kinematics::scalar::{Differentiable, Scalar, Seeded};
+use pintle_kinematics::scalar::Duals;
+use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_scene::{Operator, PotentialFunction, PotentialOperator};
 
-type First = <f64 as Differentiable>::Gradient<6>;
-type Second = <f64 as Differentiable>::Hessian<6>;
+type First = <f64 as Duals>::Gradient<6>;
+type Second = <f64 as Duals>::Hessian<6>;
 
 /// |f_k/R|^α.
 pub(super) fn term(k: usize, scale: f64, exponent: f64) -> Contribution {
