@@ -7,6 +7,7 @@ use crate::connector::{
 use crate::force::{ForceRows, Want};
 use crate::mpc::{self, Constraint, Turning};
 use crate::node::Pair;
+use crate::relation::{Point, Relation, Row};
 use crate::scalar::lanes::Lanes;
 use crate::scalar::{Duals, Wide};
 
@@ -105,6 +106,17 @@ macro_rules! entry_points {
             tally: &mut Tally,
         ) -> mpc::Evaluation<Self> {
             constraint.evaluate_any(state, previous, turning, request, tally)
+        }
+
+        #[$($inline)+]
+        #[doc(hidden)]
+        fn relate(
+            relation: &Relation<Self>,
+            nodes: &[Point<Self>],
+            request: &Request,
+            tally: &mut Tally,
+        ) -> Vec<Row<Self>> {
+            relation.evaluate_any(nodes, request, tally)
         }
     };
 }
@@ -294,5 +306,12 @@ impl<R: Differentiable> Constraint<R> {
         tally: &mut Tally,
     ) -> mpc::Evaluation<R> {
         R::constrain(self, state, previous, turning, request, tally)
+    }
+}
+
+impl<R: Differentiable> Relation<R> {
+    /// Evaluates the relation with its nodes, in their order.
+    pub fn evaluate(&self, nodes: &[Point<R>], request: &Request, tally: &mut Tally) -> Vec<Row<R>> {
+        R::relate(self, nodes, request, tally)
     }
 }

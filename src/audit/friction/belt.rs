@@ -17,11 +17,10 @@ use crate::mutants::mutant::Mistake;
 use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
-use pintle_kinematics::Differentiable;
 use pintle_kinematics::scalar::elementary::exp;
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_model::behavior::friction::{
-    BeltInput, BeltTangent, Branch, Derivatives, FLOW, Ordered, Outcome, State, Status, StickStiffness,
+    BeltInput, BeltTangent, Branch, Derivatives, FLOW, Frictional, Outcome, State, Status, StickStiffness,
 };
 
 /// What an increment of a belt depends on.
@@ -76,11 +75,11 @@ impl BeltCase {
         point
     }
 
-    fn values<R: Ordered>(&self, [first, second, angle]: [R; 3], coefficient: f64) -> [R; 4] {
+    fn values<R: Frictional>(&self, [first, second, angle]: [R; 3], coefficient: f64) -> [R; 4] {
         parts(self.belt.at([first, second], angle, R::from_f64(coefficient)).0)
     }
 
-    fn derivatives<R: Ordered + Differentiable>(
+    fn derivatives<R: Frictional>(
         &self,
         [first, second, angle]: [R; 3],
         coefficient: f64,

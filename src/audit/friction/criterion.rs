@@ -9,10 +9,9 @@ use crate::mutants::mutant::Mistake;
 use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
-use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::FORCE;
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
-use pintle_model::behavior::friction::{Criterion, Derivatives, Ordered, Point, Tangential};
+use pintle_model::behavior::friction::{Criterion, Derivatives, Frictional, Point, Tangential};
 
 /// What is judged of a criterion, by name.
 pub(super) const PARTS: [&str; 4] = ["P", "F_C", "F_N", "Φ"];
@@ -32,7 +31,7 @@ pub(super) fn magnitudes(values: &[f64; 4]) -> Vec<f64> {
 }
 
 impl FrictionCase {
-    pub(super) fn derivatives<R: Ordered + Differentiable>(
+    pub(super) fn derivatives<R: Frictional>(
         &self,
         criterion: &Criterion,
         forces: &[R; 6],
@@ -41,7 +40,7 @@ impl FrictionCase {
         parts(criterion.derivatives(forces, coefficient, self.friction.maximum, &self.context()).0)
     }
 
-    fn values<R: Ordered>(&self, forces: &[R; 6]) -> [R; 4] {
+    fn values<R: Frictional>(&self, forces: &[R; 6]) -> [R; 4] {
         let coefficient = R::from_f64(self.coefficient);
         let at = self.friction.criterion.at(forces, coefficient, self.friction.maximum, &self.context());
         parts(at.0)

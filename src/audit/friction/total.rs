@@ -10,11 +10,10 @@ use crate::judge::slopes::{Argument, Held, Output, Slopes};
 use crate::mutants::mutant::Mistake;
 use crate::oracles::differences::FIRST_STEP;
 use crate::settings::Settings;
-use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_model::behavior::friction;
-use pintle_model::behavior::friction::{BeltInput, Branch, Context, FLOW, Input, Ordered};
+use pintle_model::behavior::friction::{BeltInput, Branch, Context, FLOW, Frictional, Input};
 use pintle_model::behavior::state::{Behavior, Outcome};
 use pintle_model::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
 
@@ -132,12 +131,12 @@ impl Total<'_> {
     }
 
     /// CTF after input j has moved.
-    fn forces<R: Ordered + Differentiable>(&self, j: usize, h: R, on: OnBranch) -> [R; 6] {
+    fn forces<R: Frictional>(&self, j: usize, h: R, on: OnBranch) -> [R; 6] {
         self.forces_while(j, h, on, false)
     }
 
     /// CTF after input j has moved, where what presses on frictions moves with it or `holds`.
-    fn forces_while<R: Ordered + Differentiable>(&self, j: usize, h: R, on: OnBranch, holds: bool) -> [R; 6] {
+    fn forces_while<R: Frictional>(&self, j: usize, h: R, on: OnBranch, holds: bool) -> [R; 6] {
         let mut forces = self.laws(&self.motion(j, h));
         if let Some(k) = j.checked_sub(REACTION).filter(|k| *k < 6 && self.tangent.reacting[*k]) {
             forces[k] = forces[k] + h;
@@ -171,7 +170,7 @@ impl Total<'_> {
     }
 
     /// The slopes after input j has moved, by the chain rule.
-    fn slopes<R: Ordered + Differentiable>(&self, j: usize, h: R, on: OnBranch) -> Vec<Vec<R>> {
+    fn slopes<R: Frictional>(&self, j: usize, h: R, on: OnBranch) -> Vec<Vec<R>> {
         let zero = R::integer(0);
         let mut found = vec![vec![zero; INPUTS]; 6];
         let laws = self.behavior.tangent(&self.motion(j, h), self.conditions, None, self.outcome.failed);

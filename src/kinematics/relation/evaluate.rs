@@ -134,8 +134,12 @@ impl<R: Duals> Relation<R> {
         }
     }
 
-    /// Evaluates the relation with its nodes, in their order.
-    pub fn evaluate(&self, nodes: &[Point<R>], request: &Request, tally: &mut Tally) -> Vec<Row<R>> {
+    pub(crate) fn evaluate_any(
+        &self,
+        nodes: &[Point<R>],
+        request: &Request,
+        tally: &mut Tally,
+    ) -> Vec<Row<R>> {
         let zero = R::integer(0);
         let along = |accelerates: bool| {
             move |place: usize| -> Moved<R::Time> {

@@ -114,8 +114,7 @@ impl Belt {
         (Point { tangential, contact: held, normal: held, criterion: tangential - limit }, flags.into_vec())
     }
 
-    /// The same with exact first and second derivatives with respect to T1, T2 and α, in this order; the others are zero.
-    pub fn derivatives<R: Ordered + Differentiable>(
+    pub(super) fn derivatives_any<R: Ordered + Differentiable>(
         &self,
         tension: [R; 2],
         angle: R,
@@ -128,18 +127,7 @@ impl Belt {
         (parts::<R>(point), flags)
     }
 
-    /// The increment from a state.
-    pub fn update<R: Ordered + Differentiable>(
-        &self,
-        state: &State<R>,
-        input: &BeltInput<'_, R>,
-        branch: Branch,
-    ) -> Outcome<R> {
-        self.advance(state, input, branch)
-    }
-
-    /// The increment from a state with its exact consistent tangent.
-    pub fn tangent<R: Ordered + Differentiable>(
+    pub(super) fn tangent_any<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &BeltInput<'_, R>,
@@ -181,7 +169,12 @@ impl Belt {
         (coefficient, Limit::new(factors, self.maximum, flags), rate)
     }
 
-    fn advance<S>(&self, state: &State<S::Real>, input: &BeltInput<'_, S>, branch: Branch) -> Outcome<S>
+    pub(super) fn advance<S>(
+        &self,
+        state: &State<S::Real>,
+        input: &BeltInput<'_, S>,
+        branch: Branch,
+    ) -> Outcome<S>
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,

@@ -569,8 +569,7 @@ impl Criterion {
         abs(signed)
     }
 
-    /// P, F_C, F_N and Φ with exact first and second derivatives with respect to the forces.
-    pub fn derivatives<R: Ordered + Differentiable>(
+    pub(super) fn derivatives_any<R: Ordered + Differentiable>(
         &self,
         forces: &[R; 6],
         coefficient: R,

@@ -20,6 +20,7 @@
 mod belt;
 mod build;
 mod coefficient;
+mod compiled;
 mod criterion;
 mod derived;
 mod flags;
@@ -35,6 +36,7 @@ mod update;
 pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
 pub use build::{Frictions, of_behavior};
 pub use coefficient::{Coefficient, CoefficientError};
+pub use compiled::Frictional;
 pub use criterion::FactorMistake;
 pub use criterion::{
     ContactParts, Criterion, Derivatives, Internal, ParameterError, Point, Pressing, Tangential, Term,

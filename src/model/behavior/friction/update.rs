@@ -246,49 +246,7 @@ pub(super) struct Limited<S> {
 }
 
 impl Friction {
-    /// The increment from a state.
-    pub fn update<R: Ordered + Differentiable>(
-        &self,
-        state: &State<R>,
-        input: &Input<'_, R>,
-        branch: Branch,
-    ) -> Outcome<R> {
-        self.advance(state, input, branch)
-    }
-
-    /// The increment from a state with its exact consistent tangent.
-    ///
-    /// ```
-    /// use pintle_model::behavior::friction::{Branch, Coefficient, Context, Criterion, Friction, Input, State, Status, StickStiffness};
-    /// use pintle_kinematics::catalog::ConnectionType;
-    /// let slot = ConnectionType::named("SLOT", None)?.friction.ok_or("no friction")?;
-    /// let criterion = Criterion::predefined(&slot, &[], &[], false)?.remove(0);
-    /// let stick_stiffness = StickStiffness::Given(1e4);
-    /// let friction =
-    ///     Friction { criterion, coefficient: Coefficient::Constant(0.5), maximum: None, stick_stiffness, radius: 1.0 };
-    /// let input = Input {
-    ///     displacement: [0.1, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ///     forces: [0.0, 3.0, 4.0, 0.0, 0.0, 0.0],
-    ///     duration: None,
-    ///     context: Context::default(),
-    /// };
-    /// let (outcome, tangent) = friction.tangent(&State::default(), &input, Branch::Decided);
-    /// assert_eq!((outcome.status, outcome.force[0]), (Status::Slip, 2.5)); // μ F_N = 0.5 · 5
-    /// assert_eq!(tangent.force[0].displacement[0], 0.0);
-    /// assert_eq!(tangent.force[0].forces[1..3], [0.3, 0.4]); // μ ∂F_N/∂λ
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn tangent<R: Ordered + Differentiable>(
-        &self,
-        state: &State<R>,
-        input: &Input<'_, R>,
-        branch: Branch,
-    ) -> (Outcome<R>, Tangent<R>) {
-        self.tangent_while(state, input, branch, [false; 6])
-    }
-
-    /// The same where some components slide no more: their positions and motions move, and no slip follows.
-    pub fn tangent_while<R: Ordered + Differentiable>(
+    pub(super) fn tangent_any<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &Input<'_, R>,
@@ -336,8 +294,7 @@ impl Friction {
         }
     }
 
-    /// F_N and the limit after the slip Δγ, at the contact force of an increment.
-    pub fn limit_after<R: Ordered + Differentiable>(
+    pub(super) fn limit_any<R: Ordered + Differentiable>(
         &self,
         state: &State<R>,
         input: &Input<'_, R>,
@@ -381,7 +338,12 @@ impl Friction {
     }
 
     /// The increment on any scalar with at most first derivatives.
-    fn advance<S>(&self, state: &State<S::Real>, input: &Input<'_, S>, branch: Branch) -> Outcome<S>
+    pub(super) fn advance<S>(
+        &self,
+        state: &State<S::Real>,
+        input: &Input<'_, S>,
+        branch: Branch,
+    ) -> Outcome<S>
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
