@@ -569,6 +569,18 @@ impl Diagnostic {
         self
     }
 
+    /// The same without the count of those that are not told, and that count.
+    #[must_use]
+    pub fn without_unsaid(mut self) -> (Self, usize) {
+        let unsaid = std::mem::take(&mut self.0.unsaid);
+        (self, unsaid)
+    }
+
+    /// Counts another that is not told.
+    pub(crate) fn count_another(&mut self) {
+        self.0.unsaid += 1;
+    }
+
     /// The same, with what to do about it.
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
@@ -619,6 +631,14 @@ impl Diagnostic {
     #[must_use]
     pub fn elements(&self) -> &[Label] {
         &self.0.elements
+    }
+
+    /// The connectors that it is about besides the one that the message names, in words.
+    #[must_use]
+    pub fn others(&self) -> String {
+        let mut elements = self.elements().to_vec();
+        elements.dedup();
+        crate::grammar::and_others("element", elements.get(1..).unwrap_or_default())
     }
 
     /// Names the file, and that of the other place where it is a different one.
@@ -871,7 +891,7 @@ impl Display for Diagnostic {
             }
             formatter.write_str(" ")?;
         }
-        formatter.write_str(&parts.message)
+        write!(formatter, "{}{}", parts.message, self.others())
     }
 }
 

@@ -124,6 +124,17 @@ pub fn shape(text: &str) -> String {
     text.split_whitespace().map(|word| if open(word) { "#" } else { word }).collect::<Vec<_>>().join(" ")
 }
 
+/// " (and so on for 199 other elements: 2, 3, 4 …)", the first three by name; nothing where there are no others.
+pub fn and_others(what: &str, others: &[impl Display]) -> String {
+    let names: Vec<String> = others.iter().take(3).map(ToString::to_string).collect();
+    let (several, rest) =
+        (if others.len() == 1 { "" } else { "s" }, if others.len() > 3 { " …" } else { "" });
+    match others.len() {
+        0 => String::new(),
+        count => format!(" (and so on for {count} other {what}{several}: {}{rest})", names.join(", ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{agree, count, number, ranges, shape, with_article};

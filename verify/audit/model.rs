@@ -56,7 +56,11 @@ fn a_finding_names_every_connector_in_what_it_is_about() {
     let warned = audited("named-warning", &explicit, "", &[]);
     let [controls] = of(&warned, Code::ControlsNotInExplicit)[..] else { panic!("{:?}", warned.findings) };
     assert_eq!(labels(controls), both);
-    assert!(controls.message().ends_with("(and so on for 1 other element)"), "{}", controls.message());
+    assert!(
+        controls.message().ends_with("(and so on for 1 other element: \"My part\".102)"),
+        "{}",
+        controls.message()
+    );
     let refused = deck.replace("SLOT\nO,", "SLOT");
     let refused = audited("named-error", &refused, "", &[]);
     let [orientation] = of(&refused, Code::OrientationRequired)[..] else { panic!("{:?}", refused.findings) };

@@ -321,6 +321,18 @@ fn every_key_and_flag_is_explained() {
     let [deck, states] = ["inp", "csv"].map(|ending| format!("{driven}.{ending}"));
     for words in [
         &["eval", "gallery:seat_belt", "--show", "3", "--order", "2", "--format", "json"][..],
+        &[
+            "eval",
+            "gallery:slider_crank",
+            "--show",
+            "3",
+            "--order",
+            "2",
+            "--outputs",
+            "ALL",
+            "--format",
+            "json",
+        ],
         &["eval", &deck, "--states", &states, "--format", "json"],
         &[
             "audit",

@@ -112,7 +112,8 @@ fn no_file_is_overwritten_unasked() {
 fn what_cannot_be_written_has_one_exit_code() {
     use std::process::Stdio;
     let full = || fs::File::options().write(true).open("/dev/full").unwrap();
-    for words in [&["eval", "gallery:hinge_pendulum"][..], &["list"], &["export", "HINGE", "--as", "c"]] {
+    let export = &["export", "HINGE", "--as", "c"];
+    for words in [&["eval", "gallery:hinge_pendulum"][..], &["list"], export, &["--help"], &["--version"]] {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_pintle"));
         let output = command.args(words).stdout(Stdio::from(full())).output().unwrap();
         assert_eq!(output.status.code(), Some(7), "{words:?}");
@@ -122,6 +123,9 @@ fn what_cannot_be_written_has_one_exit_code() {
         let refused = pintle(&convert).arg(file).assert().code(7);
         assert!(stderr(&refused).contains(file), "{}", stderr(&refused));
     }
+    let twice = ["eval", "gallery:hinge_pendulum", "--jacobian", "one", "--save-branches", "one", "--force"];
+    assert!(stderr(&pintle(&twice).assert().code(7)).contains("twice"));
+    assert!(!Path::new("one").exists());
     let written = pintle(&convert).arg("/dev/stdout").assert().code(0);
     assert!(written.get_output().stdout.len() > 100);
 }

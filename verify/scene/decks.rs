@@ -18,6 +18,9 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         "*NODE, NSET=FAR\n11, 5., 0., 0.\n12, 6., 0., 0.\n*ELEMENT, TYPE=T3D2, ELSET=BARS\n1, 11, 12\n";
     let cases = [
         ("*BOUNDARY\nFAR, 11, 11, 20.\n1, 8\n", "*BOUNDARY of degree of freedom"),
+        ("*BOUNDARY\n11, 8, 9\n", "*BOUNDARY of degrees of freedom 8 to 9"),
+        ("*BOUNDARY\n11, NOWARP\n12, NOOVAL\n", "*BOUNDARY NOWARP"),
+        ("*PARAMETER\nw = 2*sqrt(2.)\n*NODE\n700, <w>, 0., 0.\n", ""),
         ("*STEP\n*CLOAD\n1, 9, 2.\n11, 11, 1.\n*END STEP\n", "*CLOAD of degree of freedom"),
         ("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nFAR, 20.\n", "INITIAL CONDITIONS"),
         ("*ORIENTATION, NAME=D\nField\n3, 0.\n", "*ORIENTATION by a distribution"),
@@ -59,7 +62,7 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         assert!(scene.orientation_errors().is_empty() && scene.connectors.len() == 1, "{lines}");
         counted += 1;
     }
-    assert_eq!(counted, 23);
+    assert_eq!(counted, 26);
 }
 
 /// What acts on a node of a connector is an error, or read.
@@ -182,6 +185,67 @@ fn names_may_be_qualified_by_the_assembly() {
     let scene = read(deck);
     assert_eq!(scene.connectors[&Label::from(1)].a.unwrap().to_string(), "LINK-1.2");
     assert_eq!((scene.node_sets["BOTH"].labels.len(), scene.boundaries.len()), (2, 2));
+}
+
+/// Keywords of programs that are skipped and resemble ones that are read are no misspelling; what is one is told, each with a remedy.
+#[test]
+fn keywords_of_other_subjects_are_no_misspelling() {
+    let others =
+        ["DISTRIBUTION", "DISTRIBUTION TABLE", "BOUNDARYF", "TRANSFORMF", "FILE OUTPUT", "POST OUTPUT"];
+    let misspelt = ["CONECTOR SECTION", "ORIENTATON", "BOUNDRY"];
+    let of = |keyword: &str| read(&format!("{HINGE}*{keyword}, NAME=D\n1, 2\n")).warnings.len();
+    for keyword in others {
+        assert_eq!(of(keyword), 0, "{keyword}");
+    }
+    for keyword in misspelt {
+        assert_eq!(of(keyword), 1, "{keyword}");
+    }
+}
+
+/// However many warnings of one code there are, those of others are kept, and the first counts the rest.
+#[test]
+fn a_flood_of_one_warning_hides_no_other() {
+    let deck = format!("{HINGE}{}*CONECTOR STOP\n1\n", "*CONNECTR LOAD\n1, 1, 1.\n".repeat(300));
+    let deck = deck + "*STEP\n*MODEL CHANGE, REMOVE\nE\n*END STEP\n";
+    let scene = read(&deck);
+    let [misspelt, removed]: [Vec<_>; 2] = [Code::MisspeltKeyword, Code::NotFollowed]
+        .map(|code| scene.warnings.iter().filter(|warning| warning.code() == code).collect());
+    assert_eq!((misspelt.len(), removed.len()), (pintle_scene::MAX_WARNINGS, 1));
+    assert_eq!(misspelt[0].unsaid() + misspelt.len(), 301);
+}
+
+/// Paths of files that an included file includes count from it, or from the deck.
+#[test]
+fn included_files_are_found_from_the_deck() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("nested-include");
+    std::fs::create_dir_all(folder.join("a/b")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("a/b/from_deck.inp", "*NODE\n21, 1., 0., 0.\n");
+    write("a/b/from_file.inp", "*NODE\n22, 2., 0., 0.\n");
+    write("a/mesh.inp", "*INCLUDE, INPUT=a/b/from_deck.inp\n*INCLUDE, INPUT=b/from_file.inp\n");
+    write("deck.inp", &format!("{HINGE}*INCLUDE, INPUT=a/mesh.inp\n"));
+    let scene = Scene::read(&folder.join("deck.inp")).unwrap();
+    assert_eq!((scene.nodes.len(), scene.files.len()), (4, 4));
+    write("a/mesh.inp", "*INCLUDE, INPUT=b/not_there.inp\n");
+    assert_eq!(Scene::read(&folder.join("deck.inp")).unwrap_err().code(), Code::IncludeUnreadable);
+}
+
+/// Where nothing is left to evaluate, what was not read is named; what is skipped of a keyword is said by `eval`, too.
+#[test]
+fn what_is_skipped_is_said() {
+    let pintle = |name: &str, text: &str| {
+        let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        std::fs::write(&file, text).unwrap();
+        let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_pintle"));
+        let output = command.args(["eval", "-v", file.to_str().unwrap()]).output().unwrap();
+        let told = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), told)
+    };
+    let (code, told) = pintle("only-tie.inp", "*NODE\n1, 0., 0., 0.\n*TIE, NAME=T\nA, B\n");
+    assert!(code == Some(4) && told.contains("not read: *TIE (line 3)"), "{code:?} {told}");
+    let (code, told) = pintle("skipped.inp", &format!("{HINGE}*BOUNDARY\n1, 8, 9\n1, 11\n"));
+    assert!(code == Some(0) && told.contains("2 skipped parameters and lines"), "{code:?} {told}");
+    assert!(told.contains("*BOUNDARY of degrees of freedom 8 to 9"), "{told}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::model::finding::{About, Finding};
 use crate::model::levels::Levels;
 use indexmap::IndexMap;
+use pintle_scene::grammar::and_others;
 use pintle_scene::{Code, Label, Severity};
 use std::collections::HashMap;
 
@@ -62,14 +63,13 @@ impl<'a> Gathered<'a> {
     /// The findings, each with the elements of the section that it holds for and how much of each.
     pub(super) fn findings(self) -> impl Iterator<Item = Finding> {
         self.order.into_iter().map(|Told { mut finding, each }| {
-            let others = match each.len() {
-                0 | 1 => return finding,
-                2 => " (and so on for 1 other element of the section)".to_string(),
-                more => format!(" (and so on for {} other elements of the section)", more - 1),
-            };
+            if each.len() < 2 {
+                return finding;
+            }
             let own = finding.about.elements.clone();
             let mut elements = own.clone();
             elements.extend(each.keys().filter(|label| !own.contains(label)));
+            let others = and_others("element", elements.get(own.len()..).unwrap_or_default());
             let value = |label: &Label| each.get(label).and_then(|about| about.value);
             if finding.about.value.is_some() {
                 finding.about.values = elements.iter().map(value).collect();

@@ -41,7 +41,6 @@ pub use levels::{Level, Levels};
 use crate::sampling::coverage::{Coverage, Exercise, Sample};
 use pintle_assembly::{Assembly, analyse_steps};
 use pintle_model::evaluate::Model;
-use pintle_scene::grammar::count;
 use pintle_scene::{Diagnostic, Scene, Severity, State, Vanishing};
 use serde::Serialize;
 use still::Still;
@@ -144,10 +143,11 @@ fn broken(scene: &Scene, model: &Model, errors: Vec<Diagnostic>) -> Vec<Finding>
     told.map(|diagnostic| {
         let mut elements = diagnostic.elements().to_vec();
         elements.dedup();
-        let others = match elements.len() {
-            0 | 1 => String::new(),
-            several => format!(" (and so on for {})", count(several - 1, "other element")),
-        };
+        let (diagnostic, unsaid) = diagnostic.without_unsaid();
+        let mut others = diagnostic.others();
+        if unsaid > 0 {
+            others += &format!(" (and {unsaid} more of this code)");
+        }
         Finding::from(diagnostic).add(&others).about(About { elements, ..About::default() })
     })
     .collect()

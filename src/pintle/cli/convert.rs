@@ -1,7 +1,7 @@
 //! `pintle convert` and `pintle schema`.
 
 use super::eval;
-use super::tell::{complain, show_diagnostic};
+use super::tell::{Once, complain};
 use super::{Convert, Described, Failure, Files, SceneFormat};
 use pintle_scene::{Diagnostic, Format, Scene, StateFile};
 use std::io::{self, BufWriter, Write};
@@ -47,9 +47,9 @@ pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
     if let Some(file) = &arguments.states {
         scene.states = StateFile::read(file, &scene)?.states;
     }
-    for warning in &scene.warnings {
-        show_diagnostic(warning);
-    }
+    let mut once = Once::default();
+    scene.warnings.iter().for_each(|warning| once.show(warning.clone(), |warning| warning));
+    once.count();
     // A deck has no states: what goes to a file of its own is not lost.
     let is_apart = format == Format::Deck && arguments.save_states.is_some();
     let states = if is_apart { std::mem::take(&mut scene.states) } else { Vec::new() };

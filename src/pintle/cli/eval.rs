@@ -2,7 +2,7 @@
 
 use super::compare::is_of_another;
 use super::history::{Assigned, Forces, Given, History, Survey};
-use super::tell::{complain, show_diagnostic};
+use super::tell::{Once, complain, show_diagnostic};
 use super::{Eval, EvalFormat, Failure, Files, Show, Sign, compare, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
 use pintle_model::behavior::state::Velocities;
@@ -11,9 +11,8 @@ use pintle_model::evaluate::{
 };
 use pintle_report as report;
 use pintle_report::{Block, BlockKind, Format, Subject};
-use pintle_scene::grammar::{agree, shape};
 use pintle_scene::{
-    Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
+    Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
 };
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -206,24 +205,30 @@ impl Source<'_> {
     ) {
         let of_scene = scene.warnings.iter().map(|warning| (warning.clone(), false));
         let of_model = std::mem::take(&mut model.warnings).into_iter().map(|warning| (warning, true));
-        // What is said of many things in the same words is shown once.
-        let mut told: Vec<(Code, String, usize)> = Vec::new();
+        let mut once = Once::default();
         for (warning, is_of_model) in of_scene.chain(of_model) {
             let Some(severity) = taken(&warning) else { continue };
-            let shape = shape(warning.message());
-            match told.iter_mut().find(|(code, known, _)| *code == warning.code() && *known == shape) {
-                Some((.., more)) => *more += 1,
-                None => {
-                    told.push((warning.code(), shape, 0));
-                    let warning = if is_of_model { self.quoted(warning) } else { warning };
-                    show_diagnostic(&warning.of_severity(severity));
-                }
-            }
+            let show = |warning| if is_of_model { self.quoted(warning) } else { warning };
+            once.show(warning.of_severity(severity), show);
         }
-        for (code, _, more) in told.into_iter().filter(|(.., more)| *more > 0) {
-            complain("note", &format!("{code} {more} more {}", agree(more, ["time", "times"])));
-        }
+        once.count();
     }
+}
+
+/// That there is nothing to evaluate, and which constraints were not read.
+pub(crate) fn nothing(scene: &Scene) -> Failure {
+    let unread = pintle_assembly::unread::of_scene(scene);
+    let unread = unread.iter().map(|(what, places)| match places[..] {
+        [one] => format!("{what} (line {})", one.line()),
+        [first, ..] => format!("{what} ({} times, the first in line {})", places.len(), first.line()),
+        [] => what.clone(),
+    });
+    let unread: Vec<String> = unread.collect();
+    let unread = if unread.is_empty() { String::new() } else { format!("; not read: {}", unread.join(", ")) };
+    Failure::Nothing(format!(
+        "{} has no connector element and no constraint that is evaluated{unread}",
+        scene.name
+    ))
 }
 
 /// Reads and resolves a scene, and says what deserves a look.
@@ -356,9 +361,7 @@ fn walk(
         let plan = Plan::compile(model, &selection, request.clone())
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.is_empty() && arguments.scene.is_some() {
-            let message =
-                format!("{} has no connector element and no constraint that is evaluated", scene.name);
-            return Err(Failure::Nothing(message));
+            return Err(nothing(scene));
         }
         let branches = match &arguments.resume {
             Some(file) => resume(file, model, &plan)?,

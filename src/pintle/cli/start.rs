@@ -4,6 +4,7 @@ use super::{Cli, Command, Failure, Files};
 use crate::cli;
 use clap::Parser;
 use std::ffi::OsString;
+use std::io::{self, Write};
 use std::panic;
 use std::thread::{self, ScopedJoinHandle};
 
@@ -12,9 +13,19 @@ const INTERNAL_ERROR: u8 = 70;
 
 /// Runs the command `pintle` with these words, the first of which is its name, and gives its exit code.
 ///
-/// Results go to standard output, everything else to standard error. Wrong words, `--help` and an internal error end the process.
+/// Results go to standard output, everything else to standard error. An internal error ends the process.
 pub fn command_line(words: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = Cli::parse_from(words);
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        // Wrong words, or help: what cannot be written is an error here, too.
+        Err(told) => {
+            let written = told.print().and_then(|()| io::stdout().flush());
+            return match (written, u8::try_from(told.exit_code())) {
+                (Err(error), _) if !told.use_stderr() => Failure::from(error).report(),
+                (_, code) => code.unwrap_or(INTERNAL_ERROR),
+            };
+        }
+    };
     panic::set_hook(Box::new(|defect| {
         cli::tell::complain("internal error", &format!("{defect}"));
         cli::tell::complain(

@@ -202,11 +202,12 @@ pub fn unevaluated(scene: &Scene, model: &Model) -> Vec<Unevaluated> {
     }
     add(steps.len() as u64, ["solution of a step", "solutions of steps"], details);
     add(in_steps(&|step| step.outputs.len()) as u64, ["output request", "output requests"], Vec::new());
-    let Skipped { keywords, element_types, parameters: _, comments: _, constraints: _, nodes: _ } =
+    let Skipped { keywords, element_types, parameters, comments: _, constraints: _, nodes: _ } =
         &scene.skipped;
     let kinds = [
         (keywords, "*", ["skipped keyword", "skipped keywords"]),
         (element_types, "", ["element of another type", "elements of other types"]),
+        (parameters, "", ["skipped parameter or line", "skipped parameters and lines"]),
     ];
     for (items, mark, [one, several]) in kinds {
         let count = items.values().map(|item| item.count).sum::<u64>();

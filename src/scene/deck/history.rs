@@ -104,6 +104,9 @@ pub(super) const NAMED: &[(&str, &[u8])] = &[
     ("ZASYMM", &[1, 2, 6]),
 ];
 
+/// Conditions of the sections of pipes and elbows, which hold no node.
+const OF_SECTIONS: [&str; 3] = ["NOWARP", "NOOVAL", "NODEFORM"];
+
 pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let kind = motion_type(keyword)?;
     let applied = application(deck, keyword, ConditionKind::Boundary)?;
@@ -116,6 +119,10 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         let mut magnitude = 0.0;
         let degrees_of_freedom = if named {
             let name = normal(first.text);
+            if OF_SECTIONS.contains(&name.as_str()) {
+                deck.scene.skipped.count(format!("*BOUNDARY {name}"), line.span.line());
+                continue;
+            }
             let known = NAMED.iter().find(|(known, _)| *known == name);
             let Some((_, held)) = known else {
                 let remedy = suggest(&name, NAMED.iter().map(|(name, _)| *name), || {
@@ -150,9 +157,14 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                 }
             }
             items.end("a node or node set, the first and last degree of freedom and a magnitude")?;
-            let held: Vec<u8> = (from..=to).filter(|dof| is_mechanical(*dof)).collect();
-            if held.is_empty() || !is_mechanical(to) {
-                deck.scene.skipped.count(format!("*BOUNDARY of degree of freedom {to}"), line.span.line());
+            let (held, others): (Vec<u8>, Vec<u8>) = (from..=to).partition(|dof| is_mechanical(*dof));
+            let others = match others[..] {
+                [] => None,
+                [one] => Some(format!("degree of freedom {one}")),
+                [first, .., last] => Some(format!("degrees of freedom {first} to {last}")),
+            };
+            if let Some(others) = others {
+                deck.scene.skipped.count(format!("*BOUNDARY of {others}"), line.span.line());
             }
             if held.is_empty() {
                 continue;

@@ -941,7 +941,14 @@ pub(super) fn is_unrelated(name: &str) -> bool {
         || is_curve(name)
         || [
             "CONNECTOR UNIAXIAL BEHAVIOR",
+            "BOUNDARYF",
+            "DISTRIBUTION",
+            "DISTRIBUTION TABLE",
             "DSLOAD",
+            "FILE OUTPUT",
+            "POST OUTPUT",
+            "SLOAD",
+            "TRANSFORMF",
             "DASHPOT1",
             "SPRING1",
             "MODEL OUTPUT",

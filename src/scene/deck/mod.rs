@@ -36,6 +36,7 @@ use faces::OtherElements;
 use indexmap::IndexMap;
 use keywords::{Family, Rule, Stage, Strange};
 use sets::SetBuilder;
+use std::collections::HashMap;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -150,6 +151,7 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         unread: unread::Unread::default(),
         within_joint: false,
         warnings: Vec::new(),
+        warned: HashMap::new(),
         errors: Errors::default(),
         behavior_open: false,
         host: Host::None,
@@ -197,6 +199,8 @@ struct Deck<'a> {
     /// `*SPRING` and `*DASHPOT` belong to the `*JOINT` above.
     within_joint: bool,
     warnings: Vec<Diagnostic>,
+    /// Of each code the place of its first warning, and their number.
+    warned: HashMap<Code, (usize, usize)>,
     errors: Errors,
     /// Connector suboptions belong to the last behaviour.
     behavior_open: bool,
@@ -244,11 +248,11 @@ impl Deck<'_> {
             return Err(Diagnostic::error(Code::MissingKeywords, Span::default(), "the deck is empty", "")
                 .help("a deck begins with a keyword such as *HEADING or *NODE"));
         }
-        if let Some(step) = &self.step {
-            self.errors.add(
-                Diagnostic::error(Code::UnfinishedStep, step.span, "a step does not end", "begins here")
-                    .help("close the step by *END STEP"),
-            );
+        if let Some(step) = self.step.take() {
+            let message = "a step ends with the file";
+            let warning = Diagnostic::warning(Code::UnfinishedStep, step.span, message, "begins here");
+            self.warn(warning.help("close the step by *END STEP; is the file complete?"));
+            self.scene.steps.push(step);
         }
         self.check_closed()
     }
@@ -267,8 +271,13 @@ impl Deck<'_> {
     }
 
     fn warn(&mut self, diagnostic: Diagnostic) {
-        if self.warnings.len() < MAX_WARNINGS {
+        let code = diagnostic.code();
+        let known = self.warned.entry(code).or_insert((self.warnings.len(), 0));
+        known.1 += 1;
+        if known.1 <= MAX_WARNINGS {
             self.warnings.push(diagnostic);
+        } else if let Some(first) = self.warnings.get_mut(known.0) {
+            first.count_another();
         }
     }
 

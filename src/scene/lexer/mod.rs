@@ -337,9 +337,18 @@ impl<'a> Lexer<'a> {
         let fail = |code, message: String, remedy: String| {
             Err(Diagnostic::error(code, input.span, message, "this file").help(remedy))
         };
-        let Some(name) = self.files.name(written, from) else {
-            let (code, remedy) = include::ALONE;
-            return fail(code, format!("{written} cannot be included here"), remedy.to_owned());
+        // Paths count from the file that has them, or from the deck itself, as where a solver runs.
+        let root = self.names.first().map_or("", String::as_str);
+        let names: Vec<String> =
+            [from, root].iter().filter_map(|from| self.files.name(written, from)).collect();
+        let opened = names.iter().find_map(|name| Some((name, self.files.open(name).ok()?)));
+        let (name, opened) = match (opened, names.first()) {
+            (Some((name, input)), _) => (name.clone(), Ok(input)),
+            (None, Some(name)) => (name.clone(), self.files.open(name)),
+            (None, None) => {
+                let (code, remedy) = include::ALONE;
+                return fail(code, format!("{written} cannot be included here"), remedy.to_owned());
+            }
         };
         let open = self.frames.iter().filter_map(|frame| self.names.get(usize::from(frame.file)));
         let mut chain: Vec<&str> = open.map(String::as_str).collect();
@@ -359,7 +368,7 @@ impl<'a> Lexer<'a> {
             let message = format!("more than {MAX_INCLUDES} files are included");
             return fail(Code::IncludeLimit, message, "include each file once".to_owned());
         };
-        match self.files.open(&name) {
+        match opened {
             Ok(input) => {
                 self.names.push(name);
                 self.frames.push(Frame { input, file, line: 0, next: 0 });
@@ -367,7 +376,8 @@ impl<'a> Lexer<'a> {
             }
             Err(error) => {
                 let message = format!("{name} cannot be included: {error}");
-                let remedy = format!("check the path; it counts from the directory of {from}");
+                let remedy =
+                    format!("check the path; it counts from the directory of {from}, or of the deck");
                 fail(Code::IncludeUnreadable, message, remedy)
             }
         }

@@ -6,6 +6,22 @@ use std::collections::HashMap;
 const LONGEST: usize = 1000;
 const DEEPEST: usize = 50;
 
+/// What may stand before parentheses.
+type Function = fn(f64) -> f64;
+const FUNCTIONS: [(&str, Function); 11] = [
+    ("abs", f64::abs),
+    ("acos", f64::acos),
+    ("asin", f64::asin),
+    ("atan", f64::atan),
+    ("cos", f64::cos),
+    ("exp", f64::exp),
+    ("log", f64::ln),
+    ("log10", f64::log10),
+    ("sin", f64::sin),
+    ("sqrt", f64::sqrt),
+    ("tan", f64::tan),
+];
+
 /// What a parameter stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Number {
@@ -20,7 +36,8 @@ use Number::{Real, Whole};
 pub(crate) struct Parameters(HashMap<String, Number>);
 
 impl Parameters {
-    /// Reads a line `name = expression`. False if it is more than numbers, names, `+ - * / **` and parentheses, or nothing.
+    /// Reads a line `name = expression`. False if it is nothing, or more than numbers, names, `+ - * / **`, parentheses and
+    /// [`FUNCTIONS`].
     pub(crate) fn define(&mut self, line: &str) -> bool {
         let line = line.split('#').next().unwrap_or_default().trim();
         let Some((name, expression)) = line.split_once('=') else { return line.is_empty() };
@@ -156,6 +173,11 @@ impl Expression<'_> {
             let end = self.rest.bytes().position(|byte| !letter(byte)).unwrap_or(self.rest.len());
             let (name, rest) = self.rest.split_at(end);
             self.rest = rest.trim_start();
+            if self.take("(") {
+                let (_, of) = FUNCTIONS.iter().find(|(known, _)| *known == name)?;
+                let argument = self.sum().filter(|_| self.take(")"))?;
+                return combined(Real(0.0), argument, |_, _| None, |_, x| of(x));
+            }
             return self.parameters.0.get(name).copied();
         }
         let bytes = self.rest.as_bytes();
@@ -202,7 +224,12 @@ mod tests {
             ("e = 2**-1.", true, "0.5"),
             ("f = 10/5*3 - 1e-1", true, "5.9"),
             ("g = 7/2", false, "<g>"),
-            ("h = sqrt(2.)", false, "<h>"),
+            ("h = 3*sqrt(a + 2)", true, "6.0"),
+            ("n = cos(0) - abs(-1.5)", true, "-0.5"),
+            ("o = sqrt(-1.)", false, "<o>"),
+            ("p = sinc(1.)", false, "<p>"),
+            ("q = sqrt 4", false, "<q>"),
+            ("r = log(0)", false, "<r>"),
             ("i = 1/0.", false, "<i>"),
             ("j = 'name'", false, "<j>"),
             ("k = a b", false, "<k>"),

@@ -82,7 +82,7 @@ pub(super) fn number(text: &str, span: Span) -> Result<f64> {
         NotANumber::Malformed => {
             let blank = text.contains(|letter: char| letter.is_ascii_whitespace());
             let remedy = if text.starts_with('<') && text.ends_with('>') {
-                "define it by *PARAMETER from numbers, + - * / ** and parentheses, or write its value"
+                "define it by *PARAMETER from numbers, + - * / **, parentheses and functions such as sqrt, or write its value"
             } else if blank {
                 "separate items by commas; a number has no blanks inside"
             } else {

@@ -86,7 +86,7 @@ pub struct Scene {
     pub solver: Option<Solver>,
     /// What was passed over.
     pub skipped: Skipped,
-    /// What deserves a look; at most [`MAX_WARNINGS`].
+    /// What deserves a look; at most [`MAX_WARNINGS`] of each code, of which the first counts the rest.
     #[serde(skip)]
     pub warnings: Vec<Diagnostic>,
     /// What was written where coordinates are computed.
@@ -94,7 +94,7 @@ pub struct Scene {
     pub written: Written,
 }
 
-/// The number of warnings that a scene keeps.
+/// The number of warnings of one code that a scene keeps.
 pub const MAX_WARNINGS: usize = 100;
 
 impl Diagnostic {

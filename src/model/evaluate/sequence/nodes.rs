@@ -149,7 +149,7 @@ pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -
 /// The increment from one total rotation vector to the next: a log of `relative` = C(new) C(old)ᵀ, whose `principal` one is known.
 ///
 /// 1. *About a fixed axis* (the vectors are parallel) it is the difference of the vectors, where the old one is zero or one of the
-///    two is longer than a whole turn: these vectors tell their turns.
+///    two is longer than a whole turn: these vectors tell their turns. So does a whole turn that zero follows.
 /// 2. *Else* it is the shorter of the two ways round: right for every motion sampled at less than 0.9 π, whichever sheet each of
 ///    the vectors is on. At half a turn it is the way of the straight path between the vectors.
 ///
@@ -157,6 +157,9 @@ pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -
 ///
 /// - that path takes it, and it is less than twice as long; seven times where a vector is longer than half a turn;
 /// - vectors beyond a whole turn speak of turns about no fixed axis.
+///
+/// The difference of parallel vectors, one of them longer than half a turn, is `other` where it is another turn. The shorter way must exceed
+/// π/4 then, or be nothing at all.
 fn increment(
     new: Vector<f64>,
     before: &Orientation,
@@ -171,7 +174,9 @@ fn increment(
     let [length, old_length, shorter] = [norm(new), norm(old), norm(principal)];
     let starts = old_length == 0.0;
     let is_fixed = norm(cross(new, old)) <= PARALLEL * length * old_length;
-    let is_beyond = length.max(old_length) > TAU + ROUNDED;
+    // Back to exactly nothing from a whole turn, as a table of angles has it.
+    let is_home = length == 0.0 && old_length > TAU - ROUNDED;
+    let is_beyond = length.max(old_length) > TAU + ROUNDED || is_home;
     // Along the straight path the quaternion changes without a jump: it ends as ±relative, and w < 0 is the long way.
     let [w, x, y, z] = so3::exp(old);
     let [a, b, c, d] = before.quaternion;
@@ -184,19 +189,30 @@ fn increment(
         // Close past a whole turn, vectors swing to the other side: the fixed axis may be a coincidence.
         let sheet = |length: f64| (length / TAU).round();
         let swings = dot(new, old) < 0.0 && sheet(length) == sheet(old_length);
-        let is_ambiguous = if is_beyond { swings } else { is_long || is_even };
+        let is_ambiguous = match (is_beyond, is_home) {
+            (_, true) => old_length < TAU + ROUNDED,
+            (true, false) => swings,
+            (false, false) => is_long || is_even,
+        };
         return Turn { increment, other: is_ambiguous.then_some(shorter) };
     }
     let leaps = is_beyond && (length - old_length).abs() > shorter + ROUNDED;
     // Vectors none of which is longer than half a turn are reduced, most likely.
     let likely = if length.max(old_length) > PI + ROUNDED { FRAC_PI_4 } else { 2.0 * FRAC_PI_3 };
-    let is_ambiguous = (is_long && (is_beyond || shorter > likely)) || leaps || is_even;
+    // The vectors tell another turn than the shorter one, or whole turns and nothing else; close to zero that is rounding.
+    let told = norm(sub(new, old));
+    let tells = is_fixed && told - shorter > ROUNDED && length.max(old_length) > PI + ROUNDED;
+    let is_whole = shorter < ROUNDED && length.min(old_length) > ROUNDED;
+    let is_ambiguous = (is_long && (is_beyond || shorter > likely))
+        || leaps
+        || is_even
+        || (tells && (shorter > likely || is_whole));
     if is_even && is_long {
         let other_way = scale(principal, 1.0 - TAU / shorter);
         let increment = so3::continuous_log_quaternion(relative, other_way).phi;
         return Turn { increment, other: Some(shorter) };
     }
-    Turn { increment: principal, other: is_ambiguous.then_some(longer) }
+    Turn { increment: principal, other: is_ambiguous.then_some(if tells { told } else { longer }) }
 }
 
 #[cfg(test)]
@@ -370,6 +386,12 @@ mod tests {
             (2.1, -2.7, TAU - 4.8, None),
             (3.0, -3.0, TAU - 6.0, None),
             (6.2, 0.1, TAU - 6.1, None),
+            (TAU, 0.0, -TAU, Some(0.0)),
+            (2.0 * TAU, 0.0, -2.0 * TAU, None),
+            (TAU, -TAU, 0.0, Some(2.0 * TAU)),
+            (5.0, -5.0, 2.0 * TAU - 10.0, Some(10.0)),
+            (0.5, 0.5 - TAU, 0.0, Some(TAU)),
+            (6.28, 1e-7, TAU - 6.28 + 1e-7, None),
             (0.3, 20.0, 19.7, None),
             (0.3, 2.9, 2.6, None),
         ] {

@@ -26,6 +26,17 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     time.ok_or_else(|| format!("{text} is no time: write 60s, 5m or 2h"))
 }
 
+/// Says that a budget was not enough, and what took the time: the models come first, and a sample has a least size.
+pub(super) fn say_budget(budget: f64, models: Duration, all: Duration) {
+    /// Beyond that part of it.
+    const EXCEEDED: f64 = 1.1;
+    if all.as_secs_f64() > EXCEEDED * budget {
+        let [models, all] = [models, all].map(|time| format!("{:.1} s", time.as_secs_f64()));
+        let rest = "reading and looking at the models took";
+        complain("note", &format!("the budget of {budget} s was not enough: {all} in all; {rest} {models}"));
+    }
+}
+
 /// What shows how far an audit is: a bar with the time left on a terminal, lines elsewhere.
 pub(super) struct Bar {
     bar: ProgressBar,

@@ -3,10 +3,10 @@
 mod budget;
 mod page;
 
-use super::eval::{Source, read, source};
+use super::eval::{Source, nothing, read, source};
 use super::tell::{complain, show_diagnostic};
 use super::{ConditionOptions, Failure, Files, Sign, page_width};
-use budget::{Bar, seconds};
+use budget::{Bar, say_budget, seconds};
 use clap::{Args, ValueEnum};
 use pintle_audit::model::{Level, Levels, audit_model};
 use pintle_audit::{
@@ -22,6 +22,7 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 const HELP: &str = "\
 Without a scene, every type of the catalogue is tried at states drawn from its
@@ -227,6 +228,7 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
     if arguments.forces.is_some() && arguments.scenes.len() != 1 {
         return Err(Failure::Usage("--forces gives the forces of one scene: name one".into()));
     }
+    let begun = Instant::now();
     let settings = settings(arguments);
     let levels = levels(arguments)?;
     let is_catalogue = arguments.scenes.is_empty();
@@ -243,12 +245,11 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
         names => Selection::Named(names.to_vec()),
     };
     let mut plans = Vec::new();
-    for Loaded { name, model, .. } in loaded.iter().filter(|loaded| !loaded.is_refused) {
+    for Loaded { scene, model, .. } in loaded.iter().filter(|loaded| !loaded.is_refused) {
         let plan = Plan::compile(model, &selection, Request::nothing(0))
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.is_empty() {
-            let message = format!("{name} has no connector element and no constraint that is evaluated");
-            return Err(Failure::Nothing(message));
+            return Err(nothing(scene));
         }
         plans.push(plan);
     }
@@ -264,6 +265,7 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
         audit_model(&loaded.scene, &loaded.states, &levels)
     };
     let models = loaded.iter().map(of_model).collect();
+    let models_took = begun.elapsed();
     let of_catalogue = is_catalogue.then(|| {
         bar.expect(TABLE.len());
         audit_catalogue(&settings, &|name| bar.advance(1, name))
@@ -271,6 +273,9 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
     let of_scenes =
         audit_scenes(&settings, if arguments.model_only { &[] } else { &targets }, &|at| bar.hear(at));
     bar.finish();
+    if let Some(budget) = arguments.budget {
+        say_budget(budget, models_took, begun.elapsed());
+    }
     let mut report = match of_catalogue {
         Some(of_catalogue) => of_catalogue.joined(of_scenes),
         None => of_scenes,

@@ -16,9 +16,18 @@ impl Files {
         Self { force }
     }
 
-    /// Refuses files that are there: before anything is computed.
+    /// Refuses files that are there, and one name for two: before anything is computed.
     pub(crate) fn check<'a>(self, paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
-        paths.into_iter().try_for_each(|path| self.check_one(path))
+        let mut known: Vec<&PathBuf> = Vec::new();
+        for path in paths {
+            if known.contains(&path) && !is_stream(path) {
+                let message = format!("{} is to be written twice: give another name", path.display());
+                return Err(Failure::Unwritten(message));
+            }
+            self.check_one(path)?;
+            known.push(path);
+        }
+        Ok(())
     }
 
     fn check_one(self, path: &Path) -> Result<(), Failure> {
@@ -123,6 +132,7 @@ mod tests {
         assert_eq!((fs::read_to_string(&path).unwrap(), names()), ("one".to_string(), 1));
         Files::new(true).text(&path, "two").unwrap();
         assert_eq!((fs::read_to_string(&path).unwrap(), names()), ("two".to_string(), 1));
+        assert!(Files::new(true).check([&path, &path]).is_err());
         assert!(Files::new(false).check_folder(Some(&folder), "txt").is_err());
         assert!(Files::new(false).check_folder(Some(&folder), "svg").is_ok());
         if cfg!(target_os = "linux") {
