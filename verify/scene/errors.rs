@@ -98,6 +98,30 @@ fn commands_show_every_error_once() {
     }
 }
 
+/// What breaks the rules of a connection type is told beside what cannot be read.
+#[test]
+fn rules_are_told_beside_errors_of_reading() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n1, 1, 2\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=D\n2, 1, 3\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n3, 1, 3\n\
+                *CONNECTOR SECTION, ELSET=C\nHINGE\n*CONNECTOR SECTION, ELSET=D\nSLOT\n*CONNECTOR SECTION, ELSET=E\nHINGEE\n\
+                *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=1\n5., -5.\n\
+                *STEP\n*STATIC\n*CONNECTOR MOTION\nC, 1, 1.\n*CONNECTOR MOTION, AMPLITUDE=A\nD, 1, 1.\n*END STEP\n";
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("rules-beside.inp");
+    fs::write(&file, deck).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_pintle")).arg("eval").arg(&file).output().unwrap();
+    let shown = String::from_utf8(output.stderr).unwrap();
+    let codes: Vec<&str> = shown.lines().filter(|line| line.contains("::")).map(str::trim).collect();
+    let expected = [
+        "deck::limits-reversed",
+        "deck::unknown-amplitude",
+        "rule::orientation-required",
+        "rule::action-not-available",
+        "rule::orientation-required",
+        "rule::unknown-connection-type",
+    ];
+    assert_eq!((output.status.code(), codes), (Some(6), expected.to_vec()), "{shown}");
+}
+
 /// A mark beyond column 65,535, a line of five million bytes, and brackets without end: no panic and no flood.
 #[test]
 fn excerpts_are_windows_around_the_place() {

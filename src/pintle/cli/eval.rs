@@ -12,7 +12,7 @@ use pintle_model::evaluate::{
 use pintle_report as report;
 use pintle_report::{Block, BlockKind, Format, Subject};
 use pintle_scene::{
-    Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
+    Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
 };
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -165,7 +165,13 @@ fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
 pub(crate) fn read(source: Source<'_>, states: Option<&Path>) -> Result<(Scene, Vec<State>), Failure> {
     let scene = match source {
         Source::Gallery(example) => example.scene()?,
-        Source::File(path) => Scene::read(path)?,
+        Source::File(path) => {
+            let (scene, error) = Scene::examine(path);
+            match error {
+                None => scene,
+                Some(error) => return Err(source.with_rules(&scene, error).into()),
+            }
+        }
     };
     let states = match (states, source) {
         (Some(file), _) if is_of_another(file) => compare::states(file, &scene)?,
@@ -194,6 +200,14 @@ impl Source<'_> {
                 Err(_) => diagnostic,
             },
         }
+    }
+
+    /// What is wrong with a deck, and which rules it breaks besides, of those that its other faults cannot touch.
+    fn with_rules(self, scene: &Scene, error: Diagnostic) -> Diagnostic {
+        let independent = [Code::UnknownConnectionType, Code::OrientationRequired, Code::ActionNotAvailable];
+        let (_, broken) = Model::examine(scene);
+        let broken = broken.into_iter().filter(|rule| independent.contains(&rule.code()));
+        broken.map(|rule| self.quoted(rule)).fold(error, Diagnostic::and)
     }
 
     /// Says what of a scene deserves a look, as bad as `taken` takes it to be; what is `None` is not shown.

@@ -49,22 +49,32 @@ impl Scene {
     /// # Errors
     /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let (scene, error) = Self::examine(path);
+        error.map_or(Ok(scene), Err)
+    }
+
+    /// As much of a file as could be read, and what is wrong with it; nothing of it where so much is missing that nothing can be judged.
+    pub fn examine(path: impl AsRef<Path>) -> (Self, Option<Diagnostic>) {
         let path = path.as_ref();
         let name = path.display().to_string();
         let unreadable = |message: String, remedy: &str| {
             Diagnostic::error(Code::Unreadable, Span::default(), message, "").help(remedy).in_file(&name)
         };
         let format = Format::of_path(path);
-        if format != Format::Deck && !path.is_dir() {
-            return document::read(path, format);
-        }
+        let nothing = |error| (Self::default(), Some(error));
         if path.is_dir() {
-            return Err(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
+            return nothing(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
         }
-        let input = Disk.open(&name).map_err(|error| {
-            unreadable(format!("cannot be opened: {error}"), "check the path and its permissions")
-        })?;
-        finish(read(&name, input, &Disk), &Named { root: &name, text: None, files: &Disk })
+        if format != Format::Deck {
+            return document::read(path, format).map_or_else(nothing, |scene| (scene, None));
+        }
+        match Disk.open(&name) {
+            Ok(input) => finish(read(&name, input, &Disk), &Named { root: &name, text: None, files: &Disk }),
+            Err(error) => nothing(unreadable(
+                format!("cannot be opened: {error}"),
+                "check the path and its permissions",
+            )),
+        }
     }
 
     /// Reads a deck from memory. `name` stands for the file in messages. It includes nothing.
@@ -98,27 +108,25 @@ impl Scene {
     /// # Errors
     /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
     pub fn parse_with(name: &str, bytes: &[u8], files: &dyn Files) -> Result<Self> {
-        finish(read(name, Box::new(bytes), files), &Named { root: name, text: Some(bytes), files })
+        let (scene, error) =
+            finish(read(name, Box::new(bytes), files), &Named { root: name, text: Some(bytes), files });
+        error.map_or(Ok(scene), Err)
     }
 }
 
-/// A scene, or why there is none, and the names of all files.
-pub(super) type Outcome = (Result<Scene>, Vec<String>);
+/// As much of a scene as was read, what is wrong with it, and the names of all files.
+pub(super) type Outcome = (Scene, Option<Diagnostic>, Vec<String>);
 
-pub(super) fn finish((result, names): Outcome, source: &Named<'_>) -> Result<Scene> {
-    match result {
-        Ok(mut scene) => {
-            source.root.clone_into(&mut scene.name);
-            source.attach(&mut scene.warnings, &names);
-            scene.files = names;
-            Ok(scene)
-        }
-        Err(error) => {
-            let (mut errors, unsaid) = error.apart();
-            source.attach(&mut errors, &names);
-            Err(Diagnostic::joined(errors).map(|first| first.with_unsaid(unsaid)).unwrap_or_else(lost))
-        }
-    }
+pub(super) fn finish((mut scene, error, names): Outcome, source: &Named<'_>) -> (Scene, Option<Diagnostic>) {
+    source.root.clone_into(&mut scene.name);
+    source.attach(&mut scene.warnings, &names);
+    let error = error.map(|error| {
+        let (mut errors, unsaid) = error.apart();
+        source.attach(&mut errors, &names);
+        Diagnostic::joined(errors).map(|first| first.with_unsaid(unsaid)).unwrap_or_else(lost)
+    });
+    scene.files = names;
+    (scene, error)
 }
 
 fn read(name: &str, input: Box<dyn BufRead + '_>, files: &dyn Files) -> Outcome {
@@ -129,7 +137,7 @@ fn read(name: &str, input: Box<dyn BufRead + '_>, files: &dyn Files) -> Outcome 
 pub(super) fn of_document(name: &str, document: &Document) -> Outcome {
     match write::deck(document) {
         Ok(deck) => scene(Lexer::new(name, Box::new(deck.text.as_bytes()), &NoFiles).placed(&deck.places)),
-        Err(error) => (Err(error), vec![name.to_owned()]),
+        Err(error) => (Scene::default(), Some(error), vec![name.to_owned()]),
     }
 }
 
@@ -161,7 +169,8 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
     if let Err(error) = deck.read() {
         deck.errors.add(error);
     }
-    if deck.errors.leaves_references() {
+    let is_judged = deck.errors.leaves_references();
+    if is_judged {
         resolve::resolve(&mut deck);
     }
     let Deck { lexer, mut scene, warnings, errors, .. } = deck;
@@ -171,7 +180,8 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
     let causes = [Code::MisspeltKeyword, Code::UnknownNode, Code::UnknownElement];
     let causes = warnings.iter().filter(|warning| causes.contains(&warning.code()));
     let error = errors.into_first().map(|first| causes.cloned().fold(first, Diagnostic::and));
-    (error.map_or(Ok(Scene { warnings, ..scene }), Err), lexer.into_names())
+    let scene = if is_judged { scene } else { Scene::default() };
+    (Scene { warnings, ..scene }, error, lexer.into_names())
 }
 
 /// What has been read so far.

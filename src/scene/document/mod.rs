@@ -136,7 +136,9 @@ fn parse(name: &str, text: &str, format: Format) -> Result<Scene> {
         scene.warnings = std::mem::take(&mut scene.warnings).into_iter().map(wording::of_document).collect();
     }
     let source = Named { root: name, text: Some(text.as_bytes()), files: &NoFiles };
-    deck::finish((result, vec![name.to_owned()]), &source)
+    let (scene, error) = result.map_or_else(|error| (Scene::default(), Some(error)), |scene| (scene, None));
+    let (scene, error) = deck::finish((scene, error, vec![name.to_owned()]), &source);
+    error.map_or(Ok(scene), Err)
 }
 
 fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
@@ -164,7 +166,8 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
             .help("give nodes, such as nodes.1 = [0, 0, 0]"));
     }
     let states = std::mem::take(&mut document.states);
-    let mut scene = deck::of_document(name, &document).0?;
+    let (mut scene, error, _) = deck::of_document(name, &document);
+    error.map_or(Ok(()), Err)?;
     name.clone_into(&mut scene.name);
     scene.axisymmetric = document.axisymmetric;
     // Nothing of a document is passed over; the deck it stands for may name procedures without data.
