@@ -144,18 +144,19 @@ impl Raw {
 
 impl Deck<'_> {
     /// Names a constraint that is not read, and counts it with the keywords that are skipped.
-    fn leave_out(&mut self, keyword: &'static str, span: Span) {
+    fn leave_out(&mut self, keyword: &'static str, span: Span, data_lines: u64) {
         self.scene.skipped.constraints.push(SkippedConstraint { keyword, span });
         let skipped = self.scene.skipped.keywords.entry(keyword.to_owned()).or_default();
         if skipped.count == 0 {
             skipped.first_line = span.line();
         }
         skipped.count += 1;
+        skipped.data_lines += data_lines;
     }
 
     /// The same with the data of the keyword that is being read; what gives nodes rotations does so all the same.
     fn pass_constraint(&mut self, keyword: &Keyword, name: &'static str) -> Result<()> {
-        self.leave_out(name, keyword.span);
+        self.leave_out(name, keyword.span, 0);
         for parameter in ["REF NODE", "TIE NSET"] {
             let node = keyword.get(parameter).and_then(|value| named(value).ok());
             self.rotation_targets.extend(node.map(|node| node.value));
@@ -338,7 +339,7 @@ fn decide(deck: &mut Deck<'_>, keyword: &Keyword, kind: Option<CouplingKind>) ->
     if coupling.kind.is_none() {
         let Some(left) = deck.constraints.couplings.pop() else { return Ok(()) };
         deck.rotation_targets.push(left.reference.value);
-        deck.leave_out("COUPLING", left.span);
+        deck.leave_out("COUPLING", left.span, 0);
         deck.constraints.coupling_is_unread = true;
     }
     Ok(())
@@ -388,7 +389,7 @@ pub(super) fn tie(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         };
         deck.constraints.ties.push(tie);
     }
-    others.into_iter().for_each(|span| deck.leave_out("TIE", span));
+    others.into_iter().for_each(|span| deck.leave_out("TIE", span, 1));
     Ok(())
 }
 
@@ -454,7 +455,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
     let raw = std::mem::take(&mut deck.constraints);
     for (terms, span) in &raw.equations {
         if !terms.iter().all(|term| is_whole(&deck.scene, &term.node)) {
-            deck.leave_out("EQUATION", *span);
+            deck.leave_out("EQUATION", *span, 0);
             continue;
         }
         let Some(found) = errors.value(equations(&deck.scene, terms, *span)) else { continue };
@@ -512,7 +513,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
             used.extend([tie.slave.value.clone(), tie.master.value.clone()]);
             deck.scene.ties.push(tie);
         } else {
-            deck.leave_out("TIE", tie.span);
+            deck.leave_out("TIE", tie.span, 1);
         }
     }
     // Faces that were of use are no longer among what is skipped.
@@ -600,7 +601,7 @@ fn body(deck: &mut Deck<'_>, body: RawBody) -> Result<()> {
         }
     }
     if lacks {
-        deck.leave_out("RIGID BODY", body.span);
+        deck.leave_out("RIGID BODY", body.span, 0);
     }
     let RawBody { element_set, pin_set, tie_set, span, .. } = body;
     deck.scene.rigid_bodies.push(RigidBody { reference, element_set, others, pin_set, tie_set, span });
@@ -641,7 +642,7 @@ fn resolved_coupling(
     let is_known = serves && deck.scene.surfaces.contains_key(&coupling.surface.value);
     let Some(kind) = coupling.kind.filter(|_| is_known) else {
         deck.rotation_targets.push(Target::Label(reference));
-        deck.leave_out("COUPLING", coupling.span);
+        deck.leave_out("COUPLING", coupling.span, 0);
         return Ok(false);
     };
     check_orientation(&deck.scene, coupling.orientation.as_ref())?;
