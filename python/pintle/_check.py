@@ -174,6 +174,8 @@ def check(
     memory=False,
     springs=None,
     seed="pintle",
+    at=None,
+    independent=False,
     batch=False,
 ):
     """Is a routine right, and if not, which entry is wrong, and why?
@@ -192,6 +194,9 @@ def check(
     routine returns arrays (n, 6) and (n, 6, 14), NaN for components that the connector has not. A function
     jitted by JAX on one state is mapped over batches; it needs `jax_enable_x64`, and gets of the connector
     what is a number.
+
+    `at` is a file with your own states, asked in place of drawn ones: nodes 1 (a) and 2 (b) of a type, those of the
+    scene otherwise; a history, unless they are `independent`.
 
     `springs` are six stiffnesses, None for none, of an element that gives element_forces. `convention`, `offers`,
     `components` and `memory` are those of the protocol; the others those of `pintle check`.
@@ -213,6 +218,8 @@ def check(
         "histories": histories,
         "springs": [None if x is None else float(x) for x in (*(springs or ()), *[None] * 6)][:6],
         "seed": seed,
+        "at": at,
+        "independent": independent,
     }
     try:
         found = _pintle.ask(asked.reply, of, **numbers)

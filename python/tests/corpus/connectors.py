@@ -12,9 +12,10 @@ TIME = 14
 class Motion:
     """The two nodes, displaced by 14 variations and by time."""
 
-    def __init__(self, state, connector, wrong=""):
-        self.state, self.connector, self.wrong = state, connector, wrong
-        q = j.variables(numpy.zeros(15))
+    def __init__(self, state, connector, want=()):
+        self.state, self.connector = state, connector
+        self.constant = tuple(want) == ("values",)
+        q = j.variables(numpy.zeros(15), self.constant)
         t = q[TIME]
         self.q = q
         self.x, self.e, self.flow = [], [], []
@@ -34,29 +35,33 @@ class Motion:
         """The same at the initial state, of numbers."""
         initial = self.connector["initial"]
         still = {name: {"x": initial[name]["x"], "triad": initial[name]["triad"]} for name in "ab"}
-        return Motion(still, self.connector, self.wrong)
+        return Motion(still, self.connector, ("values",))
 
     def before(self):
         """The same at the state before."""
-        return Motion({name: {k: v for k, v in self.state["previous"][name].items() if "veloc" not in k} for name in "ab"}, self.connector, self.wrong)
+        return Motion({name: {k: v for k, v in self.state["previous"][name].items() if "veloc" not in k} for name in "ab"}, self.connector, ("values",))
 
 
 def carried(first, third, middle):
     """first after the smallest rotation that takes third to middle."""
-    share = dot(first, middle) / (1.0 + dot(third, middle))
+    share = j.over(dot(first, middle), 1.0 + dot(third, middle))
     return sub(first, scaled([x + y for x, y in zip(third, middle)], share))
 
 
+def halfway(m):
+    both = j.add(m.a[2], m.b[2])
+    third = scaled(both, j.reciprocal(norm(both)))
+    return third, carried(m.a[0], m.a[2], third), carried(m.b[0], m.b[2], third)
+
+
 def torsion(m):
-    r = m.r
-    return atan2(r[1][0] - r[0][1], r[0][0] + r[1][1])
+    third, from_a, from_b = halfway(m)
+    return atan2(dot(third, cross(from_a, from_b)), dot(from_a, from_b))
 
 
 def middle_triad(m, beta, share=0.5):
     """Directions halfway between both triads; beta is the torsion."""
-    both = j.add(m.a[2], m.b[2])
-    third = scaled(both, 1.0 / norm(both))
-    first = carried(m.a[0], m.a[2], third)
+    third, first, _ = halfway(m)
     second = cross(third, first)
     half = beta * share
     e1 = j.add(scaled(first, j.cos(half)), scaled(second, j.sin(half)))
@@ -80,10 +85,10 @@ def near(x, want):
 
 def on_sheet(vector, want):
     """A rotation vector, lengthened by the whole turns by which it is nearest to another."""
-    size = math.sqrt(sum(x.v * x.v for x in vector))
+    size = math.sqrt(sum(j.value(x) ** 2 for x in vector))
     if want is None or size == 0:
         return vector
-    along = sum(w * x.v for w, x in zip(want, vector)) / size
+    along = sum(w * j.value(x) for w, x in zip(want, vector)) / size
     turns = round((along - size) / (2 * math.pi))
     return vector if turns == 0 else scaled(vector, 1.0 + 2 * math.pi * turns / norm(vector))
 
@@ -106,11 +111,11 @@ def translation(kind, m, start, before):
             # Half of the torsion goes on from the state before, on the side on which its values are.
             old = m.before()
             last = torsion(old)
-            side = [dot(e, old.d).v for e in middle_triad(old, last)]
+            side = [dot(e, old.d) for e in middle_triad(old, last)]
             want = [before[k] + start[k] for k in range(2)]
             if side[0] * want[0] + side[1] * want[1] < 0:
                 last = last + 2 * math.pi
-            beta = near(beta, last.v) if abs(last.v) < 9 else beta
+            beta = near(beta, last)
         return [dot(e, d) for e in middle_triad(m, beta)]
     return [None] * 3
 
@@ -122,7 +127,7 @@ def rotation(kind, m, start, before):
         return [near(x, pick(k)) for k, x in enumerate(cardan(m))]
     if kind == "euler":
         both = [[near(x, pick(k)) for k, x in enumerate(euler(m, side))] for side in (1.0, -1.0)]
-        return both[0] if total is None else min(both, key=lambda angles: sum((x.v - w) ** 2 for x, w in zip(angles, total)))
+        return both[0] if total is None else min(both, key=lambda angles: sum((j.value(x) - w) ** 2 for x, w in zip(angles, total)))
     if kind == "vector":
         return on_sheet(j.rotation_vector(m.r), total)
     if kind == "shafts":
@@ -187,10 +192,10 @@ def drum(m, before):
     flow = float(state["b"].get("flow", 0)) - float(state["previous"]["b"].get("flow", 0))
     moved = sum(e[i] * (turn_a[i] - turn_b[i]) for i in range(3)) - scale * flow
     row = numpy.zeros(15)
-    row[3:6] = [x.v for x in m.a[2]]
-    row[10:13] = [-x.v for x in m.a[2]]
+    row[3:6] = [j.value(x) for x in m.a[2]]
+    row[10:13] = -row[3:6]
     row[13] = -scale
-    return Jet((float(before[5]) if before is not None else 0.0) + moved, row, numpy.zeros((15, 15)))
+    return Jet((float(before[5]) if before is not None else 0.0) + moved, row, None if m.constant else numpy.zeros((15, 15)))
 
 
 def rodrigues(theta, v):
@@ -220,6 +225,8 @@ def skew(row):
 def answers(found, connector):
     """All that there is to offer, of six jets or None."""
     pick = lambda f: [None if x is None else f(x) for x in found]
+    if all(x is None or not isinstance(x, Jet) or x.h is None for x in found):
+        return {"values": pick(j.value)}
     stiffness = lambda x: x.h[:14, :14] + skew(x.g)
     given = {
         "values": pick(lambda x: x.v),
@@ -228,7 +235,7 @@ def answers(found, connector):
         "rates": pick(lambda x: x.g[TIME]),
         "accelerations": pick(lambda x: x.h[TIME, TIME]),
         "nodal_forces": pick(lambda x: x.g[:14].copy()),
-        "geometric_stiffness": pick(stiffness),
+        "geometric_stiffness": pick(lambda x: x.h[:14, :14].copy()),
     }
     if any(d is not None for d in connector.get("springs", [None])):
         springs = [(float(d), x) for d, x in zip(connector["springs"], found) if d is not None and x is not None and d == d]
@@ -240,10 +247,10 @@ def answers(found, connector):
 def right(name):
     """The right routine of a connection type."""
 
-    def routine(state, connector):
-        m = Motion(state, connector)
+    def routine(state, connector, want=()):
+        m = Motion(state, connector, want)
         given = answers(measures(name, m, state["previous"]["values"]), connector)
-        if name in ("ACCELEROMETER", "ROTATION-ACCELEROMETER"):
+        if name in ("ACCELEROMETER", "ROTATION-ACCELEROMETER") and "rates" in given:
             first = 0 if name == "ACCELEROMETER" else 3
             for key, of in (("rates", "velocity"), ("accelerations", "acceleration")):
                 of = of if first == 0 else f"angular_{of}"

@@ -10,7 +10,7 @@ import constraints
 import frictions
 import jets as j
 import numpy
-from connectors import TIME, TYPES, Motion, answers, cardan, drum, measures, middle_triad, right, torsion
+from connectors import Motion, answers, cardan, measures, right, skew
 from jets import atan2, cross, dot, norm, scaled, sub
 
 OFFERS = os.environ.get("CORPUS_OFFERS", "values,rows").split(",")
@@ -32,8 +32,8 @@ def enter(name, of, words, routine, offers=BOTH, **more):
 def formula(name, of, words, numbers, offers=BOTH):
     """A formula: numbers(m, m0, right) gives six jets, m0 of the initial state."""
 
-    def routine(state, connector):
-        m = Motion(state, connector)
+    def routine(state, connector, want=()):
+        m = Motion(state, connector, want)
         return answers(numbers(m, m.initially(), measures(of, m, state["previous"]["values"])), connector)
 
     enter(name, of, words, routine, offers)
@@ -43,8 +43,11 @@ def spoiled(name, of, words, change, offers=BOTH, **more):
     """Right numbers, changed in place by change(given, m)."""
     base = right(of)
 
-    def routine(state, connector):
-        given = base(state, connector)
+    def routine(state, connector, want=()):
+        given = base(state, connector, want)
+        if tuple(want) == ("values",) and offers != want:
+            # Values alone are asked for where the routine's own are differenced.
+            return given
         given = {key: numpy.array(x) if key.startswith("element") else [None if y is None else numpy.array(y) for y in x] for key, x in given.items()}
         change(given, Motion(state, connector))
         return given
@@ -54,11 +57,6 @@ def spoiled(name, of, words, change, offers=BOTH, **more):
 
 def none(*six):
     return [*six, *[None] * (6 - len(six))]
-
-
-def kept(first, found):
-    """All but the first three or the last three of right numbers."""
-    return [*first, *found[3:]] if len(first) == 3 else first
 
 
 def replaced(found, **by):
@@ -96,15 +94,15 @@ formula("projection_of_a", "PROJECTION CARTESIAN", "the axes of a, not those hal
 formula("strip_without_flow", "SLIPRING", "the material that flows in is forgotten", lambda m, m0, ok: replaced(ok, u1=norm(m.d) * (1 / v(norm(m0.d))) - 1.0))
 formula("strip_flow_reversed", "SLIPRING", "the flow has the opposite sign", lambda m, m0, ok: replaced(ok, u1=norm(m.d) / (v(norm(m0.d)) - m.flow[0] + m.flow[1]) - 1.0))
 formula("revolute_degrees", "REVOLUTE", "ur1 in degrees", lambda m, m0, ok: replaced(ok, ur1=ok[3] * (180 / math.pi)))
-formula("revolute_acos", "REVOLUTE", "acos of a cosine: the sign of the angle is lost", lambda m, m0, ok: replaced(ok, ur1=j.acos(m.r[2][2] / norm([m.r[1][2], m.r[2][2]])) - math.acos(v(m0.r[2][2]) / math.hypot(v(m0.r[1][2]), v(m0.r[2][2])))))
+formula("revolute_acos", "REVOLUTE", "acos of a cosine: the sign of the angle is lost", lambda m, m0, ok: replaced(ok, ur1=j.acos(j.over(m.r[2][2], norm([m.r[1][2], m.r[2][2]]))) - math.acos(v(m0.r[2][2]) / math.hypot(v(m0.r[1][2]), v(m0.r[2][2])))))
 formula("revolute_principal", "REVOLUTE", "principal: turns are not counted", lambda m, m0, ok: replaced(ok, ur1=cardan(m)[0] - v(cardan(m0)[0])))
 formula("revolute_backwards", "REVOLUTE", "ur1 of a against b: its sign", lambda m, m0, ok: replaced(ok, ur1=-ok[3]))
 formula("revolute_exchanged", "REVOLUTE", "the two constraints exchanged", lambda m, m0, ok: replaced(ok, ur2=ok[5], ur3=ok[4]))
-formula("revolute_not_initial", "REVOLUTE", "the initial angle is not subtracted", lambda m, m0, ok: replaced(ok, ur1=ok[3] + cardan(m0)[0].v))
+formula("revolute_not_initial", "REVOLUTE", "the initial angle is not subtracted", lambda m, m0, ok: replaced(ok, ur1=ok[3] + v(cardan(m0)[0])))
 formula("universal_sine", "UNIVERSAL", "ur1 as the sine of the angle, small angles assumed", lambda m, m0, ok: replaced(ok, ur1=-m.r[1][2] + v(m0.r[1][2])))
 formula("cardan_321", "CARDAN", "the sequence 3-2-1 for 1-2-3", lambda m, m0, ok: [None] * 3 + [x - v(y) for x, y in zip(zyx(m), zyx(m0))])
 formula("cardan_reversed", "CARDAN", "the rotation from b to a: transposed", lambda m, m0, ok: [None] * 3 + [x - v(y) for x, y in zip(cardan(swapped(m)), cardan(swapped(m0)))])
-formula("cardan_atan", "CARDAN", "atan without quadrant", lambda m, m0, ok: replaced(ok, ur1=j.atan(-m.r[1][2] / m.r[2][2]) - math.atan(-v(m0.r[1][2]) / v(m0.r[2][2]))))
+formula("cardan_atan", "CARDAN", "atan without quadrant", lambda m, m0, ok: replaced(ok, ur1=j.atan(j.over(-m.r[1][2], m.r[2][2])) - math.atan(-v(m0.r[1][2]) / v(m0.r[2][2]))))
 formula("cardan_asin", "CARDAN", "asin loses digits at a right angle", lambda m, m0, ok: replaced(ok, ur2=j.asin(m.r[0][2]) - math.asin(v(m0.r[0][2]))))
 formula("euler_exchanged", "EULER", "first and third angle exchanged", lambda m, m0, ok: replaced(ok, ur1=ok[5], ur3=ok[3]))
 formula("euler_acos", "EULER", "acos loses digits where the axes are aligned", lambda m, m0, ok: replaced(ok, ur2=j.acos(m.r[2][2]) - math.acos(v(m0.r[2][2]))))
@@ -114,7 +112,7 @@ formula("rotation_half", "ROTATION", "the vector of the quaternion: half of the 
 formula("rotation_sine", "ROTATION", "twice the vector of the quaternion: a sine for an angle", lambda m, m0, ok: [None] * 3 + scaled(sub(j.quaternion(m.r)[1:], vs(j.quaternion(m0.r)[1:])), 2.0))
 formula("rotation_acos", "ROTATION", "acos of the trace: digits lost at small angles and near π", lambda m, m0, ok: [None] * 3 + sub(by_trace(m), vs(by_trace(m0))))
 formula("align_skew", "ALIGN", "the skew part in place of the rotation vector", lambda m, m0, ok: [None] * 3 + [(x - y) * 0.5 for x, y in skew_pairs(back(m, m0))])
-formula("align_of_b", "ALIGN", "the product in the other order: Q0ᵀ Q", lambda m, m0, ok: [None] * 3 + j.rotation_vector([[dot([v(m0.r[k][i]) for k in range(3)], [m.r[k][l] for k in range(3)]) for l in range(3)] for i in range(3)]))
+formula("align_global", "ALIGN", "components along global axes", lambda m, m0, ok: [None] * 3 + spatial_vector(m))
 formula("flexion_acos", "FLEXION-TORSION", "flexion by acos: digits lost at zero flexion", lambda m, m0, ok: replaced(ok, ur1=j.acos(dot(m.a[2], m.b[2])) - math.acos(v(dot(m0.a[2], m0.b[2])))))
 formula("flexion_exchanged", "FLEXION-TORSION", "torsion and sweep exchanged", lambda m, m0, ok: replaced(ok, ur2=ok[5], ur3=ok[4]))
 formula("sweep_backwards", "FLEXION-TORSION", "the sweep turns the other way", lambda m, m0, ok: replaced(ok, ur3=-ok[5]))
@@ -135,7 +133,7 @@ def zyx(m):
 
 
 def swapped(m):
-    m = Motion(m.state, m.connector)
+    m = Motion(m.state, m.connector, ("values",) if m.constant else ())
     m.r = [[m.r[k][i] for k in range(3)] for i in range(3)]
     return m
 
@@ -158,7 +156,7 @@ def skew_pairs(r):
 
 def by_trace(m):
     angle = j.acos((m.r[0][0] + m.r[1][1] + m.r[2][2] - 1.0) * 0.5)
-    return [(x - y) * 0.5 * (angle / j.sin(angle)) for x, y in skew_pairs(m.r)]
+    return [(x - y) * 0.5 * (j.over(angle, j.sin(angle))) for x, y in skew_pairs(m.r)]
 
 
 def back(m, m0):
@@ -238,7 +236,7 @@ spoiled("beam_order", "BEAM", "rotations stand before displacements", each(lambd
 spoiled("cylindrical_nodes", "CYLINDRICAL", "the columns of a and b exchanged", each(lambda r, k, m: numpy.concatenate([r[7:], r[:7]])))
 spoiled("ujoint_degrees", "UJOINT", "rotations in degrees in the columns", each(lambda r, k, m: put(r, ta=r[3:6] * (math.pi / 180), tb=r[10:13] * (math.pi / 180))))
 spoiled("cvjoint_half", "CVJOINT", "the row of the torsion is half", each(lambda r, k, m: r * 0.5 if k == 4 else r))
-spoiled("cvjoint_unit", "CVJOINT", "the direction e3a + e3b is made a unit vector: not divided by 1 + cos", each(lambda r, k, m: put(r, ta=r[3:6] / numpy.linalg.norm(r[3:6]), tb=r[10:13] / numpy.linalg.norm(r[10:13])) if k == 4 else r))
+spoiled("cvjoint_unit", "CVJOINT", "the direction e3a + e3b is made a unit vector: not divided by 1 + cos", each(lambda r, k, m: put(r, ta=r[3:6] / max(numpy.linalg.norm(r[3:6]), 1e-300), tb=r[10:13] / max(numpy.linalg.norm(r[10:13]), 1e-300)) if k == 4 else r))
 spoiled("retractor_without_scale", "RETRACTOR", "the scale of the flow is left out", each(lambda r, k, m: numpy.concatenate([r[:13], [-1.0]]) if k == 5 else r))
 spoiled("converter_of_b", "FLOW-CONVERTER", "the axis of b instead of a", each(lambda r, k, m: put(r, ta=vs(m.b[2]), tb=[-x for x in vs(m.b[2])]) if k == 5 else r))
 spoiled("converter_flow_sign", "FLOW-CONVERTER", "the flow has the opposite sign", each(lambda r, k, m: numpy.concatenate([r[:13], -r[13:]]) if k == 5 else r))
@@ -285,8 +283,6 @@ def unsymmetric(matrix, k, m):
 
 
 def skewed(m, k):
-    from connectors import skew
-
     row = numpy.zeros(14)
     row[3:6] = lever(k, m)
     return skew(row)
@@ -381,7 +377,8 @@ def forces(change):
 
 def of_springs(m, given):
     springs = [float(x) if x is not None and x == x else 0.0 for x in m.connector["springs"]]
-    return [(dk, float(given["values"][k]), given["rows"][k], given["geometric_stiffness"][k]) for k, dk in enumerate(springs) if given["values"][k] is not None]
+    stiffness = lambda k: given["geometric_stiffness"][k] + skew(given["rows"][k])
+    return [(dk, float(given["values"][k]), given["rows"][k], stiffness(k)) for k, dk in enumerate(springs) if given["values"][k] is not None]
 
 
 def material_only(g, m):
@@ -398,12 +395,12 @@ def half_geometric(g, m):
 
 spoiled("cartesian_no_moment", "CARTESIAN", "no moment on a", forces(lambda r, k, m: put(r, ta=0)), FORCES)
 spoiled("slot_on_the_body", "SLOT", "forces on the body: the opposite sign", forces(lambda r, k, m: -r), FORCES)
-spoiled("beam_moment_at_b", "BEAM", "the moment of the force acts on b", forces(lambda r, k, m: put(r, ta=0, tb=r[3:6]) if k < 3 else r), FORCES)
+spoiled("plane_moment_at_b", "SLIDE-PLANE", "the moment of the force acts on b", forces(lambda r, k, m: put(r, ta=0, tb=r[3:6])), FORCES)
 spoiled("euler_moments_b", "EULER", "no moment on a: not in equilibrium", forces(lambda r, k, m: put(r, ta=0)), FORCES)
 spoiled("link_stiffness_sign", "LINK", "the geometric stiffness has the wrong sign", matrices(lambda h, k, m: -h, "geometric_stiffness"), STIFFNESS)
 spoiled("axial_stiffness_none", "AXIAL", "no geometric stiffness", matrices(lambda h, k, m: 0 * h, "geometric_stiffness"), STIFFNESS)
-spoiled("cartesian_stiffness_symmetric", "CARTESIAN", "only the symmetric part", matrices(lambda h, k, m: 0.5 * (h + h.T), "geometric_stiffness"), STIFFNESS)
-spoiled("cartesian_stiffness_transposed", "CARTESIAN", "transposed", matrices(lambda h, k, m: h.T.copy(), "geometric_stiffness"), STIFFNESS)
+spoiled("cartesian_stiffness_spatial", "CARTESIAN", "one rotation after the other: not symmetric", matrices(unsymmetric, "geometric_stiffness"), STIFFNESS)
+spoiled("euler_stiffness_half", "EULER", "half of the geometric stiffness", matrices(lambda h, k, m: 0.5 * h, "geometric_stiffness"), STIFFNESS)
 spoiled("axial_spring_total", "AXIAL", "the spring is slack at zero length: the total length is stretched", total_length, ("element_forces",), **SPRINGS)
 spoiled("cartesian_spring_material", "CARTESIAN", "no geometric part in the stiffness", material_only, ELEMENT, **SPRINGS)
 spoiled("cardan_spring_half", "CARDAN", "half of the geometric part in the stiffness", half_geometric, ELEMENT, **SPRINGS)

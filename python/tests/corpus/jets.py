@@ -4,6 +4,8 @@ import math
 
 import numpy
 
+numpy.seterr(invalid="ignore", over="ignore")
+
 
 class Jet:
     """A number, its gradient and its second derivatives by some variables."""
@@ -43,14 +45,16 @@ class Jet:
     __rmul__ = __mul__
 
     def __truediv__(self, other):
-        return self * (reciprocal(other) if isinstance(other, Jet) else 1.0 / other)
+        return self * reciprocal(other)
 
     def __rtruediv__(self, other):
         return reciprocal(self) * other
 
 
-def variables(values):
-    """Numbers that are variables themselves."""
+def variables(values, constant=False):
+    """Numbers that are variables themselves; plain numbers where only values are wanted."""
+    if constant:
+        return [float(v) for v in values]
     size = len(values)
     return [Jet(float(v), numpy.eye(size)[i], numpy.zeros((size, size))) for i, v in enumerate(values)]
 
@@ -60,8 +64,15 @@ def value(x):
 
 
 def reciprocal(x):
-    v = 1.0 / x.v
+    v = 1.0 / value(x) if value(x) else math.inf
+    if not isinstance(x, Jet):
+        return v
     return x.lifted(v, -v * v, 2 * v * v * v)
+
+
+def over(x, y):
+    """x / y, infinite where y is zero: a routine of doubles does not stop there."""
+    return x * reciprocal(y)
 
 
 def sqrt(x):
@@ -72,19 +83,27 @@ def sqrt(x):
 
 
 def sin(x):
+    if not isinstance(x, Jet):
+        return math.sin(x)
     return x.lifted(math.sin(x.v), math.cos(x.v), -math.sin(x.v))
 
 
 def cos(x):
+    if not isinstance(x, Jet):
+        return math.cos(x)
     return x.lifted(math.cos(x.v), -math.sin(x.v), -math.cos(x.v))
 
 
 def log(x):
+    if not isinstance(x, Jet):
+        return math.log(x)
     return x.lifted(math.log(x.v), 1 / x.v, -1 / x.v**2)
 
 
 def acos(x):
     """As it is called where nobody thinks: NaN beyond 1, infinite slopes at 1."""
+    if not isinstance(x, Jet):
+        return math.nan if abs(x) > 1 else math.acos(x)
     if not -1 < x.v < 1:
         return x.lifted(math.nan if abs(x.v) > 1 else math.acos(x.v), math.inf, math.inf)
     root = math.sqrt(1 - x.v * x.v)
@@ -96,12 +115,18 @@ def asin(x):
 
 
 def atan(x):
+    if not isinstance(x, Jet):
+        return math.atan(x)
     return x.lifted(math.atan(x.v), 1 / (1 + x.v**2), -2 * x.v / (1 + x.v**2) ** 2)
 
 
 def atan2(y, x):
     if not isinstance(y, Jet) and not isinstance(x, Jet):
         return math.atan2(y, x)
+    if not isinstance(x, Jet):
+        x = 0.0 * y + x
+    if not isinstance(y, Jet):
+        y = 0.0 * x + y
     square = x.v * x.v + y.v * y.v
     fy, fx = x.v / square, -y.v / square
     twice, across = 2 * x.v * y.v / square**2, (y.v * y.v - x.v * x.v) / square**2
@@ -140,13 +165,15 @@ def norm(v):
 
 def turned(v, theta):
     """exp(theta^) v to second order in a small rotation, which is all that derivatives at zero need."""
+    if not isinstance(theta[0], Jet):
+        return v
     once = cross(theta, v)
     return add(add(v, once), scaled(cross(theta, once), 0.5))
 
 
 def quotient(sine, cosine):
     """angle / sine of an angle of which both are given, sine ≥ 0 by its square `sine`, without a hole at zero."""
-    if cosine.v > 0 and sine.v < 0.02:
+    if value(cosine) > 0 and value(sine) < 0.02:
         # asin(x)/x = Σ c x^2n, c the central binomials.
         coefficients, c = [], 1.0
         for n in range(14):
@@ -157,7 +184,7 @@ def quotient(sine, cosine):
             total = total * sine + c
         return total
     root = sqrt(sine)
-    return atan2(root, cosine) / root
+    return over(atan2(root, cosine), root)
 
 
 def quaternion(matrix):

@@ -79,6 +79,7 @@ pub struct Candidate<'a> {
     components: [bool; 6],
     springs: [Option<f64>; 6],
     tangent: Tangent,
+    at: Option<&'a [Case]>,
 }
 
 /// How many states are asked for at once.
@@ -107,6 +108,7 @@ impl<'a> Candidate<'a> {
             components: [true; 6],
             springs: [None; 6],
             tangent: Tangent::default(),
+            at: None,
         }
     }
 
@@ -149,6 +151,14 @@ impl<'a> Candidate<'a> {
         self
     }
 
+    /// The states at which the routine is asked, in place of drawn ones: of the same connector.
+    #[must_use]
+    pub const fn at(mut self, cases: &'a [Case]) -> Self {
+        (self.settings.states, self.settings.near_singular_states) = (cases.len(), 0);
+        self.at = Some(cases);
+        self
+    }
+
     /// A length that is typical of the model: for connectors whose nodes coincide.
     #[must_use]
     pub const fn reference_length(mut self, length: f64) -> Self {
@@ -159,7 +169,7 @@ impl<'a> Candidate<'a> {
     /// Which region of configuration space the states exercise at which a routine of this name is checked.
     pub fn coverage(&self) -> Coverage {
         let mut coverage = Coverage::default();
-        for (_, case) in self.cases() {
+        for case in self.drawn() {
             if let Some(step) = case.last() {
                 coverage.add(self.definition, &step.state, case.length);
             }
@@ -169,12 +179,12 @@ impl<'a> Candidate<'a> {
 
     /// The states at which a routine of this name is asked, each with the path that leads there.
     pub fn drawn(&self) -> Vec<Case> {
-        self.cases().map(|(_, case)| case).collect()
+        self.cases().into_iter().map(|(_, case)| case).collect()
     }
 
     /// One history of so many small increments, through half a turn and whole ones. `None` where an end of the connector does not turn.
     pub fn history(&self, states: usize) -> Option<Case> {
-        let mut draw = Draw::new(&format!("{} {} history", self.settings.seed, self.name));
+        let mut draw = Draw::new(&format!("{} {} history", self.settings.seed, self.definition.connection.name));
         along_initial(self.definition, self.length(), self.name, Some(states), &mut draw)
     }
 
@@ -188,10 +198,18 @@ impl<'a> Candidate<'a> {
         if has_sites(self.definition) { self.settings.near_singular_states } else { 0 }
     }
 
-    /// The states, with their places: those about the initial one, then those near singular sets.
-    fn cases(&self) -> impl Iterator<Item = (usize, Case)> {
-        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
-        let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.name));
+    /// The states, with their places.
+    fn cases(&self) -> Vec<(usize, Case)> {
+        match self.at {
+            Some(cases) => cases.iter().cloned().enumerate().collect(),
+            None => self.drawn_cases().collect(),
+        }
+    }
+
+    /// Drawn states, with their places: those about the initial one, then those near singular sets.
+    fn drawn_cases(&self) -> impl Iterator<Item = (usize, Case)> {
+        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.definition.connection.name));
+        let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.definition.connection.name));
         let length = self.length();
         let regular = self.settings.states;
         let of_history = spread(regular, self.histories.min(regular));
@@ -284,7 +302,8 @@ impl<'a> Candidate<'a> {
         let near_wide = if near > 0 { self.settings.wide_states / 4 } else { 0 };
         let mut wide = spread(self.settings.states, self.settings.wide_states - near_wide);
         wide.extend(spread(near, near_wide).into_iter().map(|i| self.settings.states + i));
-        let all: Vec<Asked> = self.cases().map(|(number, case)| Asked::new(number, case)).collect();
+        let all: Vec<Asked> =
+            self.cases().into_iter().map(|(number, case)| Asked::new(number, case)).collect();
         let cases = all.len();
         for asked in all.chunks(AT_ONCE) {
             let questions: Vec<Question<'_>> =
@@ -343,7 +362,7 @@ impl<'a> Candidate<'a> {
             return None;
         }
         let finding = |lack: Lack| {
-            let reason = "the states drawn about the initial one";
+            let reason = if self.at.is_some() { "the states given" } else { "the states drawn about the initial one" };
             let found = Diagnostic::finding(lack.code, Span::default(), lack.message, reason);
             Finding::from(found.help(lack.remedy).in_file(self.name))
         };
@@ -353,7 +372,7 @@ impl<'a> Candidate<'a> {
             assembly: None,
             later_steps: Vec::new(),
             coverage,
-            drawn: true,
+            drawn: self.at.is_none(),
             nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
         })
