@@ -19,7 +19,7 @@ mod uel;
 use libloading::Library;
 use message::{Answer, Asked};
 use serde_json::{Value, json};
-use std::io::{BufRead, Write};
+use std::io::{BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// The header of a routine in C.

@@ -290,7 +290,7 @@ impl Native {
         for state in states.chunks_exact(State::SIZE) {
             *found = Numbers::none();
             let code = self.call(&connector, &State::of_numbers(state), bits, &mut [], &mut found);
-            let mut append = |all: &mut Vec<f64>| {
+            let append = |all: &mut Vec<f64>| {
                 code == 0 && names.iter().all(|name| self.append(name, &found, &connector.kind, all))
             };
             if plain.as_mut().is_some_and(|all| !append(all)) {

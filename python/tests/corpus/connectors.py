@@ -54,6 +54,13 @@ def halfway(m):
     return third, carried(m.a[0], m.a[2], third), carried(m.b[0], m.b[2], third)
 
 
+def swing(m):
+    """The rotation vector of the smallest rotation from e3a to e3b, by their chord: no digits are lost near π."""
+    chord, both = sub(m.a[2], m.b[2]), j.add(m.a[2], m.b[2])
+    third = scaled(both, j.reciprocal(norm(both)))
+    return scaled(cross(chord, third), j.quotient(dot(chord, chord) * 0.25, norm(both) * 0.5))
+
+
 def torsion(m):
     third, from_a, from_b = halfway(m)
     return atan2(dot(third, cross(from_a, from_b)), dot(from_a, from_b))
@@ -136,11 +143,9 @@ def rotation(kind, m, start, before):
         chord, both = sub(m.a[2], m.b[2]), j.add(m.a[2], m.b[2])
         return [atan2(norm(chord), norm(both)) * 2.0, near(torsion(m), pick(1)), near(atan2(m.r[0][2], -m.r[1][2]), pick(2))]
     if kind == "projection":
-        axis = cross(m.a[2], m.b[2])
         beta = near(torsion(m), pick(2))
-        swing = scaled(axis, j.quotient(dot(axis, axis), dot(m.a[2], m.b[2])))
         frame = middle_triad(m, beta)
-        return [dot(frame[0], swing), dot(frame[1], swing), beta]
+        return [dot(frame[0], swing(m)), dot(frame[1], swing(m)), beta]
     return [None] * 3
 
 

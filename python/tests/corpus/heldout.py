@@ -10,7 +10,7 @@ import constraints
 import frictions
 import jets as j
 import numpy
-from connectors import Motion, answers, cardan, measures, right, skew
+from connectors import Motion, answers, cardan, measures, on_sheet, right, skew, swing
 from jets import atan2, cross, dot, norm, scaled, sub
 
 OFFERS = os.environ.get("CORPUS_OFFERS", "values,rows").split(",")
@@ -110,7 +110,7 @@ formula("rotation_difference", "ROTATION", "difference of the nodes' rotation ve
 formula("rotation_global", "ROTATION", "components along global axes", lambda m, m0, ok: [None] * 3 + sub(spatial_vector(m), vs(spatial_vector(m0))))
 formula("rotation_half", "ROTATION", "the vector of the quaternion: half of the angle", lambda m, m0, ok: [None] * 3 + sub(j.quaternion(m.r)[1:], vs(j.quaternion(m0.r)[1:])))
 formula("rotation_sine", "ROTATION", "twice the vector of the quaternion: a sine for an angle", lambda m, m0, ok: [None] * 3 + scaled(sub(j.quaternion(m.r)[1:], vs(j.quaternion(m0.r)[1:])), 2.0))
-formula("rotation_acos", "ROTATION", "acos of the trace: digits lost at small angles and near π", lambda m, m0, ok: [None] * 3 + sub(by_trace(m), vs(by_trace(m0))))
+formula("rotation_acos", "ROTATION", "acos of the trace: digits lost at small angles and near π", lambda m, m0, ok: [None] * 3 + sub(on_sheet(by_trace(m), total(m, by_trace(m0))), vs(by_trace(m0))))
 formula("align_skew", "ALIGN", "the skew part in place of the rotation vector", lambda m, m0, ok: [None] * 3 + [(x - y) * 0.5 for x, y in skew_pairs(back(m, m0))])
 formula("align_global", "ALIGN", "components along global axes", lambda m, m0, ok: [None] * 3 + spatial_vector(m))
 formula("flexion_acos", "FLEXION-TORSION", "flexion by acos: digits lost at zero flexion", lambda m, m0, ok: replaced(ok, ur1=j.acos(dot(m.a[2], m.b[2])) - math.acos(v(dot(m0.a[2], m0.b[2])))))
@@ -159,13 +159,14 @@ def by_trace(m):
     return [(x - y) * 0.5 * (j.over(angle, j.sin(angle))) for x, y in skew_pairs(m.r)]
 
 
+def total(m, first):
+    """The right rotation vector at the state before."""
+    before = m.state["previous"]["values"]
+    return [float(before[3 + k] or 0.0) + v(first[k]) for k in range(3)]
+
+
 def back(m, m0):
     return [[dot(m.r[i], vs(m0.r[k])) for k in range(3)] for i in range(3)]
-
-
-def swing(m):
-    axis = cross(m.a[2], m.b[2])
-    return scaled(axis, j.quotient(dot(axis, axis), dot(m.a[2], m.b[2])))
 
 
 # Rows

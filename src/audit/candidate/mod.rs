@@ -43,6 +43,7 @@ use crate::engine::checks_of;
 use crate::judge::components::{Surroundings, judge};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
+use crate::judge::table::ResultTable;
 use crate::judge::verdict::{Score, Verdict};
 use crate::model::{Finding, ModelReport};
 use crate::oracles::certificate::certificate;
@@ -84,6 +85,12 @@ pub struct Candidate<'a> {
 
 /// How many states are asked for at once.
 pub(in crate::candidate) const AT_ONCE: usize = 32;
+
+/// Of how many states wrong tables are kept, to say why they are.
+pub(in crate::candidate) const KEPT: usize = 16;
+
+/// A table that is wrong, and against whom.
+type WrongTable = (Against, ResultTable);
 
 /// A state that is asked for.
 struct Asked {
@@ -297,6 +304,7 @@ impl<'a> Candidate<'a> {
         mut routine: impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
     ) -> Result<Report, E> {
         let mut found: Vec<Check> = Vec::new();
+        let mut of_element = Vec::new();
         let mut coverage = Coverage::default();
         let near = self.near_singular_states();
         let near_wide = if near > 0 { self.settings.wide_states / 4 } else { 0 };
@@ -316,9 +324,10 @@ impl<'a> Candidate<'a> {
                 let Some(given) = answers.next().flatten() else { continue };
                 let given = self.read(given, &self.offers, asked);
                 let is_wide = wide.contains(&asked.number);
-                checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide)?);
+                checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide, &mut of_element)?);
             }
         }
+        element::explain(&mut found, &of_element);
         let connection = &self.definition.connection;
         let connector = Connector::<f64>::new(self.definition);
         let is_one_form = |k: &usize| connector.differentiated(*k).map(|measure| measure.is_one_form());
@@ -393,6 +402,7 @@ impl<'a> Candidate<'a> {
         given: &Given,
         routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
         wide: bool,
+        of_element: &mut Vec<WrongTable>,
     ) -> Result<Vec<Check>, E> {
         let mut checks = Vec::new();
         let Asked { case, number, values_before } = asked;
@@ -483,8 +493,14 @@ impl<'a> Candidate<'a> {
             let right = answers.as_ref().map(|answers| &answers.differences);
             let by = if right.is_some() { Oracle::WideDifferences } else { Oracle::WideDual };
             let right = right.unwrap_or_else(|| &others);
-            for table in element::tables(element, &self.springs, self.tangent, right, bound) {
-                checks.push(table.check_against(by, wide, &case.name, Some(case)));
+            let first = initial_positions(case);
+            for table in element::tables(element, (&self.springs, self.tangent), right, &first, bound) {
+                let mut check = table.check_against(by, wide, &case.name, Some(case));
+                // It is told when every state was seen.
+                if check.diagnosis.take().is_some() {
+                    of_element.push((check.against, table));
+                }
+                checks.push(check);
             }
             for (quantity, is_given) in [
                 (Quantity::ElementForces, element.forces.is_some()),
@@ -545,6 +561,14 @@ impl<'a> Candidate<'a> {
         checks.push(check);
         Ok(checks)
     }
+}
+
+/// The positions from which displacements are counted.
+fn initial_positions(case: &Case) -> Components<f64> {
+    let initial = case.definition.initial;
+    let rest = Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() };
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    rest.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
 }
 
 impl Asked {
@@ -724,6 +748,7 @@ mod tests {
                 &given,
                 &mut answers,
                 wide,
+                &mut Vec::new(),
             );
             checks
         };

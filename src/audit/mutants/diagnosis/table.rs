@@ -99,6 +99,24 @@ impl Words for TableWords<'_> {
             };
             rows.push((row.clone(), of_columns));
         }
+        if matches!(self.table.quantity, Quantity::ElementForces | Quantity::ElementStiffness) {
+            // Fourteen rows, most of them alike.
+            let every = rows.len() == self.table.rows.len() && rows.iter().all(|(_, columns)| columns.is_empty());
+            if every {
+                return format!("the {}", self.table.quantity.name());
+            }
+            let mut alike: Vec<(BTreeSet<usize>, String)> = Vec::new();
+            for (row, columns) in rows {
+                let place = self.table.rows.iter().position(|known| *known == row).unwrap_or_default();
+                match alike.iter_mut().find(|(_, known)| *known == columns) {
+                    Some((places, _)) => drop(places.insert(place)),
+                    None => alike.push((BTreeSet::from([place]), columns)),
+                }
+            }
+            let name = |row: usize| self.table.rows.get(row).cloned().unwrap_or_default();
+            let named = alike.into_iter().map(|(places, columns)| ranges(&places, &name).join(", ") + &columns);
+            return named.collect::<Vec<_>>().join("; ");
+        }
         let named: Vec<String> = rows.into_iter().map(|(row, columns)| row + &columns).collect();
         named.join(", ")
     }
