@@ -37,33 +37,38 @@ def node(row, keys):
 def states_of(data, count, want):
     """The states of a binary payload: 166 numbers each, in the order of pintle_state in pintle_element.h."""
     keys = NODE + [("increment", (3,))] + (RATES if {"rates", "accelerations"} & {*want} else [])
-    for row in numpy.frombuffer(data, "<f8").reshape(count, -1):
+    for row in numpy.frombuffer(bytearray(data), "<f8").reshape(count, -1):
         previous = {"a": node(row[80:], NODE), "b": node(row[120:], NODE)}
         previous["values"] = arrays([None if x != x else x for x in row[160:].tolist()])
         yield {"a": node(row, keys), "b": node(row[40:], keys), "previous": previous}
 def packed(given, want, has, width):
-    """The numbers of an answer in one array; None where it is to be told in words: anything but plain numbers."""
+    """The numbers of all answers, state by state; None where one is to be told in words: anything but plain numbers."""
     shapes = {"values": (), "rates": (), "accelerations": (), "rows": (width,), "nodal_forces": (width,)}
+    there, absent = [k for k in range(len(has)) if has[k]], [k for k in range(len(has)) if not has[k]]
     found = []
     for key in want:
-        shape, lines = shapes.get(key, (width, width)), given.get(key)
-        if key.startswith("element"):
-            shape, lines, there = shape[1:] if key == "element_forces" else shape, [lines], [True]
-        else:
-            there = has
-        if lines is None or len(lines) != len(there):
+        shape, whole = shapes.get(key, (width, width)), key.startswith("element")
+        lines = [one.get(key) for one in given]
+        if any(line is None for line in lines):
             return None
-        for line, is_there in zip(lines, there):
-            if line is None and not is_there:
-                found.append(numpy.full(shape, math.nan).ravel())
-                continue
-            if line is None or numpy.shape(line) != shape:
-                return None
-            line = numpy.asarray(line, dtype=float)
-            if not numpy.isfinite(line).all():
-                return None
-            found.append(line.ravel())
-    return numpy.concatenate(found)
+        if whole:
+            shape, lines = shape[1:] if key == "element_forces" else shape, [[line] for line in lines]
+        elif any(len(line) != len(has) or any(line[k] is not None for k in absent) for line in lines):
+            return None
+        else:
+            lines = [[line[k] for k in there] for line in lines]
+        try:
+            present = numpy.array(lines, dtype=float)
+        except (TypeError, ValueError):
+            return None
+        if present.shape[2:] != shape or not numpy.isfinite(present).all():
+            return None
+        if not whole:
+            every = numpy.full((len(given), len(has), *shape), math.nan)
+            every[:, there] = present
+            present = every
+        found.append(present.reshape(len(given), -1))
+    return numpy.concatenate(found, axis=1).astype("<f8").tobytes()
 class Routine:
     """A function on one state, and what its hello says besides its name."""
     def __init__(self, function, name, own):
@@ -79,23 +84,29 @@ class Routine:
         """The answer to states as bytes: a message, and bytes after it."""
         want, has = asked["want"], [one is not None for one in self.connector["components"]]
         width = len(self.hello.get("convention", {}).get("columns", range(14)))
-        given, numbers = [], []
+        given, plain = [], True
         for state in states_of(data, asked["count"], want):
             try:
                 one = self.function(state, self.connector, *([want] if self.takes_want else []))
                 if not isinstance(one, dict):
                     one = dict(zip(("values", "rows"), one, strict=True))
+                plain = plain and not {*one} & {*AS_IT_IS}
                 given.append(one)
-                if numbers is not None:
-                    plainly = None if {*one} & {*AS_IT_IS} else packed(one, want, has, width)
-                    numbers = None if plainly is None else [*numbers, plainly]
             except Exception as error:
                 given.append(self.failed(error))
-                numbers = None
-        if numbers is None:
-            return {"id": asked["id"], "answers": [named(one) for one in given]}, b""
-        out = numpy.concatenate(numbers).astype("<f8").tobytes()
+                plain = False
+        try:
+            out = packed(given, want, has, width) if plain else None
+        except Exception:
+            out = None
+        if out is None:
+            return {"id": asked["id"], "answers": [self.told(one) for one in given]}, b""
         return {"id": asked["id"], "bytes": len(out)}, out
+    def told(self, given):
+        try:
+            return named(given)
+        except Exception as error:
+            return self.failed(error)
     def answer(self, state, want):
         try:
             memory = state.get("previous", {}).pop("memory", None)

@@ -10,7 +10,7 @@ const ROUTINES: &str = r#"
 import math
 SEEN = open("seen.txt", "a")
 def dot(v, w): return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
-def revolute(state, connector, turns=True):
+def revolute(state, connector, *, turns=True):
     """ur1 alone: the angle about e1a, which goes on from the value before."""
     a, b, first = state["a"]["triad"], state["b"]["triad"], connector["initial"]
     angle = lambda a, b: math.atan2(-dot(a[1], b[2]), dot(a[2], b[2]))
@@ -19,15 +19,15 @@ def revolute(state, connector, turns=True):
     SEEN.write(f"{before!r}\n")
     if turns: x += 2 * math.pi * round((before - x) / (2 * math.pi))
     return [None, None, None, x, None, None], None
-def principal(state, connector): return revolute(state, connector, False)
-def pin(state, constraint, wrong=0.0):
+def principal(state, connector): return revolute(state, connector, turns=False)
+def pin(state, constraint, *, wrong=0.0):
     rows, values = [None] * 7, [None] * 7
     for i in range(3):
         values[i] = float(state["S"]["u"][i] - state["M"]["u"][i]) * (1 + wrong)
         rows[i] = [0.0] * 14
         rows[i][i], rows[i][7 + i] = 1.0 + wrong, -1.0 - wrong
     return values, rows
-def stretched(state, constraint): return pin(state, constraint, 0.5)
+def stretched(state, constraint): return pin(state, constraint, wrong=0.5)
 OFFERS, COMPONENTS = ["values"], ["ur1"]
 "#;
 
@@ -68,7 +68,8 @@ fn own_states_are_asked_alone() {
     let wrong = ["check", "REVOLUTE", "--python", "mine:principal", "--at", "history.csv"];
     let told = stdout(&there(&folder, &wrong).assert().code(1));
     assert!(told.contains("turns-forgotten") || told.contains("principal"), "{told}");
-    there(&folder, &[&wrong[..], &["--independent"]].concat()).assert().success();
+    let alone = ["check", "REVOLUTE", "--python", "mine:revolute", "--at", "history.csv", "--independent"];
+    there(&folder, &alone).assert().success();
     // What is not there is told, and a friction has no states.
     for (of, at, says) in [
         ("REVOLUTE", "none.csv", "none.csv"),

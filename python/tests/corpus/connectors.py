@@ -93,7 +93,7 @@ def near(x, want):
 def on_sheet(vector, want):
     """A rotation vector, lengthened by the whole turns by which it is nearest to another."""
     size = math.sqrt(sum(j.value(x) ** 2 for x in vector))
-    if want is None or size == 0:
+    if want is None or not 0 < size < math.inf:
         return vector
     along = sum(w * j.value(x) for w, x in zip(want, vector)) / size
     turns = round((along - size) / (2 * math.pi))

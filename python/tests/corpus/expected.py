@@ -73,7 +73,7 @@ ujoint_degrees degrees
 cvjoint_half rotation-halved
 cvjoint_unit not-normalised
 retractor_without_scale not-normalised
-converter_of_b axes-of-b
+converter_of_b axes-of-b nodes-swapped
 converter_flow_sign sign-of-block
 bushing_one_entry dropped
 projection_frame_fixed block-missing

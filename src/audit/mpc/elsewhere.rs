@@ -399,6 +399,16 @@ impl MpcCase {
                 add_mapped(Cause::OtherParameters, relation, Some(across), &map);
             }
         }
+        let left = so3::left_jacobian(rho);
+        let inverse = so3::inverse_left_jacobian(rho);
+        for (relation, map) in [
+            ("δθS − δθM − a δφ, the row where the constraint holds", left),
+            ("the row of the right inverse Jacobian of ρ", product(&transpose(&inverse), &left)),
+            ("the row of the Jacobian of ρ, not inverted", product(&left, &left)),
+            ("the row of the transposed Jacobian of ρ, not inverted", product(&transpose(&left), &left)),
+        ] {
+            add_mapped(Cause::OtherJacobian, relation, None, &map);
+        }
         if self.constraint.kind().entry().angles.is_empty() {
             let [s, m] = [&self.state.slave, &self.state.master].map(|body| so3::log(&body.rotation));
             let mut other = got.clone();
@@ -412,16 +422,6 @@ impl MpcCase {
             found.push(Elsewhere::new(Cause::OtherParameters, relation, &other, &VALUES));
             let relation = "δθS − δθM, the rows of small rotations";
             found.push(Elsewhere::new(Cause::Linearised, relation, &other, &[Quantity::FirstDerivatives]));
-        }
-        let left = so3::left_jacobian(rho);
-        let inverse = so3::inverse_left_jacobian(rho);
-        for (relation, map) in [
-            ("δθS − δθM − a δφ, the row where the constraint holds", left),
-            ("the row of the right inverse Jacobian of ρ", product(&transpose(&inverse), &left)),
-            ("the row of the Jacobian of ρ, not inverted", product(&left, &left)),
-            ("the row of the transposed Jacobian of ρ, not inverted", product(&transpose(&left), &left)),
-        ] {
-            add_mapped(Cause::OtherJacobian, relation, None, &map);
         }
         found
     }

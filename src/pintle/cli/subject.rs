@@ -197,9 +197,14 @@ fn one_connector(model: &Model, element: &str) -> Result<usize, Failure> {
     }
 }
 
-/// What a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, a connector of a scene, `SCENE:ELEMENT`, or
-/// a multi-point constraint, `MPC KIND` or `MPC SCENE:S-M`, or a friction, `FRICTION TYPE` or `FRICTION SCENE:ELEMENT`; and the
-/// states at which it is asked, where none are to be drawn.
+/// What a routine is to be, and the states at which it is asked, where none are to be drawn.
+///
+/// | name | what |
+/// |---|---|
+/// | `TYPE`, `TYPE TYPE` | a connection type at two oblique triads |
+/// | `SCENE:ELEMENT` | a connector of a scene |
+/// | `MPC KIND`, `MPC SCENE:S-M` | a multi-point constraint |
+/// | `FRICTION TYPE`, `FRICTION SCENE:ELEMENT` | a friction |
 ///
 /// # Errors
 /// In words, where there is none of that name.

@@ -465,7 +465,9 @@ fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<Vector<f64>> {
     let of = |i: usize| {
         let (a, b) = (column(a, i), column(b, i));
         let sum = add(a, b);
-        [a, b, scale(sum, 1.0 / norm(sum)), sum]
+        // That of the third axes is a torsion's direction, which was not divided.
+        let midway = if i < 2 { scale(sum, 1.0 / norm(sum)) } else { a };
+        [a, b, midway, sum]
     };
     let across = |n: usize| cross(column(b, n % 3), column(a, n / 3));
     (0..3).flat_map(of).chain((0..9).map(across)).collect()
@@ -546,7 +548,6 @@ fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
         (Cause::GeometricTermMissing, put(THETA_A, plus(of_a, -1.0))),
         (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),
         (Cause::InitialTurned, put(THETA_A, sub(of_a, of_initial))),
-        (Cause::InitialTurned, put(THETA_A, add(sub(of_a, lever), of_initial))),
         (Cause::LeverAtB, moved(-1.0)),
     ]
 }

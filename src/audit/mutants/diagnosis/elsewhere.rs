@@ -116,9 +116,7 @@ pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
                 Some(relation) => made.related(relation),
                 None => made,
             });
-            // Of a one-form the axis is another then, and nothing else.
-            let is_one_form = case.connector().differentiated(k).is_some_and(|measure| measure.is_one_form());
-            if cause == Cause::NodesSwapped && row.len() > 1 && !is_one_form {
+            if cause == Cause::NodesSwapped && row.len() > 1 {
                 // With columns in the right order.
                 let at = |j: usize| (j + XB) % DOFS;
                 let place =

@@ -49,7 +49,7 @@ fn at_state(table: &ResultTable) -> AtState {
     let width = table.width();
     let place = |i: usize| (i / width, i % width);
     let data = table.entries.iter().enumerate().map(|(i, entry)| {
-        let (want, tolerance) = (entry.want.to_f64(), entry.tolerance());
+        let (want, tolerance) = (entry.target(entry.got).to_f64(), entry.tolerance());
         (place(i), Datum { got: Some(entry.got), want, tolerance, class: entry.class })
     });
     let placed = |changes: &[(usize, f64)]| changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect();
@@ -103,7 +103,7 @@ impl Words for TableWords<'_> {
             // Fourteen rows, most of them alike.
             let every = rows.len() == self.table.rows.len() && rows.iter().all(|(_, columns)| columns.is_empty());
             if every {
-                return format!("the {}", self.table.quantity.name());
+                return format!("every entry of the {}", self.table.quantity.name());
             }
             let mut alike: Vec<(BTreeSet<usize>, String)> = Vec::new();
             for (row, columns) in rows {

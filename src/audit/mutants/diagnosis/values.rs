@@ -30,14 +30,14 @@ fn sequences(r: &Matrix<f64>) -> Vec<[f64; 3]> {
             let k = 3 - i - j;
             let three = [
                 (-sign * r[j][k]).atan2(r[k][k]),
-                (sign * r[i][k]).clamp(-1.0, 1.0).asin(),
+                (sign * r[i][k]).atan2(r[i][i].hypot(r[i][j])),
                 (-sign * r[i][j]).atan2(r[i][i]),
             ];
             let mut by_axis = [0.0; 3];
             [i, j, k].into_iter().zip(three).for_each(|(axis, angle)| by_axis[axis] = angle);
             let two = [
                 r[j][i].atan2(-sign * r[k][i]),
-                r[i][i].clamp(-1.0, 1.0).acos(),
+                r[i][j].hypot(r[i][k]).atan2(r[i][i]),
                 r[i][j].atan2(sign * r[i][k]),
             ];
             found.extend([three, by_axis, two]);
