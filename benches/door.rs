@@ -97,7 +97,10 @@ fn main() {
     let definition = Definition::new(axial, Pair { reference: [2.0, 0.0, 0.0], a: node, b: node });
     let program = Path::new(env!("CARGO_BIN_EXE_pintle")).display().to_string();
     let library = |name: &str, more: &[&str]| {
-        let built = Command::new("cc").args(["-shared", "-fPIC", "-O2", "-o", name, "mine.c", "-lm"]).args(more).status();
+        let built = Command::new("cc")
+            .args(["-shared", "-fPIC", "-O2", "-o", name, "mine.c", "-lm"])
+            .args(more)
+            .status();
         assert!(built.is_ok_and(|status| status.success()), "cc builds {name}");
         format!("exec {program} element ./{name}")
     };

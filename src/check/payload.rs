@@ -85,7 +85,8 @@ pub(crate) fn answers(
         let due = each * DOUBLE;
         return Err(format!("{} bytes followed, and {count} states have {due} each", bytes.len()));
     }
-    let numbers = bytes.chunks_exact(DOUBLE).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
+    let numbers =
+        bytes.chunks_exact(DOUBLE).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
     let numbers: Vec<f64> = numbers.collect();
     let one = |mut rest: &[f64]| {
         let mut own = Own::default();

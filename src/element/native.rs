@@ -1,7 +1,9 @@
 //! A routine of `pintle_element.h`.
 
 use crate::Options;
-use crate::message::{Answer, Asked, OFFERS, names, number, numbers, out_of_domain, wants as wants_of, written};
+use crate::message::{
+    Answer, Asked, OFFERS, names, number, numbers, out_of_domain, wants as wants_of, written,
+};
 use libloading::Library;
 use serde_json::{Value, json};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint};
@@ -132,8 +134,13 @@ impl State {
     /// That of as many numbers as it has.
     fn of_numbers(numbers: &[f64]) -> Self {
         let node = |n: usize| Node::of_numbers(numbers.get(n * Node::SIZE..).unwrap_or_default());
-        let value = |k: usize| numbers.get(4 * Node::SIZE + k).copied().filter(|x| !x.is_nan()).unwrap_or(0.0);
-        Self { now: [node(0), node(1)], before: [node(2), node(3)], values_before: std::array::from_fn(value) }
+        let value =
+            |k: usize| numbers.get(4 * Node::SIZE + k).copied().filter(|x| !x.is_nan()).unwrap_or(0.0);
+        Self {
+            now: [node(0), node(1)],
+            before: [node(2), node(3)],
+            values_before: std::array::from_fn(value),
+        }
     }
 }
 
@@ -355,10 +362,14 @@ impl Native {
             "rows" => of.rows.iter().for_each(|row| put(row)),
             "nodal_forces" => of.nodal_forces.iter().for_each(|row| put(row)),
             "second_derivatives" => {
-                of.second_derivatives.iter().for_each(|matrix| matrix.iter().take(width).for_each(|row| put(row)));
+                of.second_derivatives
+                    .iter()
+                    .for_each(|matrix| matrix.iter().take(width).for_each(|row| put(row)));
             }
             "geometric_stiffness" => {
-                of.geometric_stiffness.iter().for_each(|matrix| matrix.iter().take(width).for_each(|row| put(row)));
+                of.geometric_stiffness
+                    .iter()
+                    .for_each(|matrix| matrix.iter().take(width).for_each(|row| put(row)));
             }
             "element_forces" => {
                 whole = true;

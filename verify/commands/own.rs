@@ -52,13 +52,25 @@ fn there(folder: &Path, arguments: &[&str]) -> assert_cmd::Command {
 #[test]
 fn own_states_are_asked_alone() {
     let folder = folder("states");
-    let history = ["--force", "states", "REVOLUTE", "--count", "40", "--history", "-o", "history.csv", "--deck", "deck.inp"];
+    let history = [
+        "--force",
+        "states",
+        "REVOLUTE",
+        "--count",
+        "40",
+        "--history",
+        "-o",
+        "history.csv",
+        "--deck",
+        "deck.inp",
+    ];
     there(&folder, &history).assert().success();
     let scene = fs::read_to_string(folder.join("deck.inp")).unwrap();
     assert!(scene.contains("REVOLUTE"));
     for of in ["REVOLUTE", "deck.inp:1"] {
         let arguments = ["check", of, "--python", "mine:revolute", "--at", "history.csv", "--format", "json"];
-        let report: Value = serde_json::from_str(&stdout(&there(&folder, &arguments).assert().success())).unwrap();
+        let report: Value =
+            serde_json::from_str(&stdout(&there(&folder, &arguments).assert().success())).unwrap();
         let subject = &report["subjects"][0];
         assert_eq!((&subject["cases"], &subject["formula"]), (&40.into(), &"pass".into()), "{of}");
     }
@@ -77,7 +89,9 @@ fn own_states_are_asked_alone() {
         ("MPC PIN", "history.csv", "MPC SCENE:S-M"),
     ] {
         let code = if of == "REVOLUTE" { 6 } else { 2 };
-        let told = stderr(&there(&folder, &["check", of, "--python", "mine:revolute", "--at", at]).assert().code(code));
+        let told = stderr(
+            &there(&folder, &["check", of, "--python", "mine:revolute", "--at", at]).assert().code(code),
+        );
         assert!(told.contains(says), "{of}: {told}");
     }
 }
@@ -89,11 +103,9 @@ fn constraints_of_a_scene_are_checked() {
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/revolute_mpc");
     let [deck, states] = ["inp", "states.csv"].map(|end| deck.with_extension(end).display().to_string());
     let of = |nodes: &str| format!("MPC {deck}:{nodes}");
-    for (routine, at, code) in [
-        ("tied:pin", None, 0),
-        ("tied:stretched", None, 1),
-        ("tied:pin", Some(&states), 0),
-    ] {
+    for (routine, at, code) in
+        [("tied:pin", None, 0), ("tied:stretched", None, 1), ("tied:pin", Some(&states), 0)]
+    {
         for nodes in ["10-20", "pin 10-20"] {
             let of = of(nodes);
             let at = at.map(|at| vec!["--at", at]).unwrap_or_default();
@@ -181,7 +193,8 @@ fn arrays_of_states_are_those_of_the_table() {
         return;
     }
     for (format, file) in [("csv", "states.csv"), ("npz", "states.npz")] {
-        let arguments = ["--force", "states", "HINGE", "--count", "9", "--near", "3", "--format", format, "-o", file];
+        let arguments =
+            ["--force", "states", "HINGE", "--count", "9", "--near", "3", "--format", format, "-o", file];
         there(&folder, &arguments).assert().success();
     }
     let program = r#"
@@ -200,8 +213,10 @@ for n, row in enumerate(rows):
         compared += len(columns)
 print(compared)
 "#;
-    let output = std::process::Command::new(python()).args(["-c", program]).current_dir(&folder).output().unwrap();
+    let output =
+        std::process::Command::new(python()).args(["-c", program]).current_dir(&folder).output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
-    let compared: usize = String::from_utf8_lossy(&output.stdout).trim().parse().unwrap_or_else(|_| panic!("{told}"));
+    let compared: usize =
+        String::from_utf8_lossy(&output.stdout).trim().parse().unwrap_or_else(|_| panic!("{told}"));
     assert_eq!(compared, 12 * 2 * 22);
 }

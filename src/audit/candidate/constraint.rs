@@ -56,7 +56,8 @@ impl<'a> ConstraintCandidate<'a> {
     pub fn new(name: &'a str, constraint: &'a Constraint<f64>) -> Self {
         let settings = Settings { states: 200, near_singular_states: 0, atlas: false, ..Settings::default() };
         let offers = vec![Quantity::Value, Quantity::FirstDerivatives];
-        Self { name, constraint, settings, offers, equations: Vec::new(), at: None }.of_equations([true; ROWS])
+        Self { name, constraint, settings, offers, equations: Vec::new(), at: None }
+            .of_equations([true; ROWS])
     }
 
     /// Another number of states, or seed. Mutants are made of the numbers at [`Settings::wide_states`] of the states; on 237 bits all are

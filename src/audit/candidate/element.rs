@@ -95,7 +95,9 @@ pub(super) fn tables(
             other(Cause::InitialTwice, "Σ D c ∂c of displacements less the initial position", &|j| {
                 force[j].0 - of_first[j]
             }),
-            other(Cause::Factor, "half of what is expected, as E or c² halved once more", &|j| half * force[j].0),
+            other(Cause::Factor, "half of what is expected, as E or c² halved once more", &|j| {
+                half * force[j].0
+            }),
         ];
         tables.push(table);
     }
@@ -154,9 +156,12 @@ pub(super) fn tables(
 /// Says of each check why the tables are wrong that were, one at a state: a cause holds over several.
 pub(super) fn explain(checks: &mut [Check], wrong: &[WrongTable]) {
     for check in checks {
-        let is_of = |(against, table): &&WrongTable| *against == check.against && Some(table.quantity) == check.quantity;
+        let is_of = |(against, table): &&WrongTable| {
+            *against == check.against && Some(table.quantity) == check.quantity
+        };
         let tables: Vec<&ResultTable> = wrong.iter().filter(is_of).map(|(_, table)| table).collect();
-        let kept: Vec<&ResultTable> = spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
+        let kept: Vec<&ResultTable> =
+            spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
         if !kept.is_empty() {
             check.diagnosis = diagnose_tables(&kept).map(Box::new);
         }

@@ -191,7 +191,8 @@ impl<'a> Candidate<'a> {
 
     /// One history of so many small increments, through half a turn and whole ones. `None` where an end of the connector does not turn.
     pub fn history(&self, states: usize) -> Option<Case> {
-        let mut draw = Draw::new(&format!("{} {} history", self.settings.seed, self.definition.connection.name));
+        let mut draw =
+            Draw::new(&format!("{} {} history", self.settings.seed, self.definition.connection.name));
         along_initial(self.definition, self.length(), self.name, Some(states), &mut draw)
     }
 
@@ -371,7 +372,8 @@ impl<'a> Candidate<'a> {
             return None;
         }
         let finding = |lack: Lack| {
-            let reason = if self.at.is_some() { "the states given" } else { "the states drawn about the initial one" };
+            let reason =
+                if self.at.is_some() { "the states given" } else { "the states drawn about the initial one" };
             let found = Diagnostic::finding(lack.code, Span::default(), lack.message, reason);
             Finding::from(found.help(lack.remedy).in_file(self.name))
         };

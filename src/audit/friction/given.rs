@@ -400,14 +400,12 @@ impl FrictionCase {
     /// Slopes without their signs, and that of Φ with the contact force held.
     fn other_gradients(&self) -> Vec<Known> {
         let own = self.own(Quantity::FrictionGradient);
-        let sizes = own.iter().map(|(name, row)| (name.clone(), row.iter().map(|x| x.abs()).collect())).collect();
+        let sizes =
+            own.iter().map(|(name, row)| (name.clone(), row.iter().map(|x| x.abs()).collect())).collect();
         let of_traction = own.first().map(|(_, row)| row.clone()).unwrap_or_default();
         let held = own.last().map(|(name, _)| vec![(name.clone(), of_traction)]).unwrap_or_default();
         let (lost, missing) = (Cause::SignLost, Cause::CouplingMissing);
-        vec![
-            (lost, lost.relation().to_string(), sizes),
-            (missing, missing.relation().to_string(), held),
-        ]
+        vec![(lost, lost.relation().to_string(), sizes), (missing, missing.relation().to_string(), held)]
     }
 
     /// Forces without what was stored, slip that is not summed up, all of the motion as slip, each component limited by itself.
@@ -419,7 +417,11 @@ impl FrictionCase {
         unsummed.before.accumulated_slip = 0.0;
         let increment = Cause::Increment;
         let mut found = vec![
-            (increment, "what the increment alone gives, the forces before it left out".into(), fresh.own(of)),
+            (
+                increment,
+                "what the increment alone gives, the forces before it left out".into(),
+                fresh.own(of),
+            ),
             (increment, "the slip of the increment, not summed up".into(), unsummed.own(of)),
         ];
         let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
@@ -470,11 +472,15 @@ impl FrictionCase {
             elastic[k] = stiffness * radius * radius;
         }
         // The size of the traction that stick would give.
-        let trial = self.friction.radii().into_iter().filter(|(k, _)| sliding.contains(k)).map(|(k, radius)| {
-            (self.before.force[k] + elastic[k] * self.displacement[k]) / radius
-        });
+        let trial = self
+            .friction
+            .radii()
+            .into_iter()
+            .filter(|(k, _)| sliding.contains(k))
+            .map(|(k, radius)| (self.before.force[k] + elastic[k] * self.displacement[k]) / radius);
         let share = outcome.limit / trial.map(|x| x * x).sum::<f64>().sqrt();
-        let secant = rows(&|k, j| if j < 6 { if j == k { share * elastic[k] } else { 0.0 } } else { own[k][j] });
+        let secant =
+            rows(&|k, j| if j < 6 { if j == k { share * elastic[k] } else { 0.0 } } else { own[k][j] });
         let relation = "the limit over P of stick, times the stick stiffness";
         found.push((Cause::SecantForTangent, relation.to_string(), secant));
         let g = parts.gradient;

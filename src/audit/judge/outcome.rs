@@ -241,7 +241,8 @@ impl Check {
         // A formula that loses digits need not be mistaken.
         let is_told = |found: &Diagnosis| self.verdict != Verdict::UnstableFormula || found.is_whole();
         if let Some(found) = diagnose_all(&symptoms).filter(is_told) {
-            let loses_digits = found.is_whole() && found.causes.iter().all(|one| one.cause == Cause::DigitsLost);
+            let loses_digits =
+                found.is_whole() && found.causes.iter().all(|one| one.cause == Cause::DigitsLost);
             self.diagnosis = Some(Box::new(found));
             if loses_digits && self.verdict == Verdict::Wrong {
                 // The nearer to a special state the more, and nowhere by much: another thing than a mistake.

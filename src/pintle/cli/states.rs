@@ -169,7 +169,8 @@ fn npz(states: &[pintle_scene::State]) -> zip::result::ZipResult<Vec<u8>> {
         .flat_map(|state| nodes.iter().map(|node| state.nodes.get(node).copied().unwrap_or_default()))
         .collect();
     let mut arrays = Arrays(ZipWriter::new(Cursor::default()));
-    let doubles = |numbers: &mut dyn Iterator<Item = f64>| numbers.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
+    let doubles =
+        |numbers: &mut dyn Iterator<Item = f64>| numbers.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
     let numbers: Vec<u8> =
         states.iter().flat_map(|state| state.number.unwrap_or_default().to_le_bytes()).collect();
     arrays.put("state", "<u8", &[states.len()], &numbers)?;

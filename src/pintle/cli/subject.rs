@@ -99,11 +99,16 @@ fn connector_with(name: &str, at: At<'_>) -> Result<pintle_check::Subject, Failu
 fn constraint(name: &str, at: Option<At<'_>>) -> Result<pintle_check::Subject, Failure> {
     let Some((scene, nodes)) = in_scene(name) else {
         if at.is_some() {
-            return Err(Failure::Usage("states of your own need the nodes of a scene: \"MPC SCENE:S-M\"".into()));
+            return Err(Failure::Usage(
+                "states of your own need the nodes of a scene: \"MPC SCENE:S-M\"".into(),
+            ));
         }
         let kind = Kind::named(name).ok_or_else(|| {
             let kinds: Vec<&str> = Kind::ALL.into_iter().map(Kind::name).collect();
-            Failure::Usage(format!("there is no MPC {name}; there are {}, and SCENE:S-M by nodes", kinds.join(", ")))
+            Failure::Usage(format!(
+                "there is no MPC {name}; there are {}, and SCENE:S-M by nodes",
+                kinds.join(", ")
+            ))
         })?;
         let hinges = [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]];
         return Ok((&Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], hinges)).into());
@@ -123,7 +128,9 @@ fn constraint(name: &str, at: Option<At<'_>>) -> Result<pintle_check::Subject, F
         let known = if all.is_empty() { "none".into() } else { all.join(", ") };
         let message = match named.len() {
             0 => format!("the scene has no MPC of the nodes {nodes}; there are {known}"),
-            count => format!("the scene has {count} MPCs of the nodes {nodes}: put the kind of one before them"),
+            count => {
+                format!("the scene has {count} MPCs of the nodes {nodes}: put the kind of one before them")
+            }
         };
         return Err(Failure::Usage(message));
     };

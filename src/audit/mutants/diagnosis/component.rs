@@ -218,7 +218,10 @@ impl Symptoms<'_> {
             if measure.is_some_and(|measure| measure.is_one_form()) {
                 let scale = self.case.definition.flow_scale;
                 let of_flow = |x: f64| std::iter::once((DOFS - 1, x));
-                for (what, x) in [("without the scale β_s", row[DOFS - 1] / scale), ("with β_s twice", row[DOFS - 1] * scale)] {
+                for (what, x) in [
+                    ("without the scale β_s", row[DOFS - 1] / scale),
+                    ("with β_s twice", row[DOFS - 1] * scale),
+                ] {
                     let made = Hypothesis::of_row(Cause::NotNormalised, k, of_flow(x));
                     found.push(made.related(format!("what is expected {what}")));
                 }
@@ -259,7 +262,9 @@ impl Symptoms<'_> {
                 ] {
                     let all = row.iter().map(|x| slope * x).enumerate();
                     let is_length = matches!(measure, Some(Measure::Distance));
-                    found.extend(is_length.then(|| Hypothesis::of_row(Cause::OtherLength, k, all).related(what)));
+                    found.extend(
+                        is_length.then(|| Hypothesis::of_row(Cause::OtherLength, k, all).related(what)),
+                    );
                 }
             }
             if let Some(i) = measure.and_then(axis_of) {
@@ -323,9 +328,17 @@ impl Symptoms<'_> {
                 let whole = changed(Cause::GeometricTermMissing, &|i, j, x| {
                     let same = moves(i) && moves(j) && i % XB == j % XB;
                     let sign = if (i < XB) == (j < XB) { 1.0 } else { -1.0 };
-                    if same { sign * of_one } else if moves(i) && moves(j) { 0.0 } else { x }
+                    if same {
+                        sign * of_one
+                    } else if moves(i) && moves(j) {
+                        0.0
+                    } else {
+                        x
+                    }
                 });
-                found.push(whole.related("1/l for (1 − q qᵀ)/l, q the direction: the part along q is not taken off"));
+                found.push(
+                    whole.related("1/l for (1 − q qᵀ)/l, q the direction: the part along q is not taken off"),
+                );
             }
             let mirrored = |i: usize, j: usize| matrix[j * DOFS + i];
             found.push(changed(Cause::Symmetrised, &|i, j, x| (x + mirrored(i, j)) / 2.0));

@@ -101,7 +101,8 @@ impl Words for TableWords<'_> {
         }
         if matches!(self.table.quantity, Quantity::ElementForces | Quantity::ElementStiffness) {
             // Fourteen rows, most of them alike.
-            let every = rows.len() == self.table.rows.len() && rows.iter().all(|(_, columns)| columns.is_empty());
+            let every =
+                rows.len() == self.table.rows.len() && rows.iter().all(|(_, columns)| columns.is_empty());
             if every {
                 return format!("every entry of the {}", self.table.quantity.name());
             }
@@ -114,7 +115,8 @@ impl Words for TableWords<'_> {
                 }
             }
             let name = |row: usize| self.table.rows.get(row).cloned().unwrap_or_default();
-            let named = alike.into_iter().map(|(places, columns)| ranges(&places, &name).join(", ") + &columns);
+            let named =
+                alike.into_iter().map(|(places, columns)| ranges(&places, &name).join(", ") + &columns);
             return named.collect::<Vec<_>>().join("; ");
         }
         let named: Vec<String> = rows.into_iter().map(|(row, columns)| row + &columns).collect();
