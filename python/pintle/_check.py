@@ -155,9 +155,9 @@ class Report:
             raise AssertionError(self.short)
 
 
-def _name(routine):
+def _name(routine, between="."):
     module, name = getattr(routine, "__module__", None), getattr(routine, "__qualname__", None)
-    return f"{module}.{name}" if module and name else type(routine).__name__
+    return f"{module}{between}{name}" if module and name else type(routine).__name__
 
 
 def check(
@@ -209,7 +209,8 @@ def check(
         raise ValueError("a jitted function keeps no memory: pass a function on one state that calls it")
     kind = _Jax if is_jitted and not batch else _Batch if batch else _Routine
     own = {"offers": list(offers), "components": components, "convention": convention or {}, "memory": memory}
-    asked = kind(routine, _name(routine), own)
+    # The name that the command gives it, so that both say the same.
+    asked = kind(routine, _name(routine, ":"), own)
     asked.is_jax = is_jitted
     numbers = {
         "states": states,

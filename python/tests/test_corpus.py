@@ -20,7 +20,7 @@ import heldout
 
 import pintle
 
-FEW = {"states": 40, "near_singular_states": 8, "wide_states": 10, "histories": 8}
+FEW = {"states": 24, "near_singular_states": 6, "wide_states": 8, "histories": 6}
 WORDS = [f"--{key.replace('_', '-')}={value}" for key, value in FEW.items()]
 OFFERS = ("values", "rows", "second_derivatives", "rates", "accelerations", "nodal_forces", "geometric_stiffness")
 
