@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 __version__: str
 
 _Array = NDArray[float64]
-_Offer = Literal["values", "rows", "second_derivatives", "rates", "accelerations", "nodal_forces", "geometric_stiffness"]
+_Offer = Literal[
+    "values", "rows", "second_derivatives", "rates", "accelerations", "nodal_forces", "geometric_stiffness",
+    "element_forces", "element_stiffness", "criterion", "gradients", "friction_forces", "friction_tangent",
+]
 _Component = Literal["u1", "u2", "u3", "ur1", "ur2", "ur3"]
 
 class Entry:
@@ -79,6 +82,8 @@ def check(
     memory: bool = False,
     springs: Sequence[float | None] | None = None,
     seed: str = "pintle",
+    at: str | PathLike[str] | None = None,
+    independent: bool = False,
     batch: bool = False,
 ) -> Report: ...
 def rows(

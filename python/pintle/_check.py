@@ -155,9 +155,9 @@ class Report:
             raise AssertionError(self.short)
 
 
-def _name(routine):
+def _name(routine, between="."):
     module, name = getattr(routine, "__module__", None), getattr(routine, "__qualname__", None)
-    return f"{module}.{name}" if module and name else type(routine).__name__
+    return f"{module}{between}{name}" if module and name else type(routine).__name__
 
 
 def check(
@@ -174,6 +174,8 @@ def check(
     memory=False,
     springs=None,
     seed="pintle",
+    at=None,
+    independent=False,
     batch=False,
 ):
     """Is a routine right, and if not, which entry is wrong, and why?
@@ -193,6 +195,9 @@ def check(
     jitted by JAX on one state is mapped over batches; it needs `jax_enable_x64`, and gets of the connector
     what is a number.
 
+    `at` is a file with your own states, asked in place of drawn ones: nodes 1 (a) and 2 (b) of a type, those of the
+    scene otherwise; a history, unless they are `independent`.
+
     `springs` are six stiffnesses, None for none, of an element that gives element_forces. `convention`, `offers`,
     `components` and `memory` are those of the protocol; the others those of `pintle check`.
 
@@ -204,7 +209,8 @@ def check(
         raise ValueError("a jitted function keeps no memory: pass a function on one state that calls it")
     kind = _Jax if is_jitted and not batch else _Batch if batch else _Routine
     own = {"offers": list(offers), "components": components, "convention": convention or {}, "memory": memory}
-    asked = kind(routine, _name(routine), own)
+    # The name that the command gives it, so that both say the same.
+    asked = kind(routine, _name(routine, ":"), own)
     asked.is_jax = is_jitted
     numbers = {
         "states": states,
@@ -213,6 +219,8 @@ def check(
         "histories": histories,
         "springs": [None if x is None else float(x) for x in (*(springs or ()), *[None] * 6)][:6],
         "seed": seed,
+        "at": at,
+        "independent": independent,
     }
     try:
         found = _pintle.ask(asked.reply, of, **numbers)

@@ -3,11 +3,12 @@
 use crate::report::Report;
 use crate::work;
 use pintle::audit::Settings;
-use pintle::check::{Asked, Door, Misbehaviour};
+use pintle::check::{Asked, At, Door, Misbehaviour};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pythonize::{depythonize, pythonize};
 use serde_json::{Map, Value};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
@@ -21,7 +22,7 @@ struct Messages {
 }
 
 impl Door for Messages {
-    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour> {
+    fn send(&mut self, message: &Value, _: &[u8], due: &'static str) -> Result<(), Misbehaviour> {
         self.to.send(message.clone()).map_err(|_| Misbehaviour::ClosedInput(due))
     }
 
@@ -31,6 +32,10 @@ impl Door for Messages {
             Ok(other) => Err(Misbehaviour::NoMessage { due, what: other.to_string() }),
             Err(_) => Err(Misbehaviour::ClosedOutput(due)),
         }
+    }
+
+    fn bytes(&mut self, due: &'static str) -> Result<Vec<u8>, Misbehaviour> {
+        Err(Misbehaviour::NoMessage { due, what: "bytes".into() })
     }
 
     fn close(self) -> Result<(), Misbehaviour> {
@@ -44,7 +49,7 @@ impl Door for Messages {
 /// ValueError in words, where the connector is none or the answers are not those of the protocol; what `reply` raises.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
-#[pyo3(signature = (reply, of, *, states, near_singular_states, wide_states, histories, springs=[None; 6], seed))]
+#[pyo3(signature = (reply, of, *, states, near_singular_states, wide_states, histories, springs=[None; 6], seed, at=None, independent=false))]
 pub(crate) fn ask(
     reply: &Bound<'_, PyAny>,
     of: &str,
@@ -54,9 +59,12 @@ pub(crate) fn ask(
     histories: usize,
     springs: [Option<f64>; 6],
     seed: String,
+    at: Option<PathBuf>,
+    independent: bool,
 ) -> PyResult<Report> {
     let py = reply.py();
-    let subject = pintle::check::subject(of).map_err(PyValueError::new_err)?;
+    let at = at.as_deref().map(|file| At { file, independent });
+    let subject = pintle::check::subject(of, at).map_err(PyValueError::new_err)?;
     let settings =
         Settings { states, near_singular_states, wide_states, seed, atlas: false, ..Settings::default() };
     let (to, mut asked) = channel();

@@ -126,8 +126,8 @@ impl Rows {
 impl Rows {
     #[new]
     fn new(of: &str) -> PyResult<Self> {
-        let subject = pintle::check::subject(of).map_err(PyValueError::new_err)?;
-        let pintle::check::Subject::Connector(definition) = subject else {
+        let subject = pintle::check::subject(of, None).map_err(PyValueError::new_err)?;
+        let pintle::check::Subject::Connector(definition, _) = subject else {
             return Err(PyValueError::new_err(format!("{of} is no connector: rows are those of one")));
         };
         let connector = Connector::new(&definition);

@@ -55,7 +55,7 @@ pub use replay::again::Found;
 pub use replay::counterexample::{About, CounterExample};
 pub use replay::handover::ExportError;
 pub use sampling::coverage::{Coverage, Exercise, Sample};
-pub use scene::{Progress, Target, audit_scenes, drawn_coverage};
+pub use scene::{Progress, Target, audit_scenes, connector_at, constraint_at, drawn_coverage};
 pub use settings::{Budget, Planted, Settings};
 pub use share::Share;
 pub use singular::atlas::Approach;

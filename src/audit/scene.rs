@@ -431,6 +431,59 @@ fn case(model: &Model, placed: &ConnectorResult, number: u64) -> Case {
     }
 }
 
+/// A connector of a model at states of somebody's own: each case ends there, and comes from the state before. States that are
+/// `independent` follow the initial one each.
+#[must_use]
+pub fn connector_at(model: &Model, connector: usize, states: &[State], independent: bool) -> Vec<Case> {
+    let plan = Plan::of(model, vec![connector], Default::default(), Request::nothing(0));
+    let (mut cases, mut before): (Vec<Case>, Option<Case>) = (Vec::new(), None);
+    walk_along(model, &plan, (states, independent), |placed, number| {
+        let Item::Connector(placed) = placed else { return };
+        let mut case = case(model, placed, number);
+        let before = before.replace(case.clone()).filter(|_| !independent);
+        if let Some(before) = before {
+            case.start = before.start;
+            case.path.splice(..0, before.path);
+        }
+        cases.push(case);
+    });
+    cases
+}
+
+/// A multi-point constraint of a model at such states.
+#[must_use]
+pub fn constraint_at(model: &Model, mpc: usize, states: &[State], independent: bool) -> Vec<MpcCase> {
+    let plan = Plan::of(model, Vec::new(), [vec![mpc], Vec::new()], Request::nothing(0));
+    let mut cases = Vec::new();
+    walk_along(model, &plan, (states, independent), |placed, number| {
+        if let Item::Mpc(placed) = placed {
+            cases.push(mpc_case(model, placed, number));
+        }
+    });
+    cases
+}
+
+/// Takes what a plan gives at each state, with the state's number.
+fn walk_along(
+    model: &Model,
+    plan: &Plan,
+    (states, independent): (&[State], bool),
+    mut take: impl FnMut(Item<'_>, u64),
+) {
+    let start = walk(model, plan);
+    let mut now = start.clone();
+    for (index, state) in states.iter().enumerate() {
+        if independent {
+            now.clone_from(&start);
+        }
+        let number = state.number.unwrap_or(index as u64);
+        let Ok(()) = now.visit(state, |placed| {
+            take(placed, number);
+            Ok::<_, Infallible>(())
+        });
+    }
+}
+
 fn mpc_case(model: &Model, placed: &MpcResult, number: u64) -> MpcCase {
     let element = &model.mpcs[placed.index];
     let arm = element.constraint.arm();

@@ -61,7 +61,7 @@ fn code(done: Result<(), String>) -> c_int {
 
 impl Handle {
     fn open(name: &str) -> Result<Self, String> {
-        let Subject::Connector(definition) = pintle::check::subject(name)? else {
+        let Subject::Connector(definition, _) = pintle::check::subject(name, None)? else {
             return Err(format!("{name} is no connector"));
         };
         let connector = Connector::new(&definition);

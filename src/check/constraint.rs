@@ -184,9 +184,12 @@ impl Reader {
 pub(crate) fn check<D: Door>(
     door: D,
     constraint: &Constraint<f64>,
+    at: &[MpcCase],
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
     let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
+    // Its messages are JSON alone.
+    exchange.hello.binary = false;
     let kind = constraint.kind();
     let reader = Reader::new(constraint, exchange.hello.convention.clone())?;
     let known: Vec<_> = protocol::OFFERS.into_iter().filter(|(_, of)| OFFERED.contains(of)).collect();
@@ -203,6 +206,7 @@ pub(crate) fn check<D: Door>(
         .settings(asked.settings)
         .offers(&offers)
         .of_equations(offered);
+    let candidate = if at.is_empty() { candidate } else { candidate.at(at) };
     let has_rates = offers.iter().any(|of| matches!(of, Quantity::Rate | Quantity::Acceleration));
     let layout = reader.layout();
     let (mut states, mut outside) = (0, 0);

@@ -1,16 +1,22 @@
 //! Messages with a routine, whatever it is to be: hello, open, evaluate, close.
 
 use crate::convention::{Convention, Own};
+use crate::payload;
 use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Answer, Hello, Layout, Offers, PROTOCOL};
 use pintle_audit::Quantity;
 use serde_json::{Map, Value};
+
+/// What a routine is to do with states.
+const DUE: &str = "answer";
 
 /// A routine that was greeted.
 #[derive(Debug)]
 pub(crate) struct Exchange<D> {
     door: D,
     pub(crate) hello: Hello,
+    /// Which of the routine's components there are.
+    pub(crate) present: Vec<bool>,
     asked: u64,
     /// The first question, and what came: asked again at the end, of a routine without memory.
     first: Option<(Vec<Quantity>, Value, String)>,
@@ -23,7 +29,7 @@ impl<D: Door> Exchange<D> {
     /// [`Misbehaviour`].
     pub(crate) fn greet(mut door: D, convention: Option<&Convention>) -> Result<Self, Misbehaviour> {
         const DUE: &str = "say hello";
-        door.send(&protocol::hello(), DUE)?;
+        door.send(&protocol::hello(), &[], DUE)?;
         let mut answer = door.receive(DUE)?;
         let hello = answer.remove("hello").ok_or_else(|| {
             Misbehaviour::BadHello(format!(
@@ -40,7 +46,7 @@ impl<D: Door> Exchange<D> {
         if let Some(convention) = convention {
             hello.convention = convention.clone();
         }
-        Ok(Self { door, hello, asked: 0, first: None })
+        Ok(Self { door, hello, present: Vec::new(), asked: 0, first: None })
     }
 
     /// What it offers, of what it may.
@@ -58,7 +64,7 @@ impl<D: Door> Exchange<D> {
     /// [`Misbehaviour`].
     pub(crate) fn open(&mut self, message: &Value) -> Result<(), Misbehaviour> {
         const OPEN: &str = "open the connector";
-        self.door.send(message, OPEN)?;
+        self.door.send(message, &[], OPEN)?;
         let answer = self.door.receive(OPEN)?;
         if let Some(why) = answer.get("error") {
             return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
@@ -89,9 +95,32 @@ impl<D: Door> Exchange<D> {
         layout: &dyn Fn(Quantity) -> Layout,
     ) -> Result<Vec<Answer>, Misbehaviour> {
         let count = states.len();
+        if self.hello.binary {
+            return self.evaluate_bytes(wants, &states, layout);
+        }
         let answer = self.request(wants, states)?;
         let id = self.asked;
         protocol::answers(&answer, layout, wants, count).map_err(|what| Misbehaviour::WrongShape { id, what })
+    }
+
+    /// The same, with states and answers as bytes.
+    fn evaluate_bytes(
+        &mut self,
+        wants: &[Quantity],
+        states: &[Value],
+        layout: &dyn Fn(Quantity) -> Layout,
+    ) -> Result<Vec<Answer>, Misbehaviour> {
+        let (count, bytes) = (states.len(), payload::states(states));
+        let of = |id| protocol::evaluate_bytes(id, wants, count, bytes.len());
+        let answer = self.exchange(of, &bytes)?;
+        let id = self.asked;
+        let read = if answer.contains_key("bytes") {
+            payload::answers(&self.door.bytes(DUE)?, layout, wants, (count, &self.present))
+        } else {
+            // What is no plain numbers is told in JSON.
+            protocol::answers(&answer, layout, wants, count)
+        };
+        read.map_err(|what| Misbehaviour::WrongShape { id, what })
     }
 
     /// A request at several states, and the message with its number that answers it.
@@ -103,12 +132,20 @@ impl<D: Door> Exchange<D> {
         wants: &[Quantity],
         states: Vec<Value>,
     ) -> Result<Map<String, Value>, Misbehaviour> {
-        const DUE: &str = "answer";
+        self.exchange(|id| protocol::evaluate(id, wants, states), &[])
+    }
+
+    /// Sends a message of a number, with bytes after it, and takes that which answers it.
+    fn exchange(
+        &mut self,
+        message: impl FnOnce(u64) -> Value,
+        bytes: &[u8],
+    ) -> Result<Map<String, Value>, Misbehaviour> {
         // What is there before the question is no answer to it.
         self.door.is_silent()?;
         self.asked += 1;
         let id = self.asked;
-        self.door.send(&protocol::evaluate(id, wants, states), DUE)?;
+        self.door.send(&message(id), bytes, DUE)?;
         let answer = self.door.receive(DUE)?;
         match answer.get("id") {
             Some(got) if got.as_u64() == Some(id) => Ok(answer),
@@ -164,7 +201,7 @@ impl<D: Door> Exchange<D> {
     /// # Errors
     /// [`Misbehaviour`].
     pub(crate) fn close(mut self) -> Result<(), Misbehaviour> {
-        self.door.send(&protocol::close(), "end")?;
+        self.door.send(&protocol::close(), &[], "end")?;
         self.door.close()
     }
 }

@@ -95,6 +95,8 @@ pub(crate) fn check<D: Door>(
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
     let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
+    // Its messages are JSON alone.
+    exchange.hello.binary = false;
     let offers = exchange.offers(&OF_FRICTION)?;
     let Convention { storage, .. } = exchange.hello.convention;
     if exchange.hello.convention != (Convention { storage, ..Convention::default() }) {

@@ -6,6 +6,7 @@
 //! | `convention` | in which order, unit and frame does the routine answer? |
 //! | [`fit`] | and if it does not say so: which conventions fit its numbers? |
 //! | `exchange` | which messages are exchanged? |
+//! | `payload` | and as bytes, where a routine announces it? |
 //! | `session` | what is asked of a connector, and what was answered? |
 //! | `constraint` | the same of a multi-point constraint |
 //! | `friction` | the same of a friction |
@@ -19,6 +20,7 @@ mod convention;
 mod exchange;
 pub mod fit;
 mod friction;
+mod payload;
 mod process;
 mod protocol;
 mod python;
@@ -33,30 +35,30 @@ pub use protocol::{OFFERS, PROTOCOL, answers_of_file};
 pub use python::{DRIVER, command as python_command};
 pub use session::Session;
 
-use pintle_audit::{Candidate, FrictionSubject, Quantity, Question, Report, Settings, Step};
+use pintle_audit::{Candidate, Case, FrictionSubject, MpcCase, Quantity, Question, Report, Settings, Step};
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::mpc::Constraint;
 
 /// What a routine is to be.
 #[derive(Clone, Debug)]
 pub enum Subject {
-    /// A connector.
-    Connector(Box<Definition>),
-    /// A multi-point constraint.
-    Constraint(Box<Constraint<f64>>),
+    /// A connector, and the states at which it is asked; none for drawn ones.
+    Connector(Box<Definition>, Vec<Case>),
+    /// A multi-point constraint, and such states.
+    Constraint(Box<Constraint<f64>>, Vec<MpcCase>),
     /// A friction.
     Friction(Box<FrictionSubject>),
 }
 
 impl From<&Definition> for Subject {
     fn from(definition: &Definition) -> Self {
-        Self::Connector(Box::new(definition.clone()))
+        Self::Connector(Box::new(definition.clone()), Vec::new())
     }
 }
 
 impl From<&Constraint<f64>> for Subject {
     fn from(constraint: &Constraint<f64>) -> Self {
-        Self::Constraint(Box::new(*constraint))
+        Self::Constraint(Box::new(*constraint), Vec::new())
     }
 }
 
@@ -70,8 +72,8 @@ impl Subject {
     /// Its type.
     pub fn name(&self) -> String {
         match self {
-            Self::Connector(definition) => definition.connection.name.to_string(),
-            Self::Constraint(constraint) => format!("MPC {}", constraint.kind().name()),
+            Self::Connector(definition, _) => definition.connection.name.to_string(),
+            Self::Constraint(constraint, _) => format!("MPC {}", constraint.kind().name()),
             Self::Friction(friction) => format!("FRICTION {}", friction.name),
         }
     }
@@ -126,13 +128,18 @@ impl Checked {
 /// [`Misbehaviour`]: what the routine did that the protocol does not allow.
 pub fn check<D: Door>(door: D, subject: &Subject, asked: Asked) -> Result<Checked, Misbehaviour> {
     match subject {
-        Subject::Connector(definition) => check_connector(door, definition, asked),
-        Subject::Constraint(constraint) => constraint::check(door, constraint, asked),
+        Subject::Connector(definition, at) => check_connector(door, definition, at, asked),
+        Subject::Constraint(constraint, at) => constraint::check(door, constraint, at, asked),
         Subject::Friction(friction) => friction::check(door, friction, asked),
     }
 }
 
-fn check_connector<D: Door>(door: D, definition: &Definition, asked: Asked) -> Result<Checked, Misbehaviour> {
+fn check_connector<D: Door>(
+    door: D,
+    definition: &Definition,
+    at: &[Case],
+    asked: Asked,
+) -> Result<Checked, Misbehaviour> {
     let Asked { settings, histories, convention, springs } = asked;
     let mut session = Session::open(door, definition, convention.as_ref(), &springs)?;
     let name = session.name().to_string();
@@ -144,6 +151,8 @@ fn check_connector<D: Door>(door: D, definition: &Definition, asked: Asked) -> R
         .principal_angles(is_principal)
         .springs(springs, session.tangent())
         .offers(session.offers(), session.components());
+    let led = if session.has_memory() { led(at) } else { at.to_vec() };
+    let candidate = if led.is_empty() { candidate } else { candidate.at(&led) };
     let mut report = candidate.try_check(|asked: &[Question<'_>]| {
         let given = session.ask(asked)?;
         for (_, given) in asked.iter().zip(&given).filter(|(asked, _)| asked.is_drawn) {
@@ -161,6 +170,23 @@ fn check_connector<D: Door>(door: D, definition: &Definition, asked: Asked) -> R
     let asked = session.asked();
     session.close()?;
     Ok(Checked { report, states, outside, not_offered, asked })
+}
+
+/// States of a history, each with the whole way to it: a routine with a memory is led along.
+fn led(at: &[Case]) -> Vec<Case> {
+    let mut way: Vec<Step> = Vec::new();
+    let mut whole = at.to_vec();
+    for case in &mut whole {
+        let follows = case.path.len() > 1;
+        if !follows {
+            way.clear();
+        }
+        way.extend(case.last().copied());
+        if let (true, Some(first)) = (follows, at.first()) {
+            (case.start, case.path) = (first.start, way.clone());
+        }
+    }
+    whole
 }
 
 /// Asks a routine behind a door for rows at general states, and finds the conventions under which they are right.

@@ -10,17 +10,23 @@ use std::time::{Duration, Instant};
 
 /// What carries messages to a routine and back: nothing of the protocol is known to it.
 pub trait Door {
-    /// Sends one message. `due` says what for, in a sentence: "the process ended when it was to …".
+    /// Sends one message, and bytes after it. `due` says what for, in a sentence: "the process ended when it was to …".
     ///
     /// # Errors
     /// [`Misbehaviour`].
-    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour>;
+    fn send(&mut self, message: &Value, bytes: &[u8], due: &'static str) -> Result<(), Misbehaviour>;
 
     /// The next message.
     ///
     /// # Errors
     /// [`Misbehaviour`].
     fn receive(&mut self, due: &'static str) -> Result<Map<String, Value>, Misbehaviour>;
+
+    /// The bytes that the message received announced.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    fn bytes(&mut self, due: &'static str) -> Result<Vec<u8>, Misbehaviour>;
 
     /// That nothing came which was not asked for.
     ///
@@ -178,6 +184,7 @@ pub enum Misbehaviour {
 /// What comes from the process.
 enum Line {
     Text(String),
+    Bytes(Vec<u8>),
     Flood,
     NotText,
     Half,
@@ -198,6 +205,7 @@ impl std::fmt::Debug for Line {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Text(text) => text,
+            Self::Bytes(_) => "bytes",
             Self::Flood => "a flood",
             Self::NotText => "no text",
             Self::Half => "half a line",
@@ -220,7 +228,23 @@ fn read(output: impl Read, to: &SyncSender<LineOrEnd>) {
             Ok(_) => Some(Line::Half),
         };
         let is_last = !matches!(found, Some(Line::Text(_) | Line::NotText));
+        let follow = match &found {
+            Some(Line::Text(line)) => protocol::bytes_after(line),
+            _ => None,
+        };
         if to.send(found).is_err() || is_last {
+            return;
+        }
+        let Some(count) = follow else { continue };
+        let mut bytes = Vec::new();
+        let taken = reader.by_ref().take(count.min(LONGEST)).read_to_end(&mut bytes);
+        let found = match taken {
+            Ok(taken) if taken as u64 == count => Line::Bytes(bytes),
+            Ok(taken) if taken as u64 == LONGEST => Line::Flood,
+            _ => Line::Half,
+        };
+        let is_last = !matches!(found, Line::Bytes(_));
+        if to.send(Some(found)).is_err() || is_last {
             return;
         }
     }
@@ -262,6 +286,24 @@ impl Process {
         Some(Misbehaviour::Died { how: in_words(Some(how)), due })
     }
 
+    /// What it wrote, of that kind.
+    fn next<T>(
+        &mut self,
+        due: &'static str,
+        take: impl FnOnce(Line) -> Result<T, Misbehaviour>,
+    ) -> Result<T, Misbehaviour> {
+        match self.lines.recv_timeout(self.patience.answer) {
+            Ok(Some(Line::Flood)) => Err(Misbehaviour::Flood(due)),
+            Ok(Some(Line::NotText)) => Err(Misbehaviour::NotText(due)),
+            Ok(Some(Line::Half)) => Err(Misbehaviour::HalfALine(due)),
+            Ok(Some(line)) => take(line),
+            Ok(None) | Err(RecvTimeoutError::Disconnected) => {
+                Err(self.ended(due).unwrap_or(Misbehaviour::ClosedOutput(due)))
+            }
+            Err(RecvTimeoutError::Timeout) => Err(Misbehaviour::Silent { due, limit: self.patience.answer }),
+        }
+    }
+
     fn wait(&mut self, limit: Duration) -> Option<ExitStatus> {
         let until = Instant::now() + limit;
         loop {
@@ -275,11 +317,11 @@ impl Process {
 }
 
 impl Door for Process {
-    fn send(&mut self, message: &Value, due: &'static str) -> Result<(), Misbehaviour> {
-        let mut line = message.to_string();
-        line.push('\n');
-        let sent =
-            self.input.as_mut().map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
+    fn send(&mut self, message: &Value, bytes: &[u8], due: &'static str) -> Result<(), Misbehaviour> {
+        let mut line = message.to_string().into_bytes();
+        line.push(b'\n');
+        line.extend_from_slice(bytes);
+        let sent = self.input.as_mut().map(|input| input.write_all(&line).and_then(|()| input.flush()));
         match sent {
             Some(Ok(())) => Ok(()),
             _ => Err(self.ended(due).unwrap_or(Misbehaviour::ClosedInput(due))),
@@ -287,18 +329,17 @@ impl Door for Process {
     }
 
     fn receive(&mut self, due: &'static str) -> Result<Map<String, Value>, Misbehaviour> {
-        match self.lines.recv_timeout(self.patience.answer) {
-            Ok(Some(Line::Text(line))) => {
-                protocol::object(&line).map_err(|what| Misbehaviour::NoMessage { due, what })
-            }
-            Ok(Some(Line::Flood)) => Err(Misbehaviour::Flood(due)),
-            Ok(Some(Line::NotText)) => Err(Misbehaviour::NotText(due)),
-            Ok(Some(Line::Half)) => Err(Misbehaviour::HalfALine(due)),
-            Ok(None) | Err(RecvTimeoutError::Disconnected) => {
-                Err(self.ended(due).unwrap_or(Misbehaviour::ClosedOutput(due)))
-            }
-            Err(RecvTimeoutError::Timeout) => Err(Misbehaviour::Silent { due, limit: self.patience.answer }),
-        }
+        self.next(due, |line| match line {
+            Line::Text(line) => protocol::object(&line).map_err(|what| Misbehaviour::NoMessage { due, what }),
+            _ => Err(Misbehaviour::NoMessage { due, what: "bytes".into() }),
+        })
+    }
+
+    fn bytes(&mut self, due: &'static str) -> Result<Vec<u8>, Misbehaviour> {
+        self.next(due, |line| match line {
+            Line::Bytes(bytes) => Ok(bytes),
+            _ => Err(Misbehaviour::HalfALine(due)),
+        })
     }
 
     fn is_silent(&mut self) -> Result<(), Misbehaviour> {

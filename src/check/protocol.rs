@@ -50,6 +50,9 @@ pub(crate) struct Hello {
     /// Whether it keeps something from one state of a history to the next.
     #[serde(default)]
     pub(crate) memory: bool,
+    /// Whether states and answers follow their messages as bytes.
+    #[serde(default)]
+    pub(crate) binary: bool,
 }
 
 /// What may be offered: names with what they are of.
@@ -252,6 +255,22 @@ pub(crate) fn state(
 pub(crate) fn evaluate(id: u64, wants: &[Quantity], states: Vec<Value>) -> Value {
     let wants: Vec<&str> = wants.iter().map(|of| name(*of)).collect();
     json!({ "evaluate": { "id": id, "want": wants, "states": states } })
+}
+
+/// The same, where the states follow as so many bytes.
+pub(crate) fn evaluate_bytes(id: u64, wants: &[Quantity], count: usize, bytes: usize) -> Value {
+    let wants: Vec<&str> = wants.iter().map(|of| name(*of)).collect();
+    json!({ "evaluate": { "id": id, "want": wants, "count": count, "bytes": bytes } })
+}
+
+/// How many bytes follow a message.
+pub(crate) fn bytes_after(line: &str) -> Option<u64> {
+    // Of a long line, which has its numbers in itself, nothing follows.
+    const LONGEST: usize = 200;
+    if line.len() > LONGEST || !line.contains("\"bytes\"") {
+        return None;
+    }
+    serde_json::from_str::<Value>(line).ok()?.get("bytes")?.as_u64()
 }
 
 /// The last message.

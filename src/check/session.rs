@@ -52,6 +52,12 @@ impl<'a, D: Door> Session<'a, D> {
         hello.convention.covers(&offers).map_err(Misbehaviour::BadConvention)?;
         exchange.open(&protocol::open(definition, &exchange.hello.convention, springs))?;
         let connector = Connector::new(definition);
+        if exchange.hello.binary && exchange.hello.memory {
+            let what = "a routine with a memory has it in its messages: it cannot announce binary".into();
+            return Err(Misbehaviour::BadHello(what));
+        }
+        let lines = exchange.hello.convention.lines();
+        exchange.present = lines.iter().map(|k| connector.differentiated(*k).is_some()).collect();
         Ok(Self { exchange, definition, connector, offers, places, first: None, memories: BTreeMap::new() })
     }
 
@@ -68,6 +74,11 @@ impl<'a, D: Door> Session<'a, D> {
     /// Of which components.
     pub fn components(&self) -> [bool; 6] {
         COMPONENT.map(|name| self.exchange.hello.has(name))
+    }
+
+    /// Whether it keeps something from state to state.
+    pub fn has_memory(&self) -> bool {
+        self.exchange.hello.memory
     }
 
     /// Whether its angles are principal.

@@ -19,7 +19,7 @@ mod uel;
 use libloading::Library;
 use message::{Answer, Asked};
 use serde_json::{Value, json};
-use std::io::{BufRead, Write};
+use std::io::{BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// The header of a routine in C.
@@ -118,34 +118,52 @@ fn open(file: &Path) -> Result<Library, String> {
 ///
 /// # Errors
 /// Of the streams, or a message that is none.
-pub fn serve(options: &Options, input: impl BufRead, mut output: impl Write) -> Result<(), String> {
+pub fn serve(options: &Options, mut input: impl BufRead, mut output: impl Write) -> Result<(), String> {
     let mut routine = Routine::load(options);
-    let mut send = |message: Value| {
-        writeln!(output, "{message}").and_then(|()| output.flush()).map_err(|error| error.to_string())
+    let in_words = |error: std::io::Error| error.to_string();
+    let mut send = |message: Value, bytes: &[u8]| {
+        writeln!(output, "{message}")
+            .and_then(|()| output.write_all(bytes))
+            .and_then(|()| output.flush())
+            .map_err(in_words)
     };
-    for line in input.lines() {
-        let line = line.map_err(|error| error.to_string())?;
+    let mut line = String::new();
+    loop {
+        line.clear();
+        if input.read_line(&mut line).map_err(in_words)? == 0 {
+            return Ok(());
+        }
         let message: Value = serde_json::from_str(&line).map_err(|error| error.to_string())?;
         if message.get("hello").is_some() {
             match &routine {
-                Ok(routine) => send(json!({ "hello": routine.hello() }))?,
+                Ok(routine) => send(json!({ "hello": routine.hello() }), &[])?,
                 Err(why) => return Err(why.clone()),
             }
         } else if let (Some(open), Ok(routine)) = (message.get("open"), &mut routine) {
             match routine.open(open) {
-                Ok(()) => send(json!({ "opened": true }))?,
-                Err(why) => send(json!({ "error": why }))?,
+                Ok(()) => send(json!({ "opened": true }), &[])?,
+                Err(why) => send(json!({ "error": why }), &[])?,
             }
         } else if let (Some(asked), Ok(routine)) = (message.get("evaluate"), &routine) {
+            let id = asked.get("id");
+            let follow = asked.get("bytes").and_then(Value::as_u64).unwrap_or_default();
+            let mut bytes = Vec::new();
+            input.by_ref().take(follow).read_to_end(&mut bytes).map_err(in_words)?;
+            if let (Routine::Native(native), true) = (routine, follow > 0) {
+                match native.answer(asked.get("want"), &bytes) {
+                    Ok(bytes) => send(json!({ "id": id, "bytes": bytes.len() }), &bytes)?,
+                    Err(answers) => send(json!({ "id": id, "answers": answers }), &[])?,
+                }
+                continue;
+            }
             let none = Vec::new();
             let states = asked.get("states").and_then(Value::as_array).unwrap_or(&none);
             let wants = message::wants(asked.get("want"));
             let answers: Vec<Answer> =
                 states.iter().map(|state| routine.evaluate(&Asked { state, wants })).collect();
-            send(json!({ "id": asked.get("id"), "answers": answers }))?;
+            send(json!({ "id": id, "answers": answers }), &[])?;
         } else if message.get("close").is_some() {
             return Ok(());
         }
     }
-    Ok(())
 }

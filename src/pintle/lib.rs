@@ -148,7 +148,7 @@ pub mod audit {
 /// Is somebody's routine right?
 #[cfg(feature = "cli")]
 pub mod check {
-    pub use crate::cli::check::subject;
+    pub use crate::cli::subject::{At, subject};
     pub use pintle_check::{Asked, Checked, Convention, DRIVER, Door, Misbehaviour, Subject, check};
 }
 

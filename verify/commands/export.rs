@@ -401,7 +401,7 @@ fn run_rust(frame: Frame) -> Option<f64> {
 }
 
 /// The Python of the witnesses: `PINTLE_PYTHON`, the environment that `scripts/test.sh` makes, or whatever there is.
-fn python() -> PathBuf {
+pub(crate) fn python() -> PathBuf {
     let made = Path::new(env!("CARGO_MANIFEST_DIR")).join(".venv/bin/python");
     env::var_os("PINTLE_PYTHON")
         .map_or_else(|| if made.exists() { made } else { "python3".into() }, PathBuf::from)

@@ -9,6 +9,7 @@ mod doors; // one verdict through every door
 pub(crate) mod export; // exported programs, compiled and run
 pub(crate) mod files; // whether files are whole, and none is overwritten
 pub(crate) mod handover; // counter-examples in other forms, each one run
+mod own; // states of one's own, constraints of a scene, answers as bytes
 pub(crate) mod pages; // whether the pages show what their commands print
 pub(crate) mod reports; // whether reports of an audit show what was found
 mod solve; // mechanisms in time

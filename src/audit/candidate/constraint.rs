@@ -48,6 +48,7 @@ pub struct ConstraintCandidate<'a> {
     settings: Settings,
     offers: Vec<Quantity>,
     equations: Vec<usize>,
+    at: Option<&'a [MpcCase]>,
 }
 
 impl<'a> ConstraintCandidate<'a> {
@@ -55,7 +56,8 @@ impl<'a> ConstraintCandidate<'a> {
     pub fn new(name: &'a str, constraint: &'a Constraint<f64>) -> Self {
         let settings = Settings { states: 200, near_singular_states: 0, atlas: false, ..Settings::default() };
         let offers = vec![Quantity::Value, Quantity::FirstDerivatives];
-        Self { name, constraint, settings, offers, equations: Vec::new() }.of_equations([true; ROWS])
+        Self { name, constraint, settings, offers, equations: Vec::new(), at: None }
+            .of_equations([true; ROWS])
     }
 
     /// Another number of states, or seed. Mutants are made of the numbers at [`Settings::wide_states`] of the states; on 237 bits all are
@@ -81,15 +83,26 @@ impl<'a> ConstraintCandidate<'a> {
         self
     }
 
+    /// The states at which the routine is asked, in place of drawn ones: of the same constraint.
+    #[must_use]
+    pub const fn at(mut self, cases: &'a [MpcCase]) -> Self {
+        (self.settings.states, self.settings.near_singular_states) = (cases.len(), 0);
+        self.at = Some(cases);
+        self
+    }
+
     fn length(&self) -> f64 {
         let length = norm(self.constraint.arm());
         if length > 0.0 { length } else { 1.0 }
     }
 
-    /// The states at which the routine is asked: the initial one; at half of the others the constraint holds to rounding, at the
+    /// The states at which the routine is asked. Without states of its own: the initial one; at half of the others the constraint holds to rounding, at the
     /// others it is violated; every sixth has right angles. Then those 1e-1 to 1e-12 from where an equation has no derivative.
     pub fn drawn(&self) -> Vec<MpcCase> {
-        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
+        if let Some(cases) = self.at {
+            return cases.to_vec();
+        }
+        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.constraint.kind().name()));
         let has_sets = self.equations.iter().any(|row| self.constraint.kind().row_set(*row).is_some());
         let near = if has_sets { self.settings.near_singular_states } else { 0 };
         (0..self.settings.states + near)

@@ -6,19 +6,23 @@
 //! rotations do not commute.
 
 use super::given::{Element, Tangent};
+use super::{KEPT, WrongTable};
 use crate::case::quantity::{Numbers, Quantity};
 use crate::judge::bound::Bound;
+use crate::judge::outcome::Check;
 use crate::judge::table::{Convention, Entry, ResultTable};
-use crate::mutants::diagnosis::Cause;
+use crate::mutants::diagnosis::{Cause, diagnose_tables};
+use crate::share::spread;
+use pintle_kinematics::connector::Components;
 use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B};
 use pintle_kinematics::scalar::{Real, Wide};
 
 /// The tables of what an element gave, from the right numbers of its components. A component without a stiffness bears nothing.
 pub(super) fn tables(
     given: &Element,
-    springs: &[Option<f64>; 6],
-    kind: Tangent,
+    (springs, kind): (&[Option<f64>; 6], Tangent),
     right: &Numbers<Wide>,
+    first: &Components<f64>,
     bound: &Bound,
 ) -> Vec<ResultTable> {
     let zero = Wide::from_f64(0.0);
@@ -26,6 +30,10 @@ pub(super) fn tables(
     let mut slope = vec![(zero, 0.0); DOFS * DOFS];
     // Σ D ∂_i c ∂_j c alone.
     let mut material = vec![zero; DOFS * DOFS];
+    // Springs that are slack where the position is zero: what these have besides.
+    let mut of_first = [zero; DOFS];
+    let mut slope_of_first = vec![zero; DOFS * DOFS];
+    let initial = first;
     let (first, second) = (Quantity::FirstDerivatives, Quantity::SecondDerivatives);
     for (k, stiffness) in springs.iter().enumerate().filter_map(|(k, x)| Some((k, (*x)?))) {
         let Some(value) = right.entries(Quantity::Value).get(k, 0) else { continue };
@@ -35,6 +43,7 @@ pub(super) fn tables(
         let (size, of_value) = (value.to_f64().abs(), bound.scale(Quantity::Value, k, 0));
         for (i, (entry, scale)) in force.iter_mut().enumerate() {
             *entry += d * value * row(i);
+            of_first[i] += d * Wide::from_f64(initial[k].unwrap_or(0.0)) * row(i);
             *scale += stiffness.abs() * (size * of_row(i) + of_value * row(i).to_f64().abs());
         }
         for (n, (entry, scale)) in slope.iter_mut().enumerate() {
@@ -42,6 +51,7 @@ pub(super) fn tables(
             let matrix = right.entries(second).get(k, n).unwrap_or(zero);
             *entry += d * (row(i) * row(j) + value * matrix);
             material[n] += d * row(i) * row(j);
+            slope_of_first[n] += d * Wide::from_f64(initial[k].unwrap_or(0.0)) * matrix;
             let [x, y] = [row(i), row(j)].map(|x| x.to_f64().abs());
             let of_matrix = size * bound.scale(second, k, n) + of_value * matrix.to_f64().abs();
             *scale += stiffness.abs() * (of_row(i) * y + x * of_row(j) + of_matrix);
@@ -74,6 +84,21 @@ pub(super) fn tables(
             table.rows.push(name.clone());
             table.entries.push(Entry::new(name, *got, *want, *scale, (0, class(j), 0)));
         }
+        let other = |cause: Cause, relation: &str, of: &dyn Fn(usize) -> Wide| {
+            let changes = (0..DOFS).map(|j| (j, of(j).to_f64())).collect();
+            Convention::new(cause, changes).related(relation)
+        };
+        let half = Wide::ratio(1, 2);
+        table.conventions = vec![
+            other(Cause::Reversed, Cause::Reversed.relation(), &|j| -force[j].0),
+            other(Cause::InitialKept, "Σ D x ∂c of positions x", &|j| force[j].0 + of_first[j]),
+            other(Cause::InitialTwice, "Σ D c ∂c of displacements less the initial position", &|j| {
+                force[j].0 - of_first[j]
+            }),
+            other(Cause::Factor, "half of what is expected, as E or c² halved once more", &|j| {
+                half * force[j].0
+            }),
+        ];
         tables.push(table);
     }
     if let Some(got) = &given.stiffness {
@@ -105,6 +130,16 @@ pub(super) fn tables(
                 "what is expected with twice the geometric stiffness Σ D c ∂²c",
                 &|n| material[n] + geometric(n) + geometric(n),
             ),
+            other(
+                Cause::GeometricTermMissing,
+                "what is expected with half of the geometric stiffness Σ D c ∂²c",
+                &|n| material[n] + Wide::ratio(1, 2) * geometric(n),
+            ),
+            other(
+                Cause::InitialKept,
+                "the stiffness of springs along positions, slack where these are zero",
+                &|n| slope[n].0 + slope_of_first[n],
+            ),
             other(Cause::Symmetrised, Cause::Symmetrised.relation(), &symmetric),
             other(Cause::Reversed, Cause::Reversed.relation(), &|n| -slope[n].0),
         ];
@@ -116,4 +151,19 @@ pub(super) fn tables(
         tables.push(table);
     }
     tables
+}
+
+/// Says of each check why the tables are wrong that were, one at a state: a cause holds over several.
+pub(super) fn explain(checks: &mut [Check], wrong: &[WrongTable]) {
+    for check in checks {
+        let is_of = |(against, table): &&WrongTable| {
+            *against == check.against && Some(table.quantity) == check.quantity
+        };
+        let tables: Vec<&ResultTable> = wrong.iter().filter(is_of).map(|(_, table)| table).collect();
+        let kept: Vec<&ResultTable> =
+            spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
+        if !kept.is_empty() {
+            check.diagnosis = diagnose_tables(&kept).map(Box::new);
+        }
+    }
 }

@@ -43,6 +43,7 @@ use crate::engine::checks_of;
 use crate::judge::components::{Surroundings, judge};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
+use crate::judge::table::ResultTable;
 use crate::judge::verdict::{Score, Verdict};
 use crate::model::{Finding, ModelReport};
 use crate::oracles::certificate::certificate;
@@ -79,10 +80,17 @@ pub struct Candidate<'a> {
     components: [bool; 6],
     springs: [Option<f64>; 6],
     tangent: Tangent,
+    at: Option<&'a [Case]>,
 }
 
 /// How many states are asked for at once.
 pub(in crate::candidate) const AT_ONCE: usize = 32;
+
+/// Of how many states wrong tables are kept, to say why they are.
+pub(in crate::candidate) const KEPT: usize = 16;
+
+/// A table that is wrong, and against whom.
+type WrongTable = (Against, ResultTable);
 
 /// A state that is asked for.
 struct Asked {
@@ -107,6 +115,7 @@ impl<'a> Candidate<'a> {
             components: [true; 6],
             springs: [None; 6],
             tangent: Tangent::default(),
+            at: None,
         }
     }
 
@@ -149,6 +158,14 @@ impl<'a> Candidate<'a> {
         self
     }
 
+    /// The states at which the routine is asked, in place of drawn ones: of the same connector.
+    #[must_use]
+    pub const fn at(mut self, cases: &'a [Case]) -> Self {
+        (self.settings.states, self.settings.near_singular_states) = (cases.len(), 0);
+        self.at = Some(cases);
+        self
+    }
+
     /// A length that is typical of the model: for connectors whose nodes coincide.
     #[must_use]
     pub const fn reference_length(mut self, length: f64) -> Self {
@@ -159,7 +176,7 @@ impl<'a> Candidate<'a> {
     /// Which region of configuration space the states exercise at which a routine of this name is checked.
     pub fn coverage(&self) -> Coverage {
         let mut coverage = Coverage::default();
-        for (_, case) in self.cases() {
+        for case in self.drawn() {
             if let Some(step) = case.last() {
                 coverage.add(self.definition, &step.state, case.length);
             }
@@ -169,12 +186,13 @@ impl<'a> Candidate<'a> {
 
     /// The states at which a routine of this name is asked, each with the path that leads there.
     pub fn drawn(&self) -> Vec<Case> {
-        self.cases().map(|(_, case)| case).collect()
+        self.cases().into_iter().map(|(_, case)| case).collect()
     }
 
     /// One history of so many small increments, through half a turn and whole ones. `None` where an end of the connector does not turn.
     pub fn history(&self, states: usize) -> Option<Case> {
-        let mut draw = Draw::new(&format!("{} {} history", self.settings.seed, self.name));
+        let mut draw =
+            Draw::new(&format!("{} {} history", self.settings.seed, self.definition.connection.name));
         along_initial(self.definition, self.length(), self.name, Some(states), &mut draw)
     }
 
@@ -188,10 +206,18 @@ impl<'a> Candidate<'a> {
         if has_sites(self.definition) { self.settings.near_singular_states } else { 0 }
     }
 
-    /// The states, with their places: those about the initial one, then those near singular sets.
-    fn cases(&self) -> impl Iterator<Item = (usize, Case)> {
-        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.name));
-        let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.name));
+    /// The states, with their places.
+    fn cases(&self) -> Vec<(usize, Case)> {
+        match self.at {
+            Some(cases) => cases.iter().cloned().enumerate().collect(),
+            None => self.drawn_cases().collect(),
+        }
+    }
+
+    /// Drawn states, with their places: those about the initial one, then those near singular sets.
+    fn drawn_cases(&self) -> impl Iterator<Item = (usize, Case)> {
+        let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.definition.connection.name));
+        let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.definition.connection.name));
         let length = self.length();
         let regular = self.settings.states;
         let of_history = spread(regular, self.histories.min(regular));
@@ -279,12 +305,14 @@ impl<'a> Candidate<'a> {
         mut routine: impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
     ) -> Result<Report, E> {
         let mut found: Vec<Check> = Vec::new();
+        let mut of_element = Vec::new();
         let mut coverage = Coverage::default();
         let near = self.near_singular_states();
         let near_wide = if near > 0 { self.settings.wide_states / 4 } else { 0 };
         let mut wide = spread(self.settings.states, self.settings.wide_states - near_wide);
         wide.extend(spread(near, near_wide).into_iter().map(|i| self.settings.states + i));
-        let all: Vec<Asked> = self.cases().map(|(number, case)| Asked::new(number, case)).collect();
+        let all: Vec<Asked> =
+            self.cases().into_iter().map(|(number, case)| Asked::new(number, case)).collect();
         let cases = all.len();
         for asked in all.chunks(AT_ONCE) {
             let questions: Vec<Question<'_>> =
@@ -297,9 +325,10 @@ impl<'a> Candidate<'a> {
                 let Some(given) = answers.next().flatten() else { continue };
                 let given = self.read(given, &self.offers, asked);
                 let is_wide = wide.contains(&asked.number);
-                checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide)?);
+                checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide, &mut of_element)?);
             }
         }
+        element::explain(&mut found, &of_element);
         let connection = &self.definition.connection;
         let connector = Connector::<f64>::new(self.definition);
         let is_one_form = |k: &usize| connector.differentiated(*k).map(|measure| measure.is_one_form());
@@ -343,7 +372,8 @@ impl<'a> Candidate<'a> {
             return None;
         }
         let finding = |lack: Lack| {
-            let reason = "the states drawn about the initial one";
+            let reason =
+                if self.at.is_some() { "the states given" } else { "the states drawn about the initial one" };
             let found = Diagnostic::finding(lack.code, Span::default(), lack.message, reason);
             Finding::from(found.help(lack.remedy).in_file(self.name))
         };
@@ -353,7 +383,7 @@ impl<'a> Candidate<'a> {
             assembly: None,
             later_steps: Vec::new(),
             coverage,
-            drawn: true,
+            drawn: self.at.is_none(),
             nearest: None,
             findings: gaps.into_iter().map(finding).collect(),
         })
@@ -374,6 +404,7 @@ impl<'a> Candidate<'a> {
         given: &Given,
         routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
         wide: bool,
+        of_element: &mut Vec<WrongTable>,
     ) -> Result<Vec<Check>, E> {
         let mut checks = Vec::new();
         let Asked { case, number, values_before } = asked;
@@ -464,8 +495,14 @@ impl<'a> Candidate<'a> {
             let right = answers.as_ref().map(|answers| &answers.differences);
             let by = if right.is_some() { Oracle::WideDifferences } else { Oracle::WideDual };
             let right = right.unwrap_or_else(|| &others);
-            for table in element::tables(element, &self.springs, self.tangent, right, bound) {
-                checks.push(table.check_against(by, wide, &case.name, Some(case)));
+            let first = initial_positions(case);
+            for table in element::tables(element, (&self.springs, self.tangent), right, &first, bound) {
+                let mut check = table.check_against(by, wide, &case.name, Some(case));
+                // It is told when every state was seen.
+                if check.diagnosis.take().is_some() {
+                    of_element.push((check.against, table));
+                }
+                checks.push(check);
             }
             for (quantity, is_given) in [
                 (Quantity::ElementForces, element.forces.is_some()),
@@ -526,6 +563,14 @@ impl<'a> Candidate<'a> {
         checks.push(check);
         Ok(checks)
     }
+}
+
+/// The positions from which displacements are counted.
+fn initial_positions(case: &Case) -> Components<f64> {
+    let initial = case.definition.initial;
+    let rest = Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() };
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    rest.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
 }
 
 impl Asked {
@@ -705,6 +750,7 @@ mod tests {
                 &given,
                 &mut answers,
                 wide,
+                &mut Vec::new(),
             );
             checks
         };

@@ -66,14 +66,27 @@ impl FrictionSubject {
             coefficient: Coefficient::Constant(coefficient),
             ..friction.clone()
         };
-        let others = vec![
+        let mut others = vec![
             (
                 Cause::OtherCoefficient,
                 "what is expected with μ² for μ".into(),
                 with(coefficient * coefficient),
             ),
             (Cause::OtherCoefficient, "what is expected without μ".into(), with(1.0)),
+            (Cause::OtherCoefficient, "what is expected with half of μ".into(), with(coefficient / 2.0)),
+            (Cause::OtherCoefficient, "what is expected with twice μ".into(), with(2.0 * coefficient)),
         ];
+        let mut plain = friction.clone();
+        plain.criterion.internal = Internal::Constant(0.0);
+        others.push((Cause::Offset, "what is expected without F_C^int".into(), plain));
+        if let Tangential::Norm(components) = &friction.criterion.tangential {
+            let mut undivided = friction.clone();
+            let ones = components.iter().map(|(k, _)| (*k, 1.0)).collect();
+            undivided.criterion.tangential = Tangential::Norm(ones);
+            let relation = "what is expected without the radius that divides a moment in P";
+            others.push((Cause::NotNormalised, relation.into(), undivided));
+        }
+        others.retain(|(.., other)| *other != friction);
         Ok(Self { name, friction, coefficient, parameters: Vec::new(), length, connection, others })
     }
 
@@ -265,6 +278,11 @@ impl FrictionCase {
             found.push((*cause, relation.clone(), other.own(table.quantity)));
         }
         found.extend(self.sums(table.quantity));
+        match table.quantity {
+            Quantity::FrictionGradient => found.extend(self.other_gradients()),
+            Quantity::FrictionForce => found.extend(self.other_increments(&sliding)),
+            _ => {}
+        }
         if table.quantity == Quantity::FrictionTangent {
             found.extend(self.other_tangents(&sliding));
         }
@@ -379,6 +397,52 @@ impl FrictionCase {
         found
     }
 
+    /// Slopes without their signs, and that of Φ with the contact force held.
+    fn other_gradients(&self) -> Vec<Known> {
+        let own = self.own(Quantity::FrictionGradient);
+        let sizes =
+            own.iter().map(|(name, row)| (name.clone(), row.iter().map(|x| x.abs()).collect())).collect();
+        let of_traction = own.first().map(|(_, row)| row.clone()).unwrap_or_default();
+        let held = own.last().map(|(name, _)| vec![(name.clone(), of_traction)]).unwrap_or_default();
+        let (lost, missing) = (Cause::SignLost, Cause::CouplingMissing);
+        vec![(lost, lost.relation().to_string(), sizes), (missing, missing.relation().to_string(), held)]
+    }
+
+    /// Forces without what was stored, slip that is not summed up, all of the motion as slip, each component limited by itself.
+    fn other_increments(&self, sliding: &[usize]) -> Vec<Known> {
+        let of = Quantity::FrictionForce;
+        let mut fresh = self.clone();
+        fresh.before.force = [0.0; 6];
+        let mut unsummed = self.clone();
+        unsummed.before.accumulated_slip = 0.0;
+        let increment = Cause::Increment;
+        let mut found = vec![
+            (
+                increment,
+                "what the increment alone gives, the forces before it left out".into(),
+                fresh.own(of),
+            ),
+            (increment, "the slip of the increment, not summed up".into(), unsummed.own(of)),
+        ];
+        let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let title = |name: &str| format!("{name}{}", self.title);
+        let radii = self.friction.radii();
+        let whole = radii.iter().map(|(k, r)| (r * self.displacement[*k]).powi(2)).sum::<f64>().sqrt();
+        let slips = [("Δγ", whole), ("CASU", self.before.accumulated_slip + whole)];
+        let slips = slips.map(|(name, x)| (title(name), vec![x])).to_vec();
+        found.push((Cause::StickForSlip, "the whole motion, with what stick stores".into(), slips));
+        if let Some(stiffness) = outcome.stick_stiffness {
+            let alone = radii.iter().filter(|(k, _)| sliding.contains(k)).map(|(k, r)| {
+                let trial = self.before.force[*k] + stiffness * r * r * self.displacement[*k];
+                let most = outcome.limit * r;
+                (title(&output(*k)), vec![trial.clamp(-most, most)])
+            });
+            let relation = "what is expected of each component limited by itself, a box for the circle";
+            found.push((Cause::SumForNorm, relation.into(), alone.collect()));
+        }
+        found
+    }
+
     /// The tangent of an increment that goes to zero, that of slip with the slope of the limit left out, and its symmetric part.
     fn other_tangents(&self, sliding: &[usize]) -> Vec<Known> {
         let input = self.input(0, 0.0);
@@ -390,7 +454,11 @@ impl FrictionCase {
             sliding.iter().map(|k| (name(*k), (0..12).map(|j| of(*k, j)).collect())).collect()
         };
         let symmetric = rows(&|k, j| if j < 6 { (own[k][j] + own[j][k]) / 2.0 } else { 0.0 });
-        found.push((Cause::Symmetrised, Cause::Symmetrised.relation().to_string(), symmetric));
+        // Of a matrix that is symmetric but for what presses, that is what is missing.
+        let differs = |k: &usize, j: &usize| (own[*k][*j] - own[*j][*k]).abs() > 1e-9 * own[*k][*j].abs();
+        if sliding.iter().any(|k| sliding.iter().any(|j| differs(k, j))) {
+            found.push((Cause::Symmetrised, Cause::Symmetrised.relation().to_string(), symmetric));
+        }
         let Some(stiffness) = outcome.stick_stiffness.filter(|_| outcome.status == Status::Slip) else {
             return found;
         };
@@ -403,6 +471,18 @@ impl FrictionCase {
         for (k, radius) in self.friction.radii() {
             elastic[k] = stiffness * radius * radius;
         }
+        // The size of the traction that stick would give.
+        let trial = self
+            .friction
+            .radii()
+            .into_iter()
+            .filter(|(k, _)| sliding.contains(k))
+            .map(|(k, radius)| (self.before.force[k] + elastic[k] * self.displacement[k]) / radius);
+        let share = outcome.limit / trial.map(|x| x * x).sum::<f64>().sqrt();
+        let secant =
+            rows(&|k, j| if j < 6 { if j == k { share * elastic[k] } else { 0.0 } } else { own[k][j] });
+        let relation = "the limit over P of stick, times the stick stiffness";
+        found.push((Cause::SecantForTangent, relation.to_string(), secant));
         let g = parts.gradient;
         let square: f64 = sliding.iter().map(|k| elastic[*k] * g[*k] * g[*k]).sum();
         let continuum = |k: usize, j: usize| {

@@ -9,7 +9,7 @@ use crate::judge::comparison::Comparison;
 use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
 use crate::laws::demanded::Invariant;
 use crate::model::ModelReport;
-use crate::mutants::diagnosis::{Diagnosis, Sample, Symptoms, diagnose_all};
+use crate::mutants::diagnosis::{Cause, Diagnosis, Sample, Symptoms, diagnose_all};
 use crate::oracles::certificate::Certificate;
 use crate::oracles::oracle::{Answer, Oracle};
 use crate::settings::Settings;
@@ -243,7 +243,15 @@ impl Check {
         // A formula that loses digits need not be mistaken.
         let is_told = |found: &Diagnosis| self.verdict != Verdict::UnstableFormula || found.is_whole();
         if let Some(found) = diagnose_all(&symptoms).filter(is_told) {
+            let loses_digits =
+                found.is_whole() && found.causes.iter().all(|one| one.cause == Cause::DigitsLost);
             self.diagnosis = Some(Box::new(found));
+            if loses_digits && self.verdict == Verdict::Wrong {
+                // The nearer to a special state the more, and nowhere by much: another thing than a mistake.
+                let states = self.states.remove(&Verdict::Wrong).unwrap_or_default();
+                *self.states.entry(Verdict::UnstableFormula).or_default() += states;
+                self.verdict = Verdict::UnstableFormula;
+            }
         }
     }
 

@@ -50,7 +50,7 @@ impl Entry {
     }
 
     /// What a number must be: on a kink, what is nearest to it of what may stand there.
-    fn target(&self, got: f64) -> Wide {
+    pub(crate) fn target(&self, got: f64) -> Wide {
         self.sides.map_or(self.want, |sides| sides.nearest(got))
     }
 }

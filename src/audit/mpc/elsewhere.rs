@@ -194,6 +194,14 @@ impl MpcCase {
                 &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
             ));
         }
+        if hinges == 2 {
+            let other = self.changed(|_, constraint| {
+                let [first, second] = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0; 3]));
+                *constraint = Constraint::with_axes(constraint.kind(), constraint.arm(), [second, first]);
+            });
+            let relation = "what is expected with the axes of the hinges exchanged";
+            found.push(Elsewhere::new(Cause::ParametersSwapped, relation, &other, &all));
+        }
         match self.constraint.kind().entry().translation {
             Translation::Carried => {
                 let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Tie));
@@ -202,6 +210,7 @@ impl MpcCase {
                 let others: Vec<Quantity> =
                     all.into_iter().filter(|of| *of != Quantity::FirstDerivatives).collect();
                 found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &others));
+                found.extend(self.other_arms(got));
             }
             Translation::Equal => {
                 let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Beam));
@@ -216,6 +225,28 @@ impl MpcCase {
             _ => {}
         }
         found
+    }
+
+    /// The arm of a rigid beam, carried by the other node or with the other sign.
+    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 2] {
+        const OF: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
+        let mut by_slave = self.changed(|state, _| state.master.rotation = state.slave.rotation);
+        for row in by_slave.jacobian[..RHO].iter_mut().flatten() {
+            let of_master = part(row, THETA_M);
+            row[THETA_S..THETA_S + 3].copy_from_slice(&of_master);
+            row[THETA_M..THETA_M + 3].fill(0.0);
+        }
+        let mut reversed = got.clone();
+        let carried = apply(&self.state.master.rotation, self.constraint.arm());
+        put(&mut reversed.residual, 0, add(vector(&got.residual, 0), scale(carried, 2.0)));
+        for row in reversed.jacobian[..RHO].iter_mut().flatten() {
+            row[THETA_M..THETA_M + 3].iter_mut().for_each(|x| *x = -*x);
+        }
+        let relation = "x_S − x_M − C_S (X_S − X_M): the arm turns with S";
+        [
+            Elsewhere::new(Cause::LeverAtB, relation, &by_slave, &OF),
+            Elsewhere::new(Cause::LeverReversed, "x_S − x_M + C_M (X_S − X_M)", &reversed, &OF),
+        ]
     }
 
     /// Vectors along other axes, and axes of hinges that do not turn with M.
@@ -377,6 +408,20 @@ impl MpcCase {
             ("the row of the transposed Jacobian of ρ, not inverted", product(&transpose(&left), &left)),
         ] {
             add_mapped(Cause::OtherJacobian, relation, None, &map);
+        }
+        if self.constraint.kind().entry().angles.is_empty() {
+            let [s, m] = [&self.state.slave, &self.state.master].map(|body| so3::log(&body.rotation));
+            let mut other = got.clone();
+            put(&mut other.residual, RHO, sub(s, m));
+            for (i, row) in other.jacobian[RHO..FLOW].iter_mut().enumerate() {
+                let mut small = [0.0; DOFS];
+                (small[THETA_S + i], small[THETA_M + i]) = (1.0, -1.0);
+                *row = row.map(|_| small);
+            }
+            let relation = "φ_S − φ_M, the difference of rotation vectors";
+            found.push(Elsewhere::new(Cause::OtherParameters, relation, &other, &VALUES));
+            let relation = "δθS − δθM, the rows of small rotations";
+            found.push(Elsewhere::new(Cause::Linearised, relation, &other, &[Quantity::FirstDerivatives]));
         }
         found
     }

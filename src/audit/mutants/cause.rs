@@ -68,7 +68,7 @@ causes! {
     Folded = DiagnosisFolded, "what is expected folded back at a right angle", "asin or atan for atan2";
     OtherParameters = DiagnosisOtherParameters, "another function of the same rotation", "another set of rotation parameters";
     OtherOrder = DiagnosisOtherOrder, "the angles of another sequence of axes", "another order of rotations";
-    OtherLength = DiagnosisOtherLength, "another measure of length", "a square, a logarithm, or the length of another vector";
+    OtherLength = DiagnosisOtherLength, "another measure of length", "a square, a logarithm, a strain, or the length of another vector";
     Incremental = DiagnosisIncremental, "the value before and a row times the increment", "increments summed up";
     Increment = DiagnosisIncrement, "the change since the state before", "an increment for the total";
     RateForAcceleration = DiagnosisRateForAcceleration, "the row times rates of the other order", "rates for accelerations, or the other way round";

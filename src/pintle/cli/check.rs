@@ -2,20 +2,11 @@
 
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
+use super::subject::{At, found, named};
 use super::tell::complain;
-use super::{Failure, connection, fit, page_width};
+use super::{Failure, fit, page_width};
 use clap::{ArgGroup, Args};
-use pintle_audit::FrictionSubject;
-use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
-use pintle_kinematics::catalog::ConnectionType;
-use pintle_kinematics::connector::{Definition, Request};
-use pintle_kinematics::draw::Draw;
-use pintle_kinematics::mpc::{Constraint, Kind};
-use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3;
-use pintle_model::evaluate::{Model, Plan, Selection};
-use pintle_scene::Label;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -55,8 +46,12 @@ routine under it. Where its states leave several open, it tells all of them.
 A routine in any other language prints hello, opened and answers as JSON lines.
 A state that it does not cover is answered by {\"out_of_domain\": \"why\"}.
 
+--at FILE asks at your own states alone, a history or, with --independent, each after
+the initial one: nodes 1 (a) and 2 (b) of a TYPE, those of the scene otherwise.
+
 Examples:
   pintle check AXIAL --python my_elements:axial
+  pintle check model.inp:106 --at run.csv --python my_elements:translator
   pintle check model.inp:106 --with './my_element --json'
   pintle check REVOLUTE --python my_elements:hinge --fit-convention
   pintle check REVOLUTE --at states.csv --answers rows.json --fit-convention
@@ -69,9 +64,9 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 #[command(after_long_help = HELP)]
 #[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header", "answers"])))]
 pub(crate) struct Check {
-    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT; a constraint, "MPC KIND"; or the friction
-    /// of a type or connector, "FRICTION TYPE"
-    #[arg(value_name = "TYPE|SCENE:ELEMENT|MPC KIND|FRICTION …", required_unless_present = "header")]
+    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT; a constraint, "MPC KIND" or
+    /// "MPC SCENE:S-M…" by its nodes; or the friction of a type or connector, "FRICTION TYPE"
+    #[arg(value_name = "TYPE|SCENE:ELEMENT|MPC …|FRICTION …", required_unless_present = "header")]
     of: Option<String>,
     /// The command that starts the routine, for a shell
     #[arg(long, value_name = "COMMAND")]
@@ -112,9 +107,12 @@ pub(crate) struct Check {
     /// Rows that a harness of one's own computed at the states of --at: JSON, an answer for each state
     #[arg(long, value_name = "FILE", requires = "at", requires = "fit_convention")]
     answers: Option<PathBuf>,
-    /// The states of --answers, as pintle states writes them
-    #[arg(long, value_name = "FILE", requires = "answers")]
+    /// Your own states in place of drawn ones: CSV, JSON, or the result of another program
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["states", "near_singular_states", "histories"])]
     at: Option<PathBuf>,
+    /// The states of --at are no history: each follows the initial state
+    #[arg(long, requires = "at")]
+    independent: bool,
     /// The stiffness of each component of an element of springs that gives element_forces: six numbers, - for none
     #[arg(long, value_name = "D1,…,D6", allow_hyphen_values = true, value_parser = springs)]
     springs: Option<Springs>,
@@ -152,124 +150,6 @@ fn springs(text: &str) -> Result<Springs, String> {
         }
     }
     Ok(found)
-}
-
-/// A connector that is named on the command line.
-pub(crate) struct Subject {
-    pub(crate) definition: Definition,
-    /// Its nodes; of a type 1 and 2.
-    pub(crate) nodes: [Option<Label>; 2],
-    pub(crate) is_of_scene: bool,
-}
-
-/// A connection type, or two basic ones: `CARTESIAN, CARDAN`, `CARTESIAN + CARDAN` or `CARTESIAN CARDAN`.
-fn type_of(name: &str) -> Result<ConnectionType, Failure> {
-    let name = name.trim();
-    let apart = name.split_once([',', '+']).map(|(one, other)| (one.trim(), other.trim()));
-    if let Some((one, other)) = apart {
-        return connection(one, Some(other));
-    }
-    // A name may have a space of its own.
-    let spaces = name.match_indices(' ').map(|(at, _)| (name[..at].trim(), name[at..].trim()));
-    let of_two = || spaces.into_iter().find_map(|(one, other)| connection(one, Some(other)).ok());
-    connection(name, None).or_else(|failure| of_two().ok_or(failure))
-}
-
-/// The connector of a TYPE, or of SCENE:ELEMENT.
-pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
-    // The last colon: a gallery scene has one of its own.
-    if let Some((scene, element)) = name.rsplit_once(':').filter(|(scene, _)| *scene != "gallery") {
-        let source = source(scene)?;
-        let (scene, _) = read(source, None)?;
-        let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
-        let element = &model.connectors[one_connector(&model, element)?];
-        return Ok(Subject { definition: element.definition(), nodes: element.nodes, is_of_scene: true });
-    }
-    let connection = type_of(name)?;
-    // Both triads are oblique, and satisfy what the type constrains.
-    let draw = &mut Draw::new("the connector of a check");
-    let a = so3::turn([0.4, -0.3, 0.7]);
-    let relative = aligned(&connection, draw);
-    let definition = definition(&connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2);
-    Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
-}
-
-/// The multi-point constraint of a kind: nodes that are apart, along no global axis, and axes of hinges at a right angle.
-fn constraint(kind: &str) -> Result<Constraint<f64>, Failure> {
-    let kind = Kind::named(kind).ok_or_else(|| {
-        let kinds: Vec<&str> = Kind::ALL.into_iter().map(Kind::name).collect();
-        Failure::Usage(format!("there is no MPC {kind}; there are {}", kinds.join(", ")))
-    })?;
-    let hinges = [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]];
-    Ok(Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], hinges))
-}
-
-/// What a routine is to be, as the command line names it.
-fn found(name: &str) -> Result<pintle_check::Subject, Failure> {
-    match name.trim().split_once(char::is_whitespace) {
-        Some((word, kind)) if word.eq_ignore_ascii_case("MPC") => Ok((&constraint(kind.trim())?).into()),
-        Some((word, of)) if word.eq_ignore_ascii_case("FRICTION") => Ok(friction(of.trim())?.into()),
-        _ => Ok((&named(name)?.definition).into()),
-    }
-}
-
-/// The friction of a connector of a scene, or the predefined one of a type; a number in front is that of one of several, from 1 on.
-fn friction(name: &str) -> Result<FrictionSubject, Failure> {
-    let numbered = name.split_once(char::is_whitespace);
-    let numbered = numbered.and_then(|(number, of)| Some((number.parse::<usize>().ok()?, of.trim())));
-    let (number, of) = numbered.map_or((None, name), |(number, of)| (Some(number), of));
-    let Some((scene, element)) = of.rsplit_once(':').filter(|(scene, _)| *scene != "gallery") else {
-        let connection = type_of(of)?;
-        let found = FrictionSubject::predefined(&connection, number.unwrap_or(1).saturating_sub(1));
-        let lacks = || match number {
-            Some(number) => format!("{of} has no predefined friction {number} of a criterion Φ = P − μ F_N"),
-            None => format!("{of} has no predefined friction of a criterion Φ = P − μ F_N"),
-        };
-        return found.ok_or_else(|| Failure::Usage(lacks()));
-    };
-    let source = source(scene)?;
-    let (scene, _) = read(source, None)?;
-    let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
-    let element = one_connector(&model, element)?;
-    let connector = &model.connectors[element];
-    let frictions = &connector.behavior.behavior.friction.frictions;
-    let friction = match (number, frictions.as_slice()) {
-        (None, [one]) => one,
-        (Some(number), all) if number > 0 && number <= all.len() => &all[number - 1],
-        (_, []) => return Err(Failure::Usage(format!("{of} has no friction of a criterion Φ = P − μ F_N"))),
-        (_, all) => {
-            return Err(Failure::Usage(format!(
-                "{of} has {} frictions: name one, as \"FRICTION 1 {of}\"",
-                all.len()
-            )));
-        }
-    };
-    let definition = connector.definition();
-    let length = Some(norm(definition.initial.reference)).filter(|length| *length > 0.0).unwrap_or(1.0);
-    FrictionSubject::new(of.to_string(), (*definition.connection).clone(), friction.clone(), length)
-        .map_err(Failure::Usage)
-}
-
-/// The place of the one connector that an element names.
-fn one_connector(model: &Model, element: &str) -> Result<usize, Failure> {
-    let plan = Plan::compile(model, &Selection::Named(vec![element.to_string()]), Request::nothing(0))
-        .map_err(|error| Failure::Usage(error.to_string()))?;
-    match plan.connectors.as_slice() {
-        [one] => Ok(*one),
-        all => Err(Failure::Usage(format!(
-            "{element} names {} connectors: name one by its element number",
-            all.len()
-        ))),
-    }
-}
-
-/// What a routine is to be: a connection type at two oblique triads, `TYPE` or `TYPE TYPE`, a connector of a scene, `SCENE:ELEMENT`, or
-/// a multi-point constraint, `MPC KIND`, or a friction, `FRICTION TYPE` or `FRICTION SCENE:ELEMENT`.
-///
-/// # Errors
-/// In words, where there is none of that name.
-pub fn subject(name: &str) -> Result<pintle_check::Subject, String> {
-    found(name).map_err(|failure| failure.to_string())
 }
 
 /// The conventions that a file declares.
@@ -318,7 +198,8 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         fit::tell(&found, &subject.definition)?;
         return if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) };
     }
-    let subject = found(of)?;
+    let at = arguments.at.as_deref().map(|file| At { file, independent: arguments.independent });
+    let subject = found(of, at)?;
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
@@ -335,7 +216,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         Failure::Input(format!("{misbehaviour}{hint}"))
     };
     if arguments.fit_convention {
-        let pintle_check::Subject::Connector(definition) = &subject else {
+        let pintle_check::Subject::Connector(definition, _) = &subject else {
             return Err(Failure::Usage("--fit-convention finds the conventions of a connector".into()));
         };
         let found = Process::start(&command, patience)

@@ -1,7 +1,7 @@
 //! `pintle check --fit-convention`.
 
-use super::check::Subject;
 use super::states::deck;
+use super::subject::Subject;
 use super::{Failure, page_width};
 use pintle_check::fit::{Found, fit, generic_states};
 use pintle_kinematics::connector::{Definition, State};

@@ -15,6 +15,7 @@ pub(crate) mod replay;
 pub(crate) mod solve;
 mod start;
 pub(crate) mod states;
+pub(crate) mod subject;
 
 use output::Show;
 pub(crate) use output::{Failure, Files, tell};

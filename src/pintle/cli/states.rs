@@ -1,7 +1,7 @@
 //! `pintle states`.
 
-use super::check::{Subject, named};
 use super::eval::{read, source};
+use super::subject::{Subject, named};
 use super::{Failure, Files, compare};
 use clap::{Args, ValueEnum};
 use pintle_audit::{Candidate, Case, Settings};
@@ -11,9 +11,13 @@ use pintle_kinematics::node::Node;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, product, transpose};
 use pintle_scene::{Label, NodeMotion, Rotation, StateFile};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Cursor, Write};
+use std::iter::repeat;
 use std::path::PathBuf;
+use zip::ZipWriter;
+use zip::write::FileOptions;
 
 const HELP: &str = "\
 States for a harness of your own: those at which pintle check asks. The first is the
@@ -31,7 +35,8 @@ Examples:
   pintle states REVOLUTE --count 100 --deck revolute.inp > states.csv
   pintle eval revolute.inp --states states.csv --independent --format csv
   pintle states model.inp --from model.dat -o states.csv
-  pintle states model.inp:106 --count 500 --history --format json -o history.json";
+  pintle states model.inp:106 --count 500 --history --format json -o history.json
+  pintle states REVOLUTE --near 50 --format npz -o states.npz";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
@@ -72,6 +77,8 @@ enum Format {
     Csv,
     /// One JSON document
     Json,
+    /// Arrays of NumPy, by state and node
+    Npz,
 }
 
 /// Draws states and writes them.
@@ -119,17 +126,94 @@ pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
 
 /// Writes states where they are wanted.
 fn write(arguments: &States, files: Files, states: Vec<pintle_scene::State>) -> Result<(), Failure> {
-    let text = match arguments.format {
-        Format::Csv => csv(&states),
-        Format::Json => StateFile { states }.to_json().map_err(io::Error::from)? + "\n",
+    let bytes = match arguments.format {
+        Format::Csv => csv(&states).into_bytes(),
+        Format::Json => (StateFile { states }.to_json().map_err(io::Error::from)? + "\n").into_bytes(),
+        Format::Npz => npz(&states).map_err(io::Error::from)?,
     };
     match &arguments.output {
-        Some(file) => files.text(file, text),
+        Some(file) => files.text(file, bytes),
         None => {
             let mut out = BufWriter::new(io::stdout().lock());
-            out.write_all(text.as_bytes())?;
+            out.write_all(&bytes)?;
             Ok(out.flush()?)
         }
+    }
+}
+
+/// States as arrays of NumPy: `state`, `time` where there are some, the labels `node`, and of each state and node `u`, `quaternion` (or
+/// `rotation_vector`, which keeps its turns), `flow` and their rates.
+fn npz(states: &[pintle_scene::State]) -> zip::result::ZipResult<Vec<u8>> {
+    /// The arrays of an archive that is written.
+    struct Arrays(ZipWriter<Cursor<Vec<u8>>>);
+    impl Arrays {
+        /// An array in the order of C, of the element type that NumPy calls so.
+        fn put(&mut self, name: &str, of: &str, shape: &[usize], bytes: &[u8]) -> zip::result::ZipResult<()> {
+            self.0.start_file(format!("{name}.npy"), FileOptions::<()>::default())?;
+            let shape: String = shape.iter().map(|size| format!("{size},")).collect();
+            let header = format!("{{'descr': '{of}', 'fortran_order': False, 'shape': ({shape}), }}");
+            // Magic and version, two bytes of length, and the header, filled up to a multiple of 64.
+            const BEFORE: usize = 10;
+            let size = (BEFORE + header.len() + 1).next_multiple_of(64) - BEFORE;
+            let length = u16::try_from(size).unwrap_or(u16::MAX).to_le_bytes();
+            self.0.write_all(b"\x93NUMPY\x01\x00")?;
+            self.0.write_all(&length)?;
+            self.0.write_all(format!("{header:<0$}\n", size - 1).as_bytes())?;
+            Ok(self.0.write_all(bytes)?)
+        }
+    }
+    let nodes: BTreeSet<Label> = states.iter().flat_map(|state| state.nodes.keys().copied()).collect();
+    let is_vector = holds_vectors(states);
+    let motions: Vec<NodeMotion> = states
+        .iter()
+        .flat_map(|state| nodes.iter().map(|node| state.nodes.get(node).copied().unwrap_or_default()))
+        .collect();
+    let mut arrays = Arrays(ZipWriter::new(Cursor::default()));
+    let doubles =
+        |numbers: &mut dyn Iterator<Item = f64>| numbers.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
+    let numbers: Vec<u8> =
+        states.iter().flat_map(|state| state.number.unwrap_or_default().to_le_bytes()).collect();
+    arrays.put("state", "<u8", &[states.len()], &numbers)?;
+    if states.iter().any(|state| state.time.is_some()) {
+        let mut times = states.iter().map(|state| state.time.unwrap_or_default());
+        arrays.put("time", "<f8", &[states.len()], &doubles(&mut times))?;
+    }
+    // Text of one width, four bytes a character.
+    let labels: Vec<String> = nodes.iter().map(ToString::to_string).collect();
+    let width = labels.iter().map(|label| label.chars().count()).max().unwrap_or_default().max(1);
+    let text = labels.iter().flat_map(|label| label.chars().map(u32::from).chain(repeat(0)).take(width));
+    let text: Vec<u8> = text.flat_map(u32::to_le_bytes).collect();
+    arrays.put("node", &format!("<U{width}"), &[labels.len()], &text)?;
+    let mut of = |name: &str, width: usize, part: &dyn Fn(&NodeMotion) -> Vec<f64>| {
+        let mut all = motions.iter().flat_map(part);
+        let shape = [states.len(), nodes.len(), width];
+        arrays.put(name, "<f8", if width == 1 { &shape[..2] } else { &shape }, &doubles(&mut all))
+    };
+    of("u", 3, &|motion| motion.displacement.to_vec())?;
+    let (name, width) = if is_vector { ("rotation_vector", 3) } else { ("quaternion", 4) };
+    of(name, width, &|motion| rotation_of(motion, is_vector))?;
+    of("flow", 1, &|motion| vec![motion.flow])?;
+    of("velocity", 3, &|motion| motion.velocity.to_vec())?;
+    of("angular_velocity", 3, &|motion| motion.angular_velocity.to_vec())?;
+    of("flow_velocity", 1, &|motion| vec![motion.flow_velocity])?;
+    of("acceleration", 3, &|motion| motion.acceleration.to_vec())?;
+    of("angular_acceleration", 3, &|motion| motion.angular_acceleration.to_vec())?;
+    of("flow_acceleration", 1, &|motion| vec![motion.flow_acceleration])?;
+    Ok(arrays.0.finish()?.into_inner())
+}
+
+/// Whether all rotations are vectors, which keep their turns.
+fn holds_vectors(states: &[pintle_scene::State]) -> bool {
+    let motions = || states.iter().flat_map(|state| state.nodes.values());
+    motions().all(|motion| matches!(motion.rotation, Rotation::Vector(_)))
+}
+
+/// The rotation of a node, as a vector where all are.
+fn rotation_of(motion: &NodeMotion, is_vector: bool) -> Vec<f64> {
+    match motion.rotation {
+        Rotation::Quaternion(quaternion) => quaternion.to_vec(),
+        Rotation::Vector(vector) if is_vector => vector.to_vec(),
+        Rotation::Vector(vector) => so3::exp(vector).to_vec(),
     }
 }
 
@@ -165,22 +249,16 @@ fn written(
 pub(crate) fn csv(states: &[pintle_scene::State]) -> String {
     let timed = states.iter().any(|state| state.time.is_some());
     let mut text = String::from(if timed { "state,time," } else { "state," });
-    // Rotation vectors keep their turns.
-    let motions = || states.iter().flat_map(|state| state.nodes.values());
-    let is_vector = motions().all(|motion| matches!(motion.rotation, Rotation::Vector(_)));
+    let is_vector = holds_vectors(states);
     text.push_str(if is_vector { "node,u1,u2,u3,ur1,ur2,ur3" } else { "node,u1,u2,u3,q0,q1,q2,q3" });
     text.push_str(",flow,v1,v2,v3,vr1,vr2,vr3,flow_v,a1,a2,a3,ar1,ar2,ar3,flow_a\n");
     for state in states {
         for (node, motion) in &state.nodes {
-            let NodeMotion { displacement, rotation, velocity, angular_velocity, .. } = motion;
+            let NodeMotion { displacement, velocity, angular_velocity, .. } = motion;
             let NodeMotion {
                 acceleration, angular_acceleration, flow, flow_velocity, flow_acceleration, ..
             } = motion;
-            let rotation: Vec<f64> = match rotation {
-                Rotation::Quaternion(quaternion) => quaternion.to_vec(),
-                Rotation::Vector(vector) if is_vector => vector.to_vec(),
-                Rotation::Vector(vector) => so3::exp(*vector).to_vec(),
-            };
+            let rotation = rotation_of(motion, is_vector);
             let _ = write!(text, "{},", state.number.unwrap_or_default());
             if timed {
                 let _ = write!(text, "{:?},", state.time.unwrap_or_default());

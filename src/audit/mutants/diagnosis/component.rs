@@ -184,6 +184,10 @@ impl Symptoms<'_> {
             let separations = [pair.separation(), self.case.definition.initial.separation()];
             let made = conventions(row, triads).into_iter().chain(levers(row, separations));
             found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
+            let held = cross(part(row, XB), separations[1]);
+            let held = sub(add(part(row, THETA_A), held), cross(part(row, XB), separations[0]));
+            let held = Hypothesis::of_row(Cause::Linearised, k, put(THETA_A, held));
+            found.push(held.related("what is expected with the lever of the initial state"));
             found.extend(operations.iter().filter_map(|operation| operation.of_row(k, row)));
             if let Some(other) = &self.want.entries(others).0[k] {
                 found.push(Hypothesis::of_row(
@@ -201,21 +205,78 @@ impl Symptoms<'_> {
                         found.push(Hypothesis::of_row(Cause::AxisForGradient, k, both(sign)));
                     }
                 }
+                // The direction of a torsion, of length 1.
+                let sum = add(column(triads[0], 2), column(triads[1], 2));
+                let unit = scale(sum, 1.0 / norm(sum));
+                for sign in [1.0, -1.0] {
+                    let both = put(THETA_B, unit.map(|x| sign * x)).into_iter();
+                    let both = both.chain(put(THETA_A, unit.map(|x| -sign * x)));
+                    let made = Hypothesis::of_row(Cause::NotNormalised, k, both);
+                    found.push(made.related("the direction of e3a + e3b with the length 1"));
+                }
+            }
+            if measure.is_some_and(|measure| measure.is_one_form()) {
+                let scale = self.case.definition.flow_scale;
+                let of_flow = |x: f64| std::iter::once((DOFS - 1, x));
+                for (what, x) in [
+                    ("without the scale β_s", row[DOFS - 1] / scale),
+                    ("with β_s twice", row[DOFS - 1] * scale),
+                ] {
+                    let made = Hypothesis::of_row(Cause::NotNormalised, k, of_flow(x));
+                    found.push(made.related(format!("what is expected {what}")));
+                }
+                let e = column(triads[1], 2);
+                let both = put(THETA_A, e).into_iter().chain(put(THETA_B, e.map(|x| -x)));
+                found.push(Hypothesis::of_row(Cause::AxesOfB, k, both));
             }
             found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
             if matches!(measure, Some(Measure::RadialDistance | Measure::Distance)) {
                 let d = pair.separation();
                 let direct = scale(d, 1.0 / norm(d));
-                for e in [column(triads[0], 0), column(triads[0], 1), column(triads[0], 2), direct] {
+                let axes = [0, 1, 2].map(|j| column(triads[0], j));
+                let outward = |j: usize| {
+                    let across = sub(d, scale(axes[j], along(&axes[j], &d)));
+                    scale(across, 1.0 / norm(across))
+                };
+                for (what, e) in [
+                    ("the row of the coordinate along e1a", axes[0]),
+                    ("the row of the coordinate along e2a", axes[1]),
+                    ("the row of the coordinate along e3a", axes[2]),
+                    ("the row of the distance from the axis e1a", outward(0)),
+                    ("the row of the distance from the axis e2a", outward(1)),
+                    ("the row of the whole length |d|", direct),
+                ] {
                     let ends = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
                     let all = ends.clone().chain(put(THETA_A, cross(e, d)));
-                    found.push(Hypothesis::of_row(Cause::OtherLength, k, all));
-                    found.push(Hypothesis::of_row(Cause::OtherLength, k, ends));
+                    found.push(Hypothesis::of_row(Cause::OtherLength, k, all).related(what));
+                    found.push(Hypothesis::of_row(Cause::OtherLength, k, ends).related(what));
+                }
+                // The slope of a function of the length.
+                let d0 = separations[1];
+                let (l, first) = (norm(d), norm(d0));
+                for (what, slope) in [
+                    ("the row of l²", 2.0 * l),
+                    ("the row of ln l", 1.0 / l),
+                    ("the row of the strain (l − l₀)/l₀", 1.0 / first),
+                    ("the row of the strain (l² − l₀²)/(2 l₀²)", l / (first * first)),
+                ] {
+                    let all = row.iter().map(|x| slope * x).enumerate();
+                    let is_length = matches!(measure, Some(Measure::Distance));
+                    found.extend(
+                        is_length.then(|| Hypothesis::of_row(Cause::OtherLength, k, all).related(what)),
+                    );
                 }
             }
             if let Some(i) = measure.and_then(axis_of) {
                 let initial = &self.case.definition.initial.a.triad;
                 found.extend(along_axes(k, i, (triads, initial), pair.separation()));
+                for j in (0..3).filter(|j| *j != i) {
+                    let e = column(triads[0], j);
+                    let ends = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
+                    let all = ends.chain(put(THETA_A, cross(e, pair.separation())));
+                    let what = format!("the row of the coordinate along e{}a, not e{}a", j + 1, i + 1);
+                    found.push(Hypothesis::of_row(Cause::RowsSwapped, k, all).related(what));
+                }
             }
         }
         found
@@ -229,6 +290,7 @@ impl Symptoms<'_> {
             _ => Quantity::FirstDerivatives,
         };
         let pair = self.case.last().map(|step| step.state.pair);
+        let connector = self.case.connector();
         let mut found = Vec::new();
         for (k, matrix) in self.wanted().0.iter().enumerate() {
             let Some(matrix) = matrix else { continue };
@@ -260,6 +322,23 @@ impl Symptoms<'_> {
             for is_in in blocks {
                 found.push(changed(Cause::BlockMissing, &|i, j, x| if is_in(i, j) { 0.0 } else { x }));
                 found.push(changed(Cause::BlockReversed, &|i, j, x| if is_in(i, j) { -x } else { x }));
+            }
+            if let (Some(pair), Some(Measure::Distance)) = (&pair, connector.differentiated(k)) {
+                let of_one = 1.0 / norm(pair.separation());
+                let whole = changed(Cause::GeometricTermMissing, &|i, j, x| {
+                    let same = moves(i) && moves(j) && i % XB == j % XB;
+                    let sign = if (i < XB) == (j < XB) { 1.0 } else { -1.0 };
+                    if same {
+                        sign * of_one
+                    } else if moves(i) && moves(j) {
+                        0.0
+                    } else {
+                        x
+                    }
+                });
+                found.push(
+                    whole.related("1/l for (1 − q qᵀ)/l, q the direction: the part along q is not taken off"),
+                );
             }
             let mirrored = |i: usize, j: usize| matrix[j * DOFS + i];
             found.push(changed(Cause::Symmetrised, &|i, j, x| (x + mirrored(i, j)) / 2.0));
@@ -399,7 +478,9 @@ fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<Vector<f64>> {
     let of = |i: usize| {
         let (a, b) = (column(a, i), column(b, i));
         let sum = add(a, b);
-        [a, b, scale(sum, 1.0 / norm(sum)), sum]
+        // That of the third axes is a torsion's direction, which was not divided.
+        let midway = if i < 2 { scale(sum, 1.0 / norm(sum)) } else { a };
+        [a, b, midway, sum]
     };
     let across = |n: usize| cross(column(b, n % 3), column(a, n / 3));
     (0..3).flat_map(of).chain((0..9).map(across)).collect()
@@ -480,7 +561,6 @@ fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
         (Cause::GeometricTermMissing, put(THETA_A, plus(of_a, -1.0))),
         (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),
         (Cause::InitialTurned, put(THETA_A, sub(of_a, of_initial))),
-        (Cause::InitialTurned, put(THETA_A, add(sub(of_a, lever), of_initial))),
         (Cause::LeverAtB, moved(-1.0)),
     ]
 }

@@ -49,7 +49,7 @@ fn at_state(table: &ResultTable) -> AtState {
     let width = table.width();
     let place = |i: usize| (i / width, i % width);
     let data = table.entries.iter().enumerate().map(|(i, entry)| {
-        let (want, tolerance) = (entry.want.to_f64(), entry.tolerance());
+        let (want, tolerance) = (entry.target(entry.got).to_f64(), entry.tolerance());
         (place(i), Datum { got: Some(entry.got), want, tolerance, class: entry.class })
     });
     let placed = |changes: &[(usize, f64)]| changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect();
@@ -98,6 +98,26 @@ impl Words for TableWords<'_> {
                 format!("/∂{}", ranges(&columns, &name).join(" and ∂"))
             };
             rows.push((row.clone(), of_columns));
+        }
+        if matches!(self.table.quantity, Quantity::ElementForces | Quantity::ElementStiffness) {
+            // Fourteen rows, most of them alike.
+            let every =
+                rows.len() == self.table.rows.len() && rows.iter().all(|(_, columns)| columns.is_empty());
+            if every {
+                return format!("every entry of the {}", self.table.quantity.name());
+            }
+            let mut alike: Vec<(BTreeSet<usize>, String)> = Vec::new();
+            for (row, columns) in rows {
+                let place = self.table.rows.iter().position(|known| *known == row).unwrap_or_default();
+                match alike.iter_mut().find(|(_, known)| *known == columns) {
+                    Some((places, _)) => drop(places.insert(place)),
+                    None => alike.push((BTreeSet::from([place]), columns)),
+                }
+            }
+            let name = |row: usize| self.table.rows.get(row).cloned().unwrap_or_default();
+            let named =
+                alike.into_iter().map(|(places, columns)| ranges(&places, &name).join(", ") + &columns);
+            return named.collect::<Vec<_>>().join("; ");
         }
         let named: Vec<String> = rows.into_iter().map(|(row, columns)| row + &columns).collect();
         named.join(", ")

@@ -12,7 +12,7 @@ use pintle_kinematics::node::{DOFS, Pair, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, apply, column, dot, product, scale, sub, transpose, transposed_product,
+    Matrix, apply, column, cross, dot, product, scale, sub, transpose, transposed_product,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -30,14 +30,14 @@ fn sequences(r: &Matrix<f64>) -> Vec<[f64; 3]> {
             let k = 3 - i - j;
             let three = [
                 (-sign * r[j][k]).atan2(r[k][k]),
-                (sign * r[i][k]).clamp(-1.0, 1.0).asin(),
+                (sign * r[i][k]).atan2(r[i][i].hypot(r[i][j])),
                 (-sign * r[i][j]).atan2(r[i][i]),
             ];
             let mut by_axis = [0.0; 3];
             [i, j, k].into_iter().zip(three).for_each(|(axis, angle)| by_axis[axis] = angle);
             let two = [
                 r[j][i].atan2(-sign * r[k][i]),
-                r[i][i].clamp(-1.0, 1.0).acos(),
+                r[i][j].hypot(r[i][k]).atan2(r[i][i]),
                 r[i][j].atan2(sign * r[i][k]),
             ];
             found.extend([three, by_axis, two]);
@@ -86,19 +86,15 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                     of_function(now, first, &mut add);
                 } else {
                     let mut of = |f: &dyn Fn(f64) -> f64| add(Cause::OtherLength, f(now) - f(first));
-                    of(&|x| x * x);
-                    of(&|x| x * x / 2.0);
-                    of(&f64::ln);
                     of(&f64::ln_1p);
                     of(&|x| x / (1.0 + x));
                     of(&|x| -first * first / x);
                     of(&|x| x + x * x / 2.0);
-                    of(&|x| x / first);
-                    of(&|x| x * x / (2.0 * first));
-                    of(&|x| x * x / (2.0 * first * first));
+                    found.extend(strains(k, now, first));
                 }
             }
         }
+        let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
         if let Some(before) = before[k] {
             add(Cause::Increment, f - before);
         }
@@ -132,28 +128,51 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
             let (d, d0) = (pair.separation(), initial.separation());
             let [u, v, w] = [0, 1, 2].map(|i| dot(column(&pair.a.triad, i), d));
             let [u0, v0, w0] = [0, 1, 2].map(|i| dot(column(&initial.a.triad, i), d0));
-            for x in [
-                norm(d) - norm(d0),
-                norm(sub(d, d0)),
-                u - u0,
-                v - v0,
-                w - w0,
-                u.hypot(v) - u0.hypot(v0),
-                u.hypot(w) - u0.hypot(w0),
-                v.hypot(w) - v0.hypot(w0),
-                (d[0].abs() + d[1].abs() + d[2].abs()) - (d0[0].abs() + d0[1].abs() + d0[2].abs()),
+            for (what, x) in [
+                ("the whole length |d|", norm(d) - norm(d0)),
+                ("|d − d₀|", norm(sub(d, d0))),
+                ("the coordinate along e1a", u - u0),
+                ("the coordinate along e2a", v - v0),
+                ("the coordinate along e3a", w - w0),
+                ("the distance from the axis e3a", u.hypot(v) - u0.hypot(v0)),
+                ("the distance from the axis e2a", u.hypot(w) - u0.hypot(w0)),
+                ("the distance from the axis e1a", v.hypot(w) - v0.hypot(w0)),
+                (
+                    "|d₁| + |d₂| + |d₃|",
+                    (d[0].abs() + d[1].abs() + d[2].abs()) - (d0[0].abs() + d0[1].abs() + d0[2].abs()),
+                ),
             ] {
-                found.push(Hypothesis::one(Cause::OtherLength, (k, 0), x));
+                found.push(Hypothesis::one(Cause::OtherLength, (k, 0), x).related(what));
             }
         }
         if let Some(i) = axis_of(measure) {
             of_axes(pair, initial, i, first[k], &mut |cause, x| {
                 found.push(Hypothesis::one(cause, (k, 0), x))
             });
+            for j in (0..3).filter(|j| *j != i) {
+                let along = |pair: &Pair<f64>| dot(column(&pair.a.triad, j), pair.separation());
+                let other = Hypothesis::one(Cause::RowsSwapped, (k, 0), along(pair) - along(initial));
+                found.push(other.related(format!("the coordinate along e{}a, not e{}a", j + 1, i + 1)));
+            }
         }
     }
     found.extend(of_rotation(case, want, (&now, &first)));
     found
+}
+
+/// Strains and squares of a position, less the same of its initial value.
+fn strains(k: usize, now: f64, first: f64) -> impl Iterator<Item = Hypothesis> {
+    let square = |x: f64| x * x;
+    [
+        ("l² − l₀², l the position", square(now) - square(first)),
+        ("(l² − l₀²)/2, l the position", (square(now) - square(first)) / 2.0),
+        ("ln (l/l₀), l the position", now.ln() - first.ln()),
+        ("the strain (l − l₀)/l₀", (now - first) / first),
+        ("(l² − l₀²)/(2 l₀), l the position", (square(now) - square(first)) / (2.0 * first)),
+        ("the strain (l² − l₀²)/(2 l₀²)", (square(now) - square(first)) / (2.0 * square(first))),
+    ]
+    .into_iter()
+    .map(move |(what, x)| Hypothesis::one(Cause::OtherLength, (k, 0), x).related(what))
 }
 
 /// The rows of a state.
@@ -267,10 +286,11 @@ fn of_rotation(
     let connector = case.connector();
     let rotational = [3, 4, 5].map(|k| want.get(k, 0).and(connector.differentiated(k)));
     let mut found = Vec::new();
-    let mut add = |cause: Cause, now: [f64; 3], first: [f64; 3]| {
+    let mut add_as = |cause: Cause, what: &str, now: [f64; 3], first: [f64; 3]| {
+        let said = |made: Hypothesis| if what.is_empty() { made } else { made.related(what) };
         for i in (0..3).filter(|i| rotational[*i].is_some()) {
-            found.push(Hypothesis::one(cause, (3 + i, 0), now[i] - first[i]));
-            found.push(Hypothesis::one(cause, (3 + i, 0), now[i]));
+            found.push(said(Hypothesis::one(cause, (3 + i, 0), now[i] - first[i])));
+            found.push(said(Hypothesis::one(cause, (3 + i, 0), now[i])));
         }
     };
     let q = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
@@ -279,7 +299,7 @@ fn of_rotation(
     for i in 0..3 {
         for j in 0..3 {
             for sign in [1.0, -1.0] {
-                add(Cause::OtherParameters, [sign * q[i][j]; 3], [sign * q0[i][j]; 3]);
+                add_as(Cause::OtherParameters, "", [sign * q[i][j]; 3], [sign * q0[i][j]; 3]);
             }
         }
     }
@@ -291,9 +311,9 @@ fn of_rotation(
     });
     for (of, of_first) in [(q, q0), (transpose(&q), transpose(&q0))] {
         for (angles, initial) in sequences(&of).into_iter().zip(sequences(&of_first)) {
-            add(Cause::OtherOrder, angles, initial);
+            add_as(Cause::OtherOrder, "", angles, initial);
             for n in 0..3 {
-                add(Cause::OtherOrder, [angles[n]; 3], [initial[n]; 3]);
+                add_as(Cause::OtherOrder, "", [angles[n]; 3], [initial[n]; 3]);
             }
         }
     }
@@ -302,15 +322,36 @@ fn of_rotation(
         .map(|(now, then)| so3::log(&product(&now.triad, &transpose(&then.triad))));
     let apart = sub(of_b, of_a);
     for vector in [so3::log(&product(&q, &transpose(&q0))), so3::log(&product(&transpose(&q0), &q))] {
-        add(Cause::OtherParameters, vector, [0.0; 3]);
+        add_as(Cause::OtherParameters, "", vector, [0.0; 3]);
     }
     for vector in [apart, apply(&transpose(&pair.a.triad), apart), apply(&transpose(&initial.a.triad), apart)]
     {
-        add(Cause::OtherParameters, vector, [0.0; 3]);
+        let what = "the difference φ_b − φ_a of the rotation vectors of the nodes";
+        add_as(Cause::OtherParameters, what, vector, [0.0; 3]);
     }
-    add(Cause::OtherParameters, so3::log(&q), so3::log(&q0));
+    let is_flexion = |of: &Measure| matches!(of, Measure::ComponentFlexion(_));
+    if rotational.iter().flatten().any(is_flexion) {
+        // The smallest rotation from e3a to e3b, along the directions of a or of b.
+        let swing = |pair: &Pair<f64>| {
+            let [a, b] = [&pair.a, &pair.b].map(|node| column(&node.triad, 2));
+            let across = cross(a, b);
+            let sine = norm(across);
+            if sine > 0.0 { scale(across, sine.atan2(dot(a, b)) / sine) } else { across }
+        };
+        let (now, first) = (swing(pair), swing(initial));
+        for (cause, node, old) in
+            [(Cause::AxesOfA, &pair.a, &initial.a), (Cause::AxesOfB, &pair.b, &initial.b)]
+        {
+            let mut along = apply(&transpose(&node.triad), now);
+            let mut along_first = apply(&transpose(&old.triad), first);
+            // The torsion is another number.
+            (along[2], along_first[2]) = (f64::NAN, f64::NAN);
+            add_as(cause, "", along, along_first);
+        }
+    }
+    add_as(Cause::OtherParameters, "", so3::log(&q), so3::log(&q0));
     if rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_))) {
-        add(Cause::InitialKept, so3::log(&q), [0.0; 3]);
+        add_as(Cause::InitialKept, "", so3::log(&q), [0.0; 3]);
     }
     let vector = |all: &Components<f64>| Some([all[3]?, all[4]?, all[5]?]);
     let held = || Some([0, 1, 2].map(|i| want.get(3 + i, 0)).map(|x| x.unwrap_or(0.0)));
@@ -319,23 +360,23 @@ fn of_rotation(
     let (now, first) = if is_misalignment { (held(), Some([0.0; 3])) } else { (vector(now), vector(first)) };
     if let (Some(now), Some(first), true) = (now, first, is_vector) {
         type Length = fn(f64) -> f64;
-        let functions: [Length; 6] = [
-            f64::sin,
-            |x| 2.0 * (x / 2.0).sin(),
-            |x| (x / 2.0).sin(),
-            |x| 2.0 * (x / 2.0).tan(),
-            |x| (x / 2.0).tan(),
-            |x| 4.0 * (x / 4.0).tan(),
+        let functions: [(&str, Length); 6] = [
+            ("sin θ n, the axial vector", f64::sin),
+            ("2 sin(θ/2) n, twice the quaternion's vector", |x| 2.0 * (x / 2.0).sin()),
+            ("sin(θ/2) n, the quaternion's vector", |x| (x / 2.0).sin()),
+            ("2 tan(θ/2) n, twice the Rodrigues vector", |x| 2.0 * (x / 2.0).tan()),
+            ("tan(θ/2) n, the Rodrigues vector", |x| (x / 2.0).tan()),
+            ("4 tan(θ/4) n, the Wiener-Milenković vector", |x| 4.0 * (x / 4.0).tan()),
         ];
         let to = |length: Length, v: [f64; 3]| {
             let angle = norm(v);
             if angle > 0.0 { scale(v, length(angle) / angle) } else { v }
         };
-        for length in functions {
-            add(Cause::OtherParameters, to(length, now), to(length, first));
+        for (what, length) in functions {
+            add_as(Cause::OtherParameters, what, to(length, now), to(length, first));
         }
-        add(Cause::GlobalAxes, apply(&pair.a.triad, now), apply(&initial.a.triad, first));
-        add(Cause::AxesOfB, apply(&transpose(&q), now), apply(&transpose(&q0), first));
+        add_as(Cause::GlobalAxes, "", apply(&pair.a.triad, now), apply(&initial.a.triad, first));
+        add_as(Cause::AxesOfB, "", apply(&transpose(&q), now), apply(&transpose(&q0), first));
     }
     found
 }
