@@ -4,7 +4,7 @@ use pintle_check::Angle;
 use pintle_kinematics::connector::Output;
 use pintle_model::evaluate::request;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a node does, by component (0-based).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -112,6 +112,9 @@ pub struct Map {
     pub matrix: Option<MatrixKind>,
     /// The state, from 0 on, of a file with one matrix; without this the last.
     pub matrix_state: Option<u64>,
+    /// The headings under which numbers are written as doubles: with as many digits as each needs.
+    #[serde(skip)]
+    pub(crate) full: BTreeSet<String>,
 }
 
 impl Default for Map {
@@ -128,6 +131,7 @@ impl Default for Map {
             single: false,
             matrix: None,
             matrix_state: None,
+            full: BTreeSet::new(),
         }
     }
 }

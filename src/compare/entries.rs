@@ -22,6 +22,9 @@ use std::path::PathBuf;
 /// Roundings that a program may spend on an entry, relative to the largest of its row.
 const ROUNDINGS: f64 = 1e-13;
 
+/// So many entries are compared as they are alone.
+const LARGE: usize = 100_000;
+
 /// A wrong entry costs as much as five departures from pintle's conventions.
 const WRONG: usize = 5;
 
@@ -496,7 +499,9 @@ fn series(file: &str, given: &Entries, right: &Right, turned: &Turned) -> Series
     };
     let mut best = (plain, bad.clone());
     if !bad.is_empty() || plain.cost > 0 {
-        for by in &all {
+        // Of a large matrix, every departure would take minutes.
+        let tried = if right.at.len() > LARGE { 1 } else { all.len() };
+        for by in &all[..tried] {
             let total = best.0.cost + WRONG * best.1.len();
             let Some(left) = total.checked_sub(by.cost + 1) else { break };
             let bad = wrong(given, &right.departed(by, turned), left / WRONG);

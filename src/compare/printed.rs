@@ -51,6 +51,13 @@ impl Printed {
         Self { x, half: if x.fract() == 0.0 { 0.0 } else { x.abs() * f64::EPSILON } }
     }
 
+    /// Whether a text has all the digits of a double.
+    pub(crate) fn is_full(text: &str) -> bool {
+        let mantissa =
+            text.split(['e', 'E', 'd', 'D']).next().unwrap_or("").trim_start_matches(['+', '-', '0', '.']);
+        mantissa.bytes().filter(u8::is_ascii_digit).count() >= 16
+    }
+
     /// The same number where it went through single precision: its digits beyond the seventh say nothing.
     pub(crate) fn single(self) -> Self {
         Self { half: self.half.max(self.x.abs() * 0.5 * f64::from(f32::EPSILON)), ..self }

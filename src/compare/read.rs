@@ -12,6 +12,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+/// So many lines show with how many digits a column is written.
+const SCANNED: usize = 2_000;
+
 /// The longest line that is read.
 const LONGEST: usize = 1 << 20;
 
@@ -63,6 +66,8 @@ struct Row {
     forces: Vec<(Nodal, usize, Printed)>,
     /// Whether it begins a table of motions, which leaves out nodes at rest.
     begins_motion: bool,
+    /// The headings of numbers with all the digits of a double.
+    full: Vec<String>,
     /// Where it stands, in words.
     place: String,
 }
@@ -209,6 +214,17 @@ struct Frames {
 
 impl Frames {
     fn open(path: &Path, map: &Map) -> Result<Self, String> {
+        let rows = Self::rows(path, map)?;
+        let mut map = map.clone();
+        // Where one number of a column has all the digits of a double, the others need no more than they have.
+        if matches!(extension(path).as_str(), "csv" | "json" | "jsonl" | "ndjson") {
+            map.full = Self::rows(path, &map)?.take(SCANNED).flatten().flat_map(|row| row.full).collect();
+        }
+        let rows = if map.full.is_empty() { rows } else { Self::rows(path, &map)? };
+        Ok(Self { file: path.display().to_string(), rows, next: None, counted: 0, map })
+    }
+
+    fn rows(path: &Path, map: &Map) -> Result<Rows, String> {
         let file = path.display().to_string();
         let named = |error: std::io::Error| format!("cannot read {file}: {error}");
         let opened = || File::open(path).map(BufReader::new).map_err(named);
@@ -224,7 +240,7 @@ impl Frames {
                 ));
             }
         };
-        Ok(Self { file, rows, next: None, counted: 0, map: map.clone() })
+        Ok(rows)
     }
 
     fn next(&mut self) -> Option<Result<Frame, String>> {
@@ -313,6 +329,10 @@ impl Row {
                 let number = Printed::parse(text).ok_or_else(|| {
                     format!("{}: {heading} is {:?}, not a number", self.place, excerpt(text))
                 })?;
+                if Printed::is_full(text) {
+                    self.full.push(heading.to_string());
+                }
+                let number = if map.full.contains(heading) { Printed::double(number.x) } else { number };
                 self.put_number(column, number, map);
             }
         }

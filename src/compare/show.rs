@@ -1,6 +1,6 @@
 //! A comparison as text, and as a page with pictures.
 
-use crate::judge::{Comparison, Gap, Point, Series};
+use crate::judge::{Comparison, Gap, Point, Series, Unjudged};
 use pintle_report::{table, wrap};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::fmt::Write as _;
@@ -80,12 +80,8 @@ impl Comparison {
                 writeln!(out, "  {line}")?;
             }
         }
-        for unjudged in &self.unjudged {
-            let words = format!(
-                "not compared: {} of {} ({} numbers): {}",
-                unjudged.name, unjudged.element, unjudged.count, unjudged.why
-            );
-            for line in wrap(&words, width) {
+        for words in self.refused() {
+            for line in wrap(&format!("not compared: {words}"), width) {
                 writeln!(out, "{line}")?;
             }
         }
@@ -104,6 +100,24 @@ impl Comparison {
             }
         }
         Ok(())
+    }
+
+    /// What was not compared, a sentence for each element and cause.
+    fn refused(&self) -> Vec<String> {
+        let mut groups: Vec<(&str, &str, Vec<&str>, u64)> = Vec::new();
+        for Unjudged { element, name, count, why } in &self.unjudged {
+            match groups.iter_mut().find(|(of, because, ..)| of == element && because == why) {
+                Some((.., names, sum)) => {
+                    names.push(name);
+                    *sum += count;
+                }
+                None => groups.push((element, why, vec![name], *count)),
+            }
+        }
+        let words = groups.into_iter().map(|(element, why, names, count)| {
+            format!("{} of {element} ({count} numbers): {why}", names.join(", "))
+        });
+        words.collect()
     }
 
     /// What was interpolated, in a sentence.
@@ -165,15 +179,8 @@ impl Comparison {
         for series in self.series.iter().filter(|series| series.wrong > 0) {
             writeln!(out, "- {}", marked(&series.sentence()))?;
         }
-        for unjudged in &self.unjudged {
-            writeln!(
-                out,
-                "- not compared: {} of {} ({} numbers): {}",
-                marked(&unjudged.name),
-                marked(&unjudged.element),
-                unjudged.count,
-                marked(&unjudged.why)
-            )?;
+        for words in self.refused() {
+            writeln!(out, "- not compared: {}", marked(&words))?;
         }
         if self.between > 0 {
             writeln!(out, "- {}", self.interpolated())?;
@@ -226,15 +233,8 @@ impl Comparison {
                 write!(out, "{}", picture(series))?;
             }
         }
-        for unjudged in &self.unjudged {
-            writeln!(
-                out,
-                "<p>Not compared: {} of {} ({} numbers): {}.</p>",
-                escaped(&unjudged.name),
-                escaped(&unjudged.element),
-                unjudged.count,
-                escaped(&unjudged.why)
-            )?;
+        for words in self.refused() {
+            writeln!(out, "<p>Not compared: {}.</p>", escaped(&words))?;
         }
         if self.between > 0 {
             writeln!(out, "<p>{}.</p>", escaped(&self.interpolated()))?;
@@ -252,7 +252,10 @@ impl Comparison {
 impl Series {
     /// What is wrong, where first, and why.
     fn sentence(&self) -> String {
-        let mut words = format!("{} of {}", self.name, self.element);
+        let mut words = match &self.of {
+            Some(_) => format!("{} of {}", self.name, self.element),
+            None => format!("{} {}", self.type_name, self.element),
+        };
         if let Some(first) = self.first {
             let place = match &self.entry {
                 Some(entry) => format!("at {entry}"),

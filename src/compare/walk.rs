@@ -84,15 +84,16 @@ pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Compar
     if !survey.has_outputs && !survey.has_forces && matrices.is_empty() {
         return Err("no file has an output of connectors (CU1, CP1, CTF1 …), a force at nodes (RF1 …) or a matrix: there is nothing to compare; print it with *EL PRINT: CU, CTF".into());
     }
-    let (mut comparison, alternatives) = run(scene, model, results, &survey)?;
+    let (mut comparison, _) = run(scene, model, results, (&survey, false))?;
     if comparison.wrong() > 0 {
         comparison.cause = other_maps(&results.map, &survey).into_iter().find_map(|(changed, words)| {
             let mut other = results.clone();
             other.map = changed;
-            let (tried, _) = run(scene, model, &other, &survey).ok()?;
+            let (tried, _) = run(scene, model, &other, (&survey, false)).ok()?;
             (tried.compared() > 0 && tried.wrong() == 0).then_some(words)
         });
         if comparison.cause.is_none() {
+            let (_, alternatives) = run(scene, model, results, (&survey, true))?;
             explain_all(&mut comparison.series, &alternatives);
         }
     }
@@ -307,12 +308,12 @@ impl Judging<'_> {
     }
 }
 
-/// One pass through all frames.
+/// One pass through all frames; with what each number may be besides, where that is looked for.
 fn run(
     scene: &Scene,
     model: &Model,
     results: &Results,
-    survey: &Survey,
+    (survey, explains): (&Survey, bool),
 ) -> Result<(Comparison, Alternatives), String> {
     if model.connectors.is_empty() {
         return Err(format!("{} has no connector", scene.name));
@@ -343,7 +344,7 @@ fn run(
         comparison.moved += 1;
         before.clone_from(&sequence);
         let state = motions.state(frame)?;
-        let known = evaluator.at(&mut sequence, &state, (frame, frame.tells()));
+        let known = evaluator.at(&mut sequence, &state, (frame, explains && frame.tells()));
         let mut suspects: Vec<(Key, String, Point)> = Vec::new();
         for (key, type_name, point) in judging.points(frame, at, Some((&known, &state))) {
             let wrong = judging.series.get(&key).map_or(0, |of| of.wrong);
@@ -361,7 +362,7 @@ fn run(
             is_wrong |= point.is_wrong();
             judging.add(&key, &type_name, point);
         }
-        if frame.tells() {
+        if explains && frame.tells() {
             alternatives.add(at, known, |element| frame.elements.contains_key(element), (kept, is_wrong));
         }
         Ok(())
@@ -389,6 +390,9 @@ mod tests {
         }
         let scene = Scene::parse("none.inp", "*NODE\n1, 0., 0., 0.\n").unwrap();
         let model = Model::compile(&scene).unwrap();
-        assert!(run(&scene, &model, &Results::new(Vec::new(), Map::default()), &Survey::default()).is_err());
+        assert!(
+            run(&scene, &model, &Results::new(Vec::new(), Map::default()), (&Survey::default(), false))
+                .is_err()
+        );
     }
 }

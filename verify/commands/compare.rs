@@ -249,17 +249,11 @@ fn table_of(motion: &[Moved]) -> String {
     let mut text = "time,node,U1,U2,U3,UR1,UR2,UR3\n".to_string();
     for (n, nodes) in motion.iter().enumerate() {
         for (node, u, r) in nodes {
-            let _ = writeln!(
-                text,
-                "{:?},{node},{:?},{:?},{:?},{:?},{:?},{:?}",
-                n as f64 / 10.0,
-                u[0],
-                u[1],
-                u[2],
-                r[0],
-                r[1],
-                r[2]
-            );
+            let _ = write!(text, "{:?},{node}", n as f64 / 10.0);
+            for x in u.iter().chain(r) {
+                let _ = write!(text, ",{x:.16e}");
+            }
+            text.push('\n');
         }
     }
     text
@@ -745,7 +739,7 @@ fn every_format_says_the_same() {
         let (got, want) = (if n == 5 { t + 0.25 } else { t }, t);
         let _ = writeln!(csv, "{t:?},{want:?},{got:?}");
         let record = format!(
-            "{{\"time\": {t:?}, \"note\": \"a } ] \\\" brace\", \"UR3\": {want:?}, \"CUR1\": {got:?}}}"
+            "{{\"time\": {t:?}, \"note\": \"a }} ] \\\" brace\", \"UR3\": {want:?}, \"CUR1\": {got:?}}}"
         );
         json.push_str(&format!("{}{record}", if n > 0 { ",\n" } else { "" }));
         lines.push_str(&format!("{record}\n"));

@@ -2,8 +2,8 @@ use super::search::GivenRows;
 use super::space::{LENGTHS, Names, Order};
 use super::{Found, fit, fit_constraint, generic_cases, generic_states};
 use crate::convention::{
-    Angle, Axes, Convention, Frame, Positions, Quaternions, Sense, Storage, Triads, Turned, Variation,
-    Variations, is_vector,
+    Angle, Axes, Convention, Forces, Frame, Positions, Quaternions, Sense, Storage, Triads, Turned,
+    Variation, Variations, is_vector,
 };
 use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_audit::{Case, MpcCase, Quantity, Right, Step};
@@ -580,4 +580,119 @@ fn drawn_conventions_of_constraints_are_found() {
     );
     assert!(tried >= 6 * per_kind);
     assert!(100 * named >= 99 * tried, "{named} of {tried}\n{}", missed.join("\n"));
+}
+
+/// The numbers of a quantity by columns, as a routine of a convention gives them: rows, or nodal forces on a side.
+fn by_columns(
+    definition: &Definition,
+    state: &State<f64>,
+    convention: &Convention,
+    quantity: Quantity,
+) -> Vec<Option<Vec<f64>>> {
+    let step = Step::between(&definition.initial, state.pair);
+    let name = "by columns".to_string();
+    let case = Case { name, definition: definition.clone(), start: None, path: vec![step], length: 1.0 };
+    let right = Right::of(&case).unwrap();
+    let (connector, turned) = (case.connector(), Turned::of(definition, state));
+    let line = |k: usize| -> Option<Vec<f64>> {
+        connector.differentiated(k)?;
+        let entry = |j: usize| right.numbers.entries(quantity).get(k, j).unwrap_or(0.0);
+        let factor = 1.0 / convention.unit(k, &connector);
+        let column = |name: &String| {
+            let place = crate::convention::COLUMNS.iter().position(|known| known == name).unwrap();
+            let (end, dof) = (place / 7, place % 7);
+            let sum = |m: &pintle_kinematics::vector::Matrix<f64>, first: usize| {
+                (0..3).map(|i| m[i][dof - first] * entry(7 * end + first + i)).sum::<f64>()
+            };
+            factor
+                * match dof {
+                    0..=2 => sum(&convention.displacements.axes(end, &turned), 0) * convention.column_length,
+                    3..=5 => {
+                        let jacobian = convention.rotations.of(end).jacobian(&turned[end]);
+                        sum(&jacobian, 3) * convention.column_angles.size()
+                    }
+                    _ => entry(place) * convention.column_length,
+                }
+        };
+        Some(convention.columns.iter().map(column).collect())
+    };
+    let lines = if convention.rows.is_empty() { (0..6).collect() } else { convention.lines() };
+    lines.into_iter().map(line).collect()
+}
+
+/// Nodal forces that are given besides tell on which side they are, under drawn conventions.
+#[test]
+fn nodal_forces_tell_their_side() {
+    let mut tried = 0;
+    for name in ["BUSHING", "CARTESIAN", "HINGE", "AXIAL", "TRANSLATOR"] {
+        let definition = of_type(&ConnectionType::named(name, None).unwrap());
+        let states = generic_states(&definition, "seen", 2);
+        let mut draw = Draw::new(&format!("sides of {name}"));
+        for n in 0..6 {
+            let plain = Convention::default();
+            let convention = Convention {
+                axes: plain.axes,
+                as_angle: Vec::new(),
+                positions: plain.positions,
+                triads: plain.triads,
+                quaternion: plain.quaternion,
+                sense: plain.sense,
+                storage: Storage::Rows,
+                ..drawn(&definition, &mut draw)
+            };
+            let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+            let of = |state: &State<f64>| {
+                let mut nodal = by_columns(&definition, state, &convention, Quantity::NodalForces);
+                nodal.iter_mut().flatten().flatten().for_each(|x| *x *= sign);
+                let rows = by_columns(&definition, state, &convention, Quantity::FirstDerivatives);
+                GivenRows { rows, nodal: Some(nodal), ..GivenRows::default() }
+            };
+            let all: Vec<GivenRows> = states.iter().map(of).collect();
+            let found = fit(&definition, &states, &all).unwrap();
+            // Without values nothing tells the sign of rows from that of forces but the two together.
+            let minus = |convention: &Convention| convention.forces == Forces::Body;
+            assert_eq!(
+                minus(&found.convention),
+                n % 2 == 1,
+                "{name}:\n{}\n{}",
+                convention.to_toml(),
+                found.convention.to_toml()
+            );
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 30);
+}
+
+/// Rows of a length by lengths are the same in any unit; second derivatives tell it.
+#[test]
+fn second_derivatives_tell_what_rows_leave_open() {
+    let definition = of_type(&ConnectionType::named("AXIAL", None).unwrap());
+    let states = generic_states(&definition, "seen", 2);
+    for length in [1e-3, 0.0254, 1.0] {
+        let truth = Convention { row_length: length, column_length: length, ..Convention::default() };
+        let of = |state: &State<f64>, is_told: bool| {
+            let connector = Connector::<f64>::new(&definition);
+            let asked = Request::everything(2);
+            let branch = connector.initial_branch();
+            let step = Step::between(&definition.initial, state.pair);
+            let found =
+                connector.evaluate(&step.state, &step.increment, &branch, &asked, &mut Tally::default());
+            let second = found
+                .hessian
+                .map(|of| of.map(|of| of.as_flattened().iter().map(|x| x * length).collect::<Vec<f64>>()));
+            GivenRows {
+                rows: by_columns(&definition, state, &truth, Quantity::FirstDerivatives),
+                second: is_told.then(|| second.to_vec()),
+                ..GivenRows::default()
+            }
+        };
+        let [open, told] = [false, true].map(|is_told| {
+            let all: Vec<GivenRows> = states.iter().map(|state| of(state, is_told)).collect();
+            fit(&definition, &states, &all).unwrap()
+        });
+        assert!(open.count >= 9 && open.holds(&truth), "{}", open.count);
+        assert!(told.count < open.count && told.holds(&truth), "{length}: {} of {}", told.count, open.count);
+        assert_eq!(told.convention.row_length, length);
+    }
 }
