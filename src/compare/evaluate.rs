@@ -142,6 +142,15 @@ impl<'a> Evaluator<'a> {
                 relation.nodes.iter().map(|node| (*node, "an equation, rigid body, coupling or tie")),
             );
         }
+        const UNREAD: &str = "an element or constraint that is not read";
+        let skipped = &scene.skipped;
+        let anywhere = !skipped.constraints.is_empty()
+            || !model.other_mpcs.is_empty()
+            || !skipped.element_types.is_empty() && skipped.nodes.is_none();
+        others.extend(skipped.nodes.iter().flatten().map(|node| (*node, UNREAD)));
+        if anywhere {
+            others.extend(scene.nodes.keys().map(|node| (*node, UNREAD)));
+        }
         let mut masses = BTreeSet::new();
         for element in scene.point_elements.values() {
             let nodes = [Some(element.node), element.second].into_iter().flatten();

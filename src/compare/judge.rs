@@ -100,9 +100,9 @@ impl Series {
         self.of.is_some_and(Of::is_angle)
     }
 
-    /// Whether it follows from rates.
-    pub(crate) fn is_of_rates(&self) -> bool {
-        matches!(self.of, Some(Of::Output(Output::CV | Output::CA | Output::CVF, _)))
+    /// Whether it is a viscous force.
+    pub(crate) fn is_viscous(&self) -> bool {
+        matches!(self.of, Some(Of::Output(Output::CVF, _)))
     }
 }
 

@@ -120,10 +120,13 @@ pub(crate) fn shift(node: &mut NodeMotion, motion: Motion, by: f64) {
     }
 }
 
+/// So many states wait for the next that has a motion.
+const WAITING: usize = 100_000;
+
 /// Fills in the motions of states that have none, from those before and after.
 #[derive(Debug, Default)]
 pub(crate) struct Between {
-    /// The last two states that have one.
+    /// The last three states that have one.
     known: Vec<Frame>,
     /// States since then that have none.
     waiting: Vec<Frame>,
@@ -134,14 +137,15 @@ impl Between {
     pub(crate) fn push(&mut self, frame: Frame) -> Vec<Frame> {
         if !frame.moves {
             self.waiting.push(frame);
-            return Vec::new();
+            // After so many the motion has ended.
+            return if self.waiting.len() < WAITING { Vec::new() } else { std::mem::take(&mut self.waiting) };
         }
         let mut done = std::mem::take(&mut self.waiting);
         for waiting in &mut done {
             between(&self.known, &frame, waiting);
         }
         self.known.push(Frame { elements: BTreeMap::new(), forces: BTreeMap::new(), ..frame.clone() });
-        if self.known.len() > 2 {
+        if self.known.len() > 3 {
             self.known.remove(0);
         }
         done.push(frame);
@@ -163,7 +167,6 @@ fn between(known: &[Frame], next: &Frame, frame: &mut Frame) {
     if !(0.0..=1.0).contains(&s) {
         return;
     }
-    let before = known.len().checked_sub(2).and_then(|n| known.get(n));
     let of = |frame: &Frame, node: &str, motion: Motion| {
         let all = frame.nodes.get(node)?;
         all.iter().find(|(known, _)| *known == motion).map(|(_, x)| *x)
@@ -171,15 +174,16 @@ fn between(known: &[Frame], next: &Frame, frame: &mut Frame) {
     for (node, motions) in &next.nodes {
         let at = motions.iter().filter_map(|(motion, second)| {
             let first = of(last, node, *motion)?;
-            let earlier = before.and_then(|before| Some((before.time?, of(before, node, *motion)?.x)));
-            let slope = (second.x - first.x) / (to - from);
-            let bend = match earlier {
-                Some((time, x)) => {
-                    (slope - (first.x - x) / (from - time)) / (to - time) * (t - from) * (to - t)
-                }
-                None => (second.x - first.x) * s * (1.0 - s),
-            };
-            let half = first.half.max(second.half) + 2.0 * bend.abs();
+            // Second differences there and one state earlier: one of them may be nothing, where the motion bends the other way.
+            let mut points: Vec<(f64, f64)> =
+                known.iter().filter_map(|frame| Some((frame.time?, of(frame, node, *motion)?.x))).collect();
+            points.push((to, second.x));
+            let bends = points.windows(3).map(|of| {
+                let slope = |n: usize| (of[n + 1].1 - of[n].1) / (of[n + 1].0 - of[n].0);
+                ((slope(1) - slope(0)) / (of[2].0 - of[0].0)).abs() * (t - from) * (to - t)
+            });
+            let bend = bends.reduce(f64::max).unwrap_or((second.x - first.x).abs() * s * (1.0 - s));
+            let half = first.half.max(second.half) + 2.0 * bend;
             Some((*motion, Printed { x: first.x + s * (second.x - first.x), half }))
         });
         let at: Vec<_> = at.collect();

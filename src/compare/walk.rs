@@ -8,6 +8,7 @@ use crate::judge::{Comparison, Gap, Point, Series, Unjudged};
 use crate::motion::Motions;
 use crate::read::{Frame, Results};
 use pintle_check::Angle;
+use pintle_kinematics::connector::Output;
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
 use pintle_scene::{Scene, State};
@@ -16,13 +17,17 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Roundings that a program may spend on a number, relative to the largest number of its kind at the state.
 const ROUNDINGS: f64 = 1e-13;
 
+/// Why rates are not compared.
+const NO_RATES: &str = "the files have no such rates of nodes";
+
 /// How many states beyond which a series that is wrong is taken to be so, without another look at the digits of the motion.
 const SURE: u64 = 3;
 
 /// What files hold.
 #[derive(Debug, Default)]
 struct Survey {
-    has_rates: bool,
+    /// Velocities, accelerations.
+    has_rates: [bool; 2],
     has_motion: bool,
     /// The nodes that are told to move, and those that are told to turn.
     moved: BTreeSet<String>,
@@ -46,12 +51,10 @@ impl Survey {
                 if turns && !survey.turned.contains(node) {
                     survey.turned.insert(node.clone());
                 }
-                survey.has_rates |= is(|of| {
-                    !matches!(
-                        of,
-                        Motion::Displacement(_) | Motion::Rotation(_) | Motion::Quaternion(_) | Motion::Flow
-                    )
-                });
+                survey.has_rates[0] |=
+                    is(|of| matches!(of, Motion::Velocity(_) | Motion::AngularVelocity(_)));
+                survey.has_rates[1] |=
+                    is(|of| matches!(of, Motion::Acceleration(_) | Motion::AngularAcceleration(_)));
             }
             survey.has_motion |= frame.moves;
             survey.has_outputs |= !frame.elements.is_empty();
@@ -98,7 +101,7 @@ pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Compar
         }
     }
     if !matrices.is_empty() {
-        comparison.series.extend(compare_matrices(scene, model, results, &matrices, survey.has_rates)?);
+        comparison.series.extend(compare_matrices(scene, model, results, &matrices, survey.has_rates[0])?);
     }
     comparison.gaps = gaps(model, &survey, &comparison);
     comparison.gaps.extend(results.unread().into_iter().map(|(file, headings)| Gap {
@@ -181,9 +184,15 @@ fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<Gap> {
             request: lines("*NODE PRINT", "U, UR"),
         });
     }
-    if !survey.has_rates && comparison.series.iter().any(Series::is_of_rates) {
+    if comparison.unjudged.iter().any(|of| of.why == NO_RATES) {
         found.push(Gap {
-            what: "no velocity of a node: CV, CA and viscous forces follow from differences of states".into(),
+            what: "the rates of nodes, of which CV and CA are made".into(),
+            request: lines("*NODE PRINT", "U, UR, V, VR, A, AR"),
+        });
+    }
+    if !survey.has_rates[0] && comparison.series.iter().any(Series::is_viscous) {
+        found.push(Gap {
+            what: "the velocities of nodes: viscous forces follow from differences of states".into(),
             request: lines("*NODE PRINT", "U, UR, V, VR"),
         });
     }
@@ -215,6 +224,7 @@ struct Judging<'a> {
     series: BTreeMap<Key, Series>,
     unjudged: BTreeMap<(String, String), Unjudged>,
     kept: usize,
+    has_rates: [bool; 2],
 }
 
 impl Judging<'_> {
@@ -255,6 +265,15 @@ impl Judging<'_> {
                     self.refuse(&key, "the files have no motion of nodes at these times");
                     continue;
                 };
+                let is_told = match output {
+                    Output::CV => self.has_rates[0],
+                    Output::CA => self.has_rates == [true; 2],
+                    _ => true,
+                };
+                if !is_told {
+                    self.refuse(&key, NO_RATES);
+                    continue;
+                }
                 let Some(numbers) = known.elements.get(element) else {
                     self.refuse(&key, "the connector has no output");
                     continue;
@@ -322,13 +341,18 @@ fn run(
     let plan =
         Plan::compile(model, &Selection::All, evaluator.request()).map_err(|error| error.to_string())?;
     let mut sequence = Sequence::new(model, &plan);
-    if !survey.has_rates {
+    if !survey.has_rates[0] {
         sequence.set_velocities(Velocities::Increments);
     }
     let mut motions = Motions::new(scene, &results.map);
     let kept = survey.kept();
-    let mut judging =
-        Judging { evaluator: &evaluator, series: BTreeMap::new(), unjudged: BTreeMap::new(), kept };
+    let mut judging = Judging {
+        evaluator: &evaluator,
+        series: BTreeMap::new(),
+        unjudged: BTreeMap::new(),
+        kept,
+        has_rates: survey.has_rates,
+    };
     let mut alternatives = Alternatives::default();
     let mut comparison = Comparison::default();
     let mut before = sequence.clone();
@@ -375,7 +399,6 @@ fn run(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pintle_kinematics::connector::Output;
 
     #[test]
     fn an_output_is_named_as_files_have_it() {

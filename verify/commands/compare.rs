@@ -697,7 +697,7 @@ fn printed_tables_keep_their_habits() {
              \x20      NODE FOOT-   U1          U2          U3\n            NOTE\n\n          2      2.0000E-03  1.0000E-03   0.000\n\n\
              \x20MAXIMUM         2.0000E-03  1.0000E-03   0.000\n AT NODE                 2           2           0\n\n\
              \x20      NODE FOOT-   RF1         RF2         RF3         RM1         RM2         RM3\n            NOTE\n\n\
-             \x20         1      -4.000      -3.000       0.000       0.000       0.000       0.000\n\
+             \x20         1      -4.000      -3.000       0.000       0.000       0.000      -3.002\n\
              \x20         2       4.000       3.000       0.000       0.000       0.000     {force}\n\n\
              \x20TOTAL            0.000       0.000       0.000       0.000       0.000       0.000\n\n\
              \x20   ELEMENT  PT FOOT-       CTF1        CTF2\n                 NOTE\n\n          7   1            4.000       3.000\n"
@@ -767,6 +767,11 @@ fn every_format_says_the_same() {
     let (code, text) =
         run_in("formats", &[("run.json", broken)], &["--against", "run.json", "--map", "map.toml"]);
     assert!(code == Some(6) && text.contains("run.json, record 10: the list ends in the middle"), "{text}");
+    let right = csv.replace("0.625,0.625,0.875", "0.625,0.625,0.625");
+    let files = [("right.csv", right.as_str())];
+    let both = ["--against", "right.csv", "--or", "run.csv", "--map", "map.toml"];
+    let (code, text) = run_in("formats", &files, &both);
+    assert!(code == Some(1) && text.starts_with("right.csv: right. run.csv: wrong."), "{text}");
     let report = |format: &str| {
         let done =
             pintle(&["compare", "deck.inp", "--against", "run.csv", "--map", "map.toml", "--format", format])
@@ -794,12 +799,12 @@ fn gaps_are_said_with_the_output_request() {
         *ROTARY INERTIA, ELSET=R\n1., 1., 1.\n";
     let run =
         "time,node,element,U1,CU1,CV1\n0,1,,0,,\n0,2,,0,,\n0,,7,,0,0\n1,1,,0,,\n1,2,,0.5,,\n1,,7,,0.5,0.5\n";
-    let files = [("deck.inp", deck), ("run.csv", run), ("forces.csv", "time,node,RF1\n1,2,3.5\n")];
+    let files = [("deck.inp", deck), ("run.csv", run), ("forces.csv", "time,node,RF1\n1,2,0.\n")];
     let (code, text) = run_in("gaps", &files, &["--against", "run.csv", "forces.csv"]);
     assert_eq!(code, Some(0), "{text}");
     for words in [
         "no rotation of nodes 1: they are taken not to turn, so neither frames of components nor variations of rotations are told apart; add to the step *NODE PRINT U, UR",
-        "no velocity of a node: CV, CA and viscous forces follow from differences of states; add to the step *NODE PRINT U, UR, V, VR",
+        "the rates of nodes, of which CV and CA are made; add to the step *NODE PRINT U, UR, V, VR, A, AR",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }

@@ -84,6 +84,8 @@ pub(super) struct Said {
     pub(super) rotations: [bool; 2],
     pub(super) flows: bool,
     pub(super) hinges: bool,
+    /// Whether it matters how orientations are read.
+    pub(super) turns: bool,
 }
 
 /// What is right at all states, of every line, where the orientations are read and vectors resolved in one way.
@@ -164,6 +166,7 @@ impl Expected {
             rotations: [depends(turns_a) && any(3..6), depends(turns_b) && any(10..13)],
             flows: depends(|measure| measure.dependence().flow) && (active[6] || active[13]),
             hinges: false,
+            turns: depends(turns_a) || depends(turns_b),
         };
         let at = states.iter().map(|state| {
             let (definition, pair) = read(definition, &state.pair, reading);
@@ -278,7 +281,11 @@ impl Expected {
             rotations: [any(3..6), any(10..13)],
             flows: has[6] || has[13],
             hinges: any(PHI..DOFS),
+            turns: any(3..6) || any(10..13),
         };
+        if reading != Reading::Right && said.rotations == [false; 2] {
+            return None;
+        }
         let at = cases.iter().map(|case| Self::at_case(&read_case(case, reading), rows.len())).collect();
         Some(Self { lines, said, at })
     }

@@ -548,6 +548,10 @@ impl Search<'_> {
         let cheapest = alike.iter().map(Units::cost).fold(f64::INFINITY, f64::min);
         let said = &expected.said;
         for (f, frame) in Frame::ALL.into_iter().enumerate().filter(|(f, _)| *f == 0 || said.displacements) {
+            // How orientations are read is no matter where none is looked at.
+            if reading != Reading::Right && !said.turns && frame == Frame::Global {
+                continue;
+            }
             for (m, one) in
                 Variation::ALL.into_iter().enumerate().filter(|(m, _)| *m == 0 || said.rotations[0])
             {

@@ -100,6 +100,20 @@ pub(crate) fn states(path: &Path, scene: &pintle_scene::Scene) -> Result<Vec<pin
     Ok(states)
 }
 
+/// Which of two programs is right.
+fn arbiter(found: &[(String, Comparison)]) -> Option<String> {
+    let [(one, first), (other, second)] = found else { return None };
+    if first.compared() == 0 || second.compared() == 0 {
+        return None;
+    }
+    Some(match (first.wrong(), second.wrong()) {
+        (0, 0) => format!("Both are right: {one}, and {other}."),
+        (0, _) => format!("{one}: right. {other}: wrong."),
+        (_, 0) => format!("{one}: wrong. {other}: right."),
+        _ => format!("Neither is right: {one}, nor {other}."),
+    })
+}
+
 /// Compares files with what a scene gives.
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let source = source(&arguments.scene)?;
@@ -120,6 +134,9 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     match arguments.format {
         Format::Human => {
             let width = page_width(&io::stdout());
+            if let Some(words) = arbiter(&found) {
+                writeln!(out, "{words}\n")?;
+            }
             for (n, (name, comparison)) in found.iter().enumerate() {
                 if n > 0 {
                     writeln!(out)?;
