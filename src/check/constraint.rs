@@ -1,7 +1,8 @@
 //! A routine that is to be a multi-point constraint.
 
-use crate::convention::{COLUMNS, Convention, Own, Turned};
+use crate::convention::{COLUMNS, Convention, Own, Sense, Triads, Turned};
 use crate::exchange::Exchange;
+use crate::fit::{self, Found};
 use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Layout};
 use crate::{Asked, Checked};
@@ -21,48 +22,43 @@ const OFFERED: [Quantity; 5] = [
     Quantity::Acceleration,
 ];
 
-/// The columns of a row: those of S and M, then degree of freedom 6 of the nodes of hinges.
-fn columns(kind: Kind) -> Vec<String> {
-    let of_nodes = COLUMNS.iter().map(|name| match name.split_once('.') {
-        Some(("a", dof)) => format!("S.{dof}"),
-        Some((_, dof)) => format!("M.{dof}"),
-        None => String::new(),
-    });
-    of_nodes.chain(kind.entry().nodes.iter().skip(2).map(|node| format!("{node}.ur3"))).collect()
-}
-
 /// How a routine's numbers of a constraint are read.
 struct Reader {
     constraint: Constraint<f64>,
     convention: Convention,
     /// The place of each of the routine's columns.
     places: Vec<usize>,
+    /// The equation of each of its lines.
+    lines: Vec<usize>,
 }
 
 impl Reader {
     fn new(constraint: &Constraint<f64>, mut convention: Convention) -> Result<Self, Misbehaviour> {
-        let known = columns(constraint.kind());
+        let kind = constraint.kind();
+        let known: Vec<&str> = fit::columns_of(kind).into_iter().filter(|name| !name.is_empty()).collect();
         if convention.columns == COLUMNS {
-            convention.columns.clone_from(&known);
+            convention.columns = known.iter().map(|name| (*name).to_string()).collect();
         }
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        if !convention.is_of_columns() {
-            let what = "a constraint is read with its rows, axes, positions, triads, quaternions and rotations as pintle has them";
+        if !convention.is_of_equations() {
+            let what =
+                "a constraint is read with its axes and positions as pintle has them, and angles as they are";
             return Err(Misbehaviour::BadConvention(what.into()));
         }
-        let places = convention.places_among(&known).map_err(Misbehaviour::BadConvention)?;
-        Ok(Self { constraint: *constraint, convention, places })
+        let names: Vec<&str> = (0..ROWS).map(|row| kind.row_name(row)).collect();
+        let places = convention.places_among(&known, &names).map_err(Misbehaviour::BadConvention)?;
+        let lines = convention.lines_among(&names);
+        Ok(Self { constraint: *constraint, convention, places, lines })
     }
 
     fn layout(&self) -> Layout {
-        Layout::of(&self.convention, ROWS, self.places.len())
+        Layout::of(&self.convention, self.lines.len(), self.places.len())
     }
 
     /// What a number of an equation is to be multiplied with. Factors are those of the first six.
     fn unit(&self, row: usize) -> f64 {
         let of_unit = match Kind::row_unit(row) {
             Unit::Angle => self.convention.angle(),
-            _ => self.convention.length,
+            _ => self.convention.length * self.convention.row_length,
         };
         of_unit / self.convention.factors.get(row).copied().unwrap_or(1.0)
     }
@@ -101,7 +97,7 @@ impl Reader {
         });
         let mut given = ConstraintNumbers::default();
         for (quantity, of) in &own.given {
-            let row_of = |row: usize| of.get(row).and_then(Option::as_ref);
+            let row_of = |row: usize| of.get(self.lines.iter().position(|line| *line == row)?)?.as_ref();
             let scalars =
                 || -> Rows<f64> { std::array::from_fn(|row| Some(row_of(row)?.first()? * self.unit(row))) };
             given = match quantity {
@@ -147,15 +143,12 @@ impl Reader {
         let state = &case.state;
         let node = |body: &Body<f64>, at: [f64; 3], from: usize| {
             let place = add(at, body.displacement);
-            let triad = transpose(&body.rotation);
-            let mut node = protocol::node_of(
-                place,
-                body.displacement,
-                triad,
-                &body.rotation,
-                body.flow,
-                &self.convention,
-            );
+            let convention = &self.convention;
+            let backwards = convention.sense == Sense::Inverse;
+            let rotation = if backwards { transpose(&body.rotation) } else { body.rotation };
+            let triad = if convention.triads == Triads::Matrix { rotation } else { transpose(&rotation) };
+            let mut node =
+                protocol::node_of(place, body.displacement, triad, &rotation, body.flow, convention);
             if has_rates {
                 for (kind, of) in [("velocity", &state.velocity), ("acceleration", &state.acceleration)] {
                     protocol::add_rates(&mut node, kind, &of[from..from + 7], length);
@@ -175,6 +168,50 @@ impl Reader {
         }
         one
     }
+}
+
+/// Asks a routine behind a door for rows at general states, and finds the conventions under which they are right.
+///
+/// # Errors
+/// [`Misbehaviour`]; what it gives may be no rows at all.
+pub(crate) fn fit_convention<D: Door>(
+    door: D,
+    constraint: &Constraint<f64>,
+    seed: &str,
+) -> Result<Found, Misbehaviour> {
+    const STATES: usize = 3;
+    let plain = Convention::default();
+    let mut exchange = Exchange::greet(door, Some(&plain))?;
+    let reader = Reader::new(constraint, plain)?;
+    let known: Vec<_> = protocol::OFFERS.into_iter().filter(|(_, of)| OFFERED.contains(of)).collect();
+    let offers = exchange.offers(&known)?;
+    if !offers.contains(&Quantity::FirstDerivatives) {
+        return Err(Misbehaviour::BadHello("it offers no rows, by which conventions are found".into()));
+    }
+    let wants: Vec<Quantity> = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate]
+        .into_iter()
+        .filter(|quantity| offers.contains(quantity))
+        .collect();
+    exchange.open(&reader.open())?;
+    let has_rates = wants.contains(&Quantity::Rate);
+    let mut ask = |cases: &[MpcCase]| {
+        let messages = cases.iter().map(|case| reader.state(case, has_rates)).collect();
+        let answer = exchange.request(&wants, messages)?;
+        let id = exchange.asked();
+        protocol::as_it_is(answer.get("answers"), cases.len())
+            .map_err(|what| Misbehaviour::WrongShape { id, what })
+    };
+    let mut cases = fit::generic_cases(constraint, seed, STATES);
+    let mut given = ask(&cases)?;
+    let mut found = fit::fit_constraint(constraint, &cases, &given).map_err(Misbehaviour::NoConvention)?;
+    let others = fit::generic_cases(constraint, &format!("{seed}, others"), STATES);
+    if let Some(n) = found.separating_case(&others) {
+        given.extend(ask(&others[n..=n])?);
+        cases.push(others[n].clone());
+        found = fit::fit_constraint(constraint, &cases, &given).map_err(Misbehaviour::NoConvention)?;
+    }
+    exchange.close()?;
+    Ok(found)
 }
 
 /// Asks a routine behind a door to be a constraint, and checks what it answers.

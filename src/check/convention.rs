@@ -44,11 +44,11 @@ pub enum Variation {
 
 impl Variation {
     /// All of them.
-    pub(crate) const ALL: [Self; 6] =
+    pub const ALL: [Self; 6] =
         [Self::Spatial, Self::Body, Self::TotalVector, Self::Angles123, Self::Angles321, Self::Angles313];
 
     /// As documents name it.
-    pub(crate) const fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Spatial => "spatial",
             Self::Body => "body",
@@ -57,6 +57,11 @@ impl Variation {
             Self::Angles321 => "angles-321",
             Self::Angles313 => "angles-313",
         }
+    }
+
+    /// J of δθ = J δv, v being what this varies, at a rotation from the initial orientation.
+    pub fn of_rotation(self, rotation: &Matrix<f64>) -> Matrix<f64> {
+        self.jacobian(&Turned { triad: *rotation, rotation: *rotation, vector: so3::log(rotation) })
     }
 
     /// J of δθ = J δv, v being what this varies, at a rotation C.
@@ -227,7 +232,7 @@ impl Axes {
 }
 
 /// Whether components 1 to 3 (`first` = 0) or 4 to 6 (`first` = 3) are those of one vector along the axes of a.
-pub(crate) fn is_vector(connector: &Connector<f64>, first: usize) -> bool {
+pub fn is_vector(connector: &Connector<f64>, first: usize) -> bool {
     let measures = [0, 1, 2].map(|i| connector.differentiated(first + i));
     let all = |of: fn(usize) -> Measure| (0..3).all(|i| measures[i] == Some(of(i + 1)));
     all(Measure::Position) || all(Measure::RotationVector) || all(Measure::Misalignment)
@@ -329,6 +334,26 @@ impl Stiffness {
     }
 }
 
+/// On which side nodal forces are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Forces {
+    /// The transposed rows times the forces of components.
+    #[default]
+    Residual,
+    /// Those on the bodies: minus that.
+    Body,
+}
+
+impl Forces {
+    const fn sign(self) -> f64 {
+        match self {
+            Self::Residual => 1.0,
+            Self::Body => -1.0,
+        }
+    }
+}
+
 /// The conventions of a routine. Those left out are pintle's own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -357,6 +382,8 @@ pub struct Convention {
     pub turns: Turns,
     /// What the stiffness of an element of springs is.
     pub stiffness: Stiffness,
+    /// On which side nodal forces are, and their geometric stiffness.
+    pub forces: Forces,
     /// The unit of components that are angles, in values and rows.
     pub angles: Angle,
     /// The unit of the rotations by which rows differentiate.
@@ -388,6 +415,7 @@ impl Default for Convention {
             sense: Sense::default(),
             turns: Turns::default(),
             stiffness: Stiffness::default(),
+            forces: Forces::default(),
             angles: Angle::default(),
             column_angles: Angle::default(),
             length: 1.0,
@@ -431,6 +459,7 @@ impl Convention {
         line("sense", lower(format!("{:?}", self.sense)), self.sense == own.sense);
         line("turns", lower(format!("{:?}", self.turns)), self.turns == own.turns);
         line("stiffness", lower(format!("{:?}", self.stiffness)), self.stiffness == own.stiffness);
+        line("forces", lower(format!("{:?}", self.forces)), self.forces == own.forces);
         line("angles", format!("{:?}", self.angles.name()), self.angles == own.angles);
         line(
             "column_angles",
@@ -458,14 +487,14 @@ impl Convention {
     /// # Errors
     /// In words, what is no convention.
     pub(crate) fn places(&self) -> Result<Vec<usize>, String> {
-        self.places_among(&COLUMNS)
+        self.places_among(&COLUMNS, &COMPONENT)
     }
 
-    /// The same of a routine whose columns have these names.
+    /// The same of a routine whose columns and rows have these names.
     ///
     /// # Errors
     /// In words, what is no convention.
-    pub(crate) fn places_among(&self, known: &[&str]) -> Result<Vec<usize>, String> {
+    pub(crate) fn places_among(&self, known: &[&str], known_rows: &[&str]) -> Result<Vec<usize>, String> {
         let mut places = Vec::new();
         for name in &self.columns {
             let place = known.iter().position(|known| known == name);
@@ -489,8 +518,8 @@ impl Convention {
         }
         for (list, names) in [("rows", &self.rows), ("as_angle", &self.as_angle)] {
             for (n, name) in names.iter().enumerate() {
-                if !COMPONENT.contains(&name.as_str()) {
-                    let known = COMPONENT.join(", ");
+                if !known_rows.contains(&name.as_str()) {
+                    let known = known_rows.join(", ");
                     return Err(format!("convention.{list} names {name:?}; the components are {known}"));
                 }
                 if names[..n].contains(name) {
@@ -528,13 +557,10 @@ impl Convention {
         of_unit / self.factors[k]
     }
 
-    /// Whether rows, values and what is sent are pintle's own, but for their columns, units and signs.
-    pub(crate) fn is_of_columns(&self) -> bool {
+    /// Whether what it says of rows, values and what is sent has a meaning for equations of constraints.
+    pub(crate) fn is_of_equations(&self) -> bool {
         let own = Self::default();
-        self.rows.is_empty()
-            && self.as_angle.is_empty()
-            && (self.axes, self.positions) == (own.axes, own.positions)
-            && (self.triads, self.quaternion, self.sense) == (own.triads, own.quaternion, own.sense)
+        self.as_angle.is_empty() && (self.axes, self.positions) == (own.axes, own.positions)
     }
 
     /// Whether a component that is a cosine is given as an angle.
@@ -558,10 +584,15 @@ impl Convention {
 
     /// The component of each line of the routine's values and rows.
     pub(crate) fn lines(&self) -> Vec<usize> {
+        self.lines_among(&COMPONENT)
+    }
+
+    /// The same of rows with these names.
+    pub(crate) fn lines_among(&self, names: &[&str]) -> Vec<usize> {
         if self.rows.is_empty() {
-            return (0..COMPONENT.len()).collect();
+            return (0..names.len()).collect();
         }
-        let place = |name: &String| COMPONENT.iter().position(|known| known == name);
+        let place = |name: &String| names.iter().position(|known| known == name);
         self.rows.iter().filter_map(place).collect()
     }
 
@@ -771,7 +802,7 @@ impl Own {
                     })
                 })
             };
-            let rows = || {
+            let rows = || -> Components<NodalRow<f64>> {
                 let all =
                     std::array::from_fn(|k| Some(convention.row(of[k].as_ref()?, places, unit(k), &turned)));
                 let sum = |i: usize, of: [NodalRow<f64>; 3]| {
@@ -788,9 +819,16 @@ impl Own {
                 Quantity::Rate => given.rates(scalars(false)),
                 Quantity::Acceleration => given.accelerations(scalars(false)),
                 Quantity::FirstDerivatives => given.rows(rows()),
-                Quantity::NodalForces => given.nodal_forces(rows()),
+                Quantity::NodalForces => given
+                    .nodal_forces(rows().map(|row| row.map(|row| row.map(|x| x * convention.forces.sign())))),
                 Quantity::SecondDerivatives => given.second_derivatives(matrices()),
-                Quantity::GeometricStiffness => given.geometric_stiffness(matrices()),
+                Quantity::GeometricStiffness => {
+                    let mut all: Components<NodalMatrix<f64>> = matrices();
+                    all.iter_mut().flatten().for_each(|matrix| {
+                        matrix.iter_mut().flatten().for_each(|x| *x *= convention.forces.sign());
+                    });
+                    given.geometric_stiffness(all)
+                }
                 _ => given,
             };
         }

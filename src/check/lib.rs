@@ -27,8 +27,8 @@ mod python;
 mod session;
 
 pub use convention::{
-    Angle, Axes, Convention, Frame, Positions, Quaternions, Sense, Stiffness, Storage, Triads, Turns,
-    Variation, Variations,
+    Angle, Axes, Convention, Forces, Frame, Positions, Quaternions, Sense, Stiffness, Storage, Triads, Turns,
+    Variation, Variations, is_vector,
 };
 pub use process::{Door, Misbehaviour, Patience, Process};
 pub use protocol::{OFFERS, PROTOCOL, answers_of_file};
@@ -193,11 +193,17 @@ fn led(at: &[Case]) -> Vec<Case> {
 ///
 /// # Errors
 /// [`Misbehaviour`]; what it gives may be no rows at all.
-pub fn fit_convention<D: Door>(
-    door: D,
-    definition: &Definition,
-    seed: &str,
-) -> Result<fit::Found, Misbehaviour> {
+pub fn fit_convention<D: Door>(door: D, subject: &Subject, seed: &str) -> Result<fit::Found, Misbehaviour> {
+    match subject {
+        Subject::Connector(definition, _) => fit_connector(door, definition, seed),
+        Subject::Constraint(constraint, _) => constraint::fit_convention(door, constraint, seed),
+        Subject::Friction(_) => Err(Misbehaviour::NoConvention(
+            "a friction has no rows: conventions are found of connectors and constraints".into(),
+        )),
+    }
+}
+
+fn fit_connector<D: Door>(door: D, definition: &Definition, seed: &str) -> Result<fit::Found, Misbehaviour> {
     /// One tells most; a second and a third what one leaves open by chance. One more is asked where they leave something open.
     const STATES: usize = 3;
     let plain = Convention::default();
@@ -206,10 +212,14 @@ pub fn fit_convention<D: Door>(
     if !offers.contains(&Quantity::FirstDerivatives) {
         return Err(Misbehaviour::BadHello("it offers no rows, by which conventions are found".into()));
     }
-    let wants: Vec<Quantity> = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate]
-        .into_iter()
-        .filter(|quantity| offers.contains(quantity))
-        .collect();
+    let useful = [
+        Quantity::Value,
+        Quantity::FirstDerivatives,
+        Quantity::Rate,
+        Quantity::SecondDerivatives,
+        Quantity::NodalForces,
+    ];
+    let wants: Vec<Quantity> = useful.into_iter().filter(|quantity| offers.contains(quantity)).collect();
     // At the initial state displacements and residuals are zero.
     let connector = pintle_kinematics::connector::Connector::<f64>::new(definition);
     let values_before = std::array::from_fn(|k| connector.differentiated(k).map(|_| 0.0));

@@ -360,7 +360,21 @@ pub(crate) fn as_it_is(answers: Option<&Value>, count: usize) -> Result<Vec<Give
             Some(Value::Array(list)) => numbers(list, key).map(Some),
             _ => Ok(None),
         };
-        Ok(GivenRows { rows, values: list("values")?, rates: list("rates")? })
+        // What is not laid out as rows are tells nothing of their conventions.
+        let lines = |key: &str| -> Option<Vec<Option<Vec<f64>>>> {
+            let flat = |item: &Value| match item {
+                Value::Null => Some(None),
+                Value::Array(list) => {
+                    let all =
+                        list.iter().flat_map(|x| x.as_array().map_or(std::slice::from_ref(x), Vec::as_slice));
+                    all.map(Value::as_f64).collect::<Option<Vec<f64>>>().map(Some)
+                }
+                _ => None,
+            };
+            one.get(key)?.as_array()?.iter().map(flat).collect()
+        };
+        let (second, nodal) = (lines("second_derivatives"), lines("nodal_forces"));
+        Ok(GivenRows { rows, values: list("values")?, rates: list("rates")?, second, nodal })
     };
     answers.iter().enumerate().map(of).collect()
 }

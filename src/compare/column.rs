@@ -4,7 +4,7 @@ use pintle_check::Angle;
 use pintle_kinematics::connector::Output;
 use pintle_model::evaluate::request;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a node does, by component (0-based).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,6 +27,38 @@ pub enum Motion {
     Flow,
 }
 
+/// A force at a node, global components: three forces, then three moments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Nodal {
+    /// RF and RM: what holds the node.
+    Reaction,
+    /// NF and NM: of the connectors at the node, residual-side.
+    Force,
+}
+
+impl Nodal {
+    /// The name of a component, as headings have it: RF1, RM3, NF2.
+    pub(crate) fn name(self, i: usize) -> String {
+        let stem = match (self, i < 3) {
+            (Self::Reaction, true) => "RF",
+            (Self::Reaction, false) => "RM",
+            (Self::Force, true) => "NF",
+            (Self::Force, false) => "NM",
+        };
+        format!("{stem}{}", i % 3 + 1)
+    }
+}
+
+/// What a matrix of a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MatrixKind {
+    /// A row for each constraint, as `pintle eval --jacobian` writes it.
+    Jacobian,
+    /// The tangent of the nodal forces of connectors.
+    Stiffness,
+}
+
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Column {
@@ -37,6 +69,8 @@ pub(crate) enum Column {
     Motion(Motion),
     /// An output of a component (0-based).
     Output(Output, usize),
+    /// A force or moment at a node (0-based).
+    Nodal(Nodal, usize),
     /// Nothing that is compared.
     Other,
 }
@@ -72,6 +106,15 @@ pub struct Map {
     pub force: f64,
     /// What the rotations of nodes are.
     pub rotations: Rotations,
+    /// Whether numbers were computed or stored in single precision, whatever digits are printed.
+    pub single: bool,
+    /// What matrices are; without this, what their shape says.
+    pub matrix: Option<MatrixKind>,
+    /// The state, from 0 on, of a file with one matrix; without this the last.
+    pub matrix_state: Option<u64>,
+    /// The headings under which numbers are written as doubles: with as many digits as each needs.
+    #[serde(skip)]
+    pub(crate) full: BTreeSet<String>,
 }
 
 impl Default for Map {
@@ -85,6 +128,10 @@ impl Default for Map {
             length: 1.0,
             force: 1.0,
             rotations: Rotations::default(),
+            single: false,
+            matrix: None,
+            matrix_state: None,
+            full: BTreeSet::new(),
         }
     }
 }
@@ -164,6 +211,16 @@ fn standard(heading: &str) -> Column {
     if let Some(motion) = motion {
         return if n < 3 { Column::Motion(motion(n)) } else { Column::Other };
     }
+    let nodal = match stem {
+        "RF" => Some((Nodal::Reaction, 0)),
+        "RM" => Some((Nodal::Reaction, 3)),
+        "NF" => Some((Nodal::Force, 0)),
+        "NM" => Some((Nodal::Force, 3)),
+        _ => None,
+    };
+    if let Some((nodal, first)) = nodal {
+        return if first + n < 6 { Column::Nodal(nodal, first + n) } else { Column::Other };
+    }
     let Ok(wanted) = request([name], 0) else { return Column::Other };
     let one = Output::ALL.into_iter().find_map(|output| {
         let components: Vec<usize> = (0..6).filter(|k| wanted.wants(output, *k)).collect();
@@ -189,6 +246,10 @@ mod tests {
             ("CUR1", Column::Output(Output::CU, 3)),
             ("CTF-CTM3", Column::Output(Output::CTF, 5)),
             ("CRF1", Column::Output(Output::CRF, 0)),
+            ("RF-RF2", Column::Nodal(Nodal::Reaction, 1)),
+            ("RM3", Column::Nodal(Nodal::Reaction, 5)),
+            ("RF5", Column::Nodal(Nodal::Reaction, 4)),
+            ("NM4", Column::Other),
             ("U-Magnitude", Column::Other),
             ("S11", Column::Other),
             ("U9", Column::Other),

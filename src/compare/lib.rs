@@ -3,9 +3,12 @@
 //! | module | question |
 //! |---|---|
 //! | `read` | what does a file say, frame by frame, in which format? |
+//! | `numpy`, `matrix` | the same of arrays and matrices |
+//! | `motion` | how do nodes move, and how between two frames? |
 //! | `column` | what does a heading mean? |
 //! | `printed` | how many digits has a number? |
-//! | `walk` | what must the connectors give along that motion? |
+//! | `walk`, `evaluate` | what must the connectors and nodes give along that motion? |
+//! | `entries` | what must a Jacobian or stiffness be? |
 //! | `judge` | how far apart are the two, in units of what the file can tell? |
 //! | `cause` | why? |
 //! | `show` | how is it read? |
@@ -15,14 +18,21 @@
 
 mod cause;
 mod column;
+mod entries;
+mod evaluate;
 mod judge;
+mod matrix;
+mod motion;
+mod numpy;
 mod printed;
 mod read;
 mod show;
 mod walk;
 
-pub use column::{Map, Motion, Rotations};
-pub use judge::{Comparison, Series, Unjudged};
+pub use column::{Map, MatrixKind, Motion, Nodal, Rotations};
+pub use judge::{Comparison, Gap, Series, Unjudged};
+pub use motion::states;
 pub use printed::Printed;
 pub use read::{Frame, Results};
-pub use walk::{compare, states};
+pub use show::write_junit;
+pub use walk::compare;

@@ -1,6 +1,9 @@
-//! Files of other programs, frame by frame: tables in CSV, records in JSON, what Abaqus and CalculiX print (`.dat`).
+//! Files of other programs, frame by frame: tables in CSV, records in JSON, what Abaqus and CalculiX print (`.dat`), arrays of NumPy.
 
-use crate::column::{Column, Map, Motion};
+use crate::column::{Column, Map, Motion, Nodal, Rotations};
+use crate::matrix;
+use crate::motion::Between;
+use crate::numpy::{self, Array};
 use crate::printed::Printed;
 use pintle_kinematics::connector::Output;
 use serde_json::value::RawValue;
@@ -8,6 +11,9 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
+
+/// So many lines show with how many digits a column is written.
+const SCANNED: usize = 2_000;
 
 /// The longest line that is read.
 const LONGEST: usize = 1 << 20;
@@ -23,6 +29,19 @@ pub struct Frame {
     pub nodes: BTreeMap<String, Vec<(Motion, Printed)>>,
     /// By element.
     pub elements: BTreeMap<String, Vec<(Output, usize, Printed)>>,
+    /// Forces and moments at nodes.
+    pub forces: BTreeMap<String, Vec<(Nodal, usize, Printed)>>,
+    /// Whether the files tell a motion at all: that of nodes that are left out is zero.
+    pub moves: bool,
+    /// Whether the motion is taken between two states of the files.
+    pub is_between: bool,
+}
+
+impl Frame {
+    /// Whether it holds something to be compared.
+    pub fn tells(&self) -> bool {
+        !self.elements.is_empty() || !self.forces.is_empty()
+    }
 }
 
 /// The files of one run, read as often as needed, a frame at a time.
@@ -31,6 +50,8 @@ pub struct Results {
     files: Vec<PathBuf>,
     /// What is not standard in them.
     pub map: Map,
+    /// Whether states without a motion get one between those of the files.
+    pub interpolates: bool,
 }
 
 /// One line of any of the formats.
@@ -42,6 +63,11 @@ struct Row {
     element: Option<String>,
     motions: Vec<(Motion, Printed)>,
     outputs: Vec<(Output, usize, Printed)>,
+    forces: Vec<(Nodal, usize, Printed)>,
+    /// Whether it begins a table of motions, which leaves out nodes at rest.
+    begins_motion: bool,
+    /// The headings of numbers with all the digits of a double.
+    full: Vec<String>,
     /// Where it stands, in words.
     place: String,
 }
@@ -51,15 +77,29 @@ type Rows = Box<dyn Iterator<Item = Result<Row, String>>>;
 impl Results {
     /// Of these files.
     pub const fn new(files: Vec<PathBuf>, map: Map) -> Self {
-        Self { files, map }
+        Self { files, map, interpolates: false }
+    }
+
+    /// The files that hold matrices.
+    pub(crate) fn matrices(&self) -> Vec<PathBuf> {
+        self.files.iter().filter(|file| self.is_matrix(file)).cloned().collect()
+    }
+
+    fn is_matrix(&self, file: &Path) -> bool {
+        match extension(file).as_str() {
+            "mtx" => true,
+            "npy" | "npz" => {
+                let is_known = |name: &str| is_known(&self.map, name);
+                numpy::arrays(file).is_ok_and(|(all, _)| matrix::is_matrix(&all, is_known))
+            }
+            _ => false,
+        }
     }
 
     /// The headings of tables that have no known meaning, by file.
     pub(crate) fn unread(&self) -> Vec<(String, String)> {
         let mut found = Vec::new();
-        for file in
-            self.files.iter().filter(|file| file.extension().is_some_and(|of| of.eq_ignore_ascii_case("csv")))
-        {
+        for file in self.files.iter().filter(|file| extension(file) == "csv") {
             let Ok(opened) = File::open(file) else { continue };
             let mut reader =
                 csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(BufReader::new(opened));
@@ -84,8 +124,20 @@ impl Results {
     /// # Errors
     /// What cannot be read, with file and line; or the first of `take`.
     pub fn each(&self, mut take: impl FnMut(&Frame) -> Result<(), String>) -> Result<(), String> {
+        if !self.interpolates {
+            return self.each_as_it_is(|frame| take(&frame));
+        }
+        if self.map.rotations == Rotations::Incremental {
+            return Err("rotations since the state before are not interpolated: give total ones".into());
+        }
+        let mut between = Between::default();
+        self.each_as_it_is(|frame| between.push(frame).iter().try_for_each(&mut take))?;
+        between.rest().iter().try_for_each(take)
+    }
+
+    fn each_as_it_is(&self, mut take: impl FnMut(Frame) -> Result<(), String>) -> Result<(), String> {
         let mut streams = Vec::new();
-        for file in &self.files {
+        for file in self.files.iter().filter(|file| !self.is_matrix(file)) {
             streams.push(Frames::open(file, &self.map)?);
         }
         let mut heads: Vec<Option<Frame>> = Vec::new();
@@ -109,11 +161,15 @@ impl Results {
                 if let Some(frame) = head.take_if(is_now) {
                     joined.time = joined.time.or(frame.time);
                     joined.number = joined.number.or(frame.number);
+                    joined.moves |= frame.moves;
                     for (node, motions) in frame.nodes {
                         joined.nodes.entry(node).or_default().extend(motions);
                     }
                     for (element, outputs) in frame.elements {
                         joined.elements.entry(element).or_default().extend(outputs);
+                    }
+                    for (node, forces) in frame.forces {
+                        joined.forces.entry(node).or_default().extend(forces);
                     }
                     *head = stream.next().transpose()?;
                     if let Some(next) = head
@@ -127,9 +183,19 @@ impl Results {
                     }
                 }
             }
-            take(&joined)?;
+            take(joined)?;
         }
     }
+}
+
+/// The ending of a file's name.
+fn extension(path: &Path) -> String {
+    path.extension().map(|x| x.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// Whether an array of this name is one column, or several.
+fn is_known(map: &Map, name: &str) -> bool {
+    [name.to_string(), format!("{name}1")].iter().any(|name| map.column(name) != Column::Other)
 }
 
 /// What frames are ordered by.
@@ -148,23 +214,33 @@ struct Frames {
 
 impl Frames {
     fn open(path: &Path, map: &Map) -> Result<Self, String> {
+        let rows = Self::rows(path, map)?;
+        let mut map = map.clone();
+        // Where one number of a column has all the digits of a double, the others need no more than they have.
+        if matches!(extension(path).as_str(), "csv" | "json" | "jsonl" | "ndjson") {
+            map.full = Self::rows(path, &map)?.take(SCANNED).flatten().flat_map(|row| row.full).collect();
+        }
+        let rows = if map.full.is_empty() { rows } else { Self::rows(path, &map)? };
+        Ok(Self { file: path.display().to_string(), rows, next: None, counted: 0, map })
+    }
+
+    fn rows(path: &Path, map: &Map) -> Result<Rows, String> {
         let file = path.display().to_string();
         let named = |error: std::io::Error| format!("cannot read {file}: {error}");
         let opened = || File::open(path).map(BufReader::new).map_err(named);
-        let extension =
-            path.extension().map(|x| x.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-        let rows: Rows = match extension.as_str() {
+        let rows: Rows = match extension(path).as_str() {
             "csv" => csv_rows(file.clone(), opened()?, map.clone())?,
             "jsonl" | "ndjson" => json_lines(file.clone(), opened()?, map.clone()),
-            "json" => json_rows(&file, opened()?, map)?,
+            "json" => json_rows(file.clone(), opened()?, map.clone()),
+            "npy" | "npz" => array_rows(file.clone(), numpy::arrays(path)?.0, map.clone())?,
             "dat" => printed_rows(file.clone(), opened()?, map.clone()),
             other => {
                 return Err(format!(
-                    "{file}: there is no reader for .{other}; there are .csv, .json, .jsonl and .dat"
+                    "{file}: there is no reader for .{other}; there are .csv, .json, .jsonl, .dat, .npy, .npz and .mtx"
                 ));
             }
         };
-        Ok(Self { file, rows, next: None, counted: 0, map: map.clone() })
+        Ok(rows)
     }
 
     fn next(&mut self) -> Option<Result<Frame, String>> {
@@ -189,7 +265,11 @@ impl Frames {
                         let is_new = |label: &Option<String>, known: &dyn Fn(&String) -> bool| {
                             label.as_ref().is_none_or(|label| !known(label))
                         };
-                        is_new(&node, &|label| known.nodes.contains_key(label) && !row.motions.is_empty())
+                        let again = |label: &String| {
+                            known.nodes.contains_key(label) && !row.motions.is_empty()
+                                || known.forces.contains_key(label) && !row.forces.is_empty()
+                        };
+                        is_new(&node, &again)
                             && is_new(&element, &|label| {
                                 known.elements.contains_key(label) && !row.outputs.is_empty()
                             })
@@ -207,14 +287,20 @@ impl Frames {
                 *counted += 1;
                 Frame { time: row.time, number, ..Frame::default() }
             });
-            if !row.motions.is_empty() {
+            of.moves |= row.begins_motion || !row.motions.is_empty();
+            if !row.motions.is_empty() || !row.forces.is_empty() {
                 let Some(node) = node else {
                     return Some(Err(format!(
-                        "{}: a motion of no node: name a column node, or node in the map",
+                        "{}: a motion or force of no node: name a column node, or node in the map",
                         row.place
                     )));
                 };
-                of.nodes.entry(node).or_default().extend(row.motions);
+                if !row.motions.is_empty() {
+                    of.nodes.entry(node.clone()).or_default().extend(row.motions);
+                }
+                if !row.forces.is_empty() {
+                    of.forces.entry(node).or_default().extend(row.forces);
+                }
             }
             if !row.outputs.is_empty() {
                 let Some(element) = element else {
@@ -236,23 +322,39 @@ impl Row {
         if text.is_empty() || column == Column::Other {
             return Ok(());
         }
-        let wrong = || format!("{}: {heading} is {:?}, not a number", self.place, excerpt(text));
         match column {
             Column::Node => self.node = Some(label(text)),
             Column::Element => self.element = Some(label(text)),
-            Column::State => self.number = Some(Printed::parse(text).ok_or_else(wrong)?.x as u64),
-            Column::Time => self.time = Some(Printed::parse(text).ok_or_else(wrong)?.x),
-            Column::Motion(motion) => {
-                let number = Printed::parse(text).ok_or_else(wrong)?;
-                self.motions.push((motion, number.times(map.of_motion(motion))));
+            _ => {
+                let number = Printed::parse(text).ok_or_else(|| {
+                    format!("{}: {heading} is {:?}, not a number", self.place, excerpt(text))
+                })?;
+                if Printed::is_full(text) {
+                    self.full.push(heading.to_string());
+                }
+                let number = if map.full.contains(heading) { Printed::double(number.x) } else { number };
+                self.put_number(column, number, map);
             }
-            Column::Output(output, k) => {
-                let number = Printed::parse(text).ok_or_else(wrong)?;
-                self.outputs.push((output, k, number));
+        }
+        Ok(())
+    }
+
+    /// Takes a number.
+    fn put_number(&mut self, column: Column, number: Printed, map: &Map) {
+        let known = if map.single { number.single() } else { number };
+        match column {
+            Column::Node => self.node = Some(number.x.to_string()),
+            Column::Element => self.element = Some(number.x.to_string()),
+            Column::State => self.number = Some(number.x as u64),
+            Column::Time => self.time = Some(number.x),
+            Column::Motion(motion) => self.motions.push((motion, known.times(map.of_motion(motion)))),
+            Column::Output(output, k) => self.outputs.push((output, k, known)),
+            Column::Nodal(nodal, i) => {
+                let unit = if i < 3 { map.force } else { map.force * map.length };
+                self.forces.push((nodal, i, known.times(unit)));
             }
             Column::Other => {}
         }
-        Ok(())
     }
 }
 
@@ -267,22 +369,30 @@ fn excerpt(text: &str) -> String {
     if shown.len() < text.len() { format!("{shown}…") } else { shown }
 }
 
+/// Refuses a table of which no heading has a meaning.
+fn told(file: &str, columns: &[(Column, String)]) -> Result<(), String> {
+    let is_told = |(column, _): &(Column, String)| {
+        matches!(column, Column::Motion(_) | Column::Output(..) | Column::Nodal(..))
+    };
+    if columns.iter().any(is_told) {
+        return Ok(());
+    }
+    let found: Vec<&str> = columns.iter().take(20).map(|(_, heading)| heading.as_str()).collect();
+    Err(format!(
+        "{file}: no heading is a motion of nodes (U1, UR1, q0 …), a force at nodes (RF1 …) or an output of connectors (CU1, CTF1 …); \
+         they are {}; a map says what they mean: [columns] \"{}\" = \"CU1\"",
+        found.join(", "),
+        found.first().unwrap_or(&"")
+    ))
+}
+
 fn csv_rows(file: String, from: impl Read + 'static, map: Map) -> Result<Rows, String> {
     let mut reader =
         csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(from);
     let headings = reader.headers().map_err(|error| format!("{file}: {error}"))?.clone();
     let columns: Vec<(Column, String)> =
         headings.iter().map(|heading| (map.column(heading), heading.to_string())).collect();
-    let is_told = |(column, _): &(Column, String)| matches!(column, Column::Motion(_) | Column::Output(..));
-    if !columns.iter().any(is_told) {
-        let found: Vec<&str> = headings.iter().take(20).collect();
-        return Err(format!(
-            "{file}: no heading is a motion of nodes (U1, UR1, q0 …) or an output of connectors (CU1, CTF1 …); they are {}; \
-             a map says what they mean: [columns] \"{}\" = \"CU1\"",
-            found.join(", "),
-            found.first().unwrap_or(&"")
-        ));
-    }
+    told(&file, &columns)?;
     Ok(Box::new(reader.into_records().map(move |record| {
         let record = record.map_err(|error| format!("{file}: {error}"))?;
         let line = record.position().map_or(0, csv::Position::line);
@@ -320,18 +430,122 @@ fn json_lines(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
     }))
 }
 
-fn json_rows(file: &str, mut from: impl BufRead, map: &Map) -> Result<Rows, String> {
-    let mut text = String::new();
-    from.read_to_string(&mut text).map_err(|error| format!("cannot read {file}: {error}"))?;
-    let records: Vec<Box<RawValue>> = serde_json::from_str(&text).map_err(|error| {
-        format!("{file}: {error}; it is to be a list of records {{\"time\": …, \"node\": …, \"U1\": …}}")
-    })?;
-    let rows: Vec<Result<Row, String>> = records
-        .iter()
-        .enumerate()
-        .map(|(n, record)| of_object(format!("{file}, record {}", n + 1), record.get(), map))
-        .collect();
-    Ok(Box::new(rows.into_iter()))
+/// The records of a list, each as long as it is: the list itself is never held.
+fn json_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
+    let mut bytes = from.bytes();
+    let (mut counted, mut is_in_list, mut is_done) = (0, false, false);
+    Box::new(std::iter::from_fn(move || {
+        if is_done {
+            return None;
+        }
+        let place = format!("{file}, record {}", counted + 1);
+        let mut fail = |why: &str| {
+            is_done = true;
+            let remedy = "it is to be a list of records {\"time\": …, \"node\": …, \"U1\": …}";
+            Some(Err(format!("{place}: {why}; {remedy}")))
+        };
+        let (mut text, mut depth, mut is_text, mut is_escaped) = (Vec::new(), 0_usize, false, false);
+        for byte in bytes.by_ref() {
+            let Ok(byte) = byte else { return fail("it cannot be read") };
+            if depth == 0 {
+                match byte {
+                    b'[' if !is_in_list => is_in_list = true,
+                    b']' if is_in_list => {
+                        is_done = true;
+                        return None;
+                    }
+                    b'{' if is_in_list => (depth, text) = (1, vec![byte]),
+                    b',' if is_in_list => {}
+                    _ if byte.is_ascii_whitespace() => {}
+                    _ => return fail("what stands there is no record"),
+                }
+                continue;
+            }
+            text.push(byte);
+            if text.len() > LONGEST {
+                return fail("it is too long");
+            }
+            match byte {
+                _ if is_escaped => is_escaped = false,
+                b'\\' if is_text => is_escaped = true,
+                b'"' => is_text = !is_text,
+                b'{' | b'[' if !is_text => depth += 1,
+                b'}' | b']' if !is_text => depth -= 1,
+                _ => {}
+            }
+            if depth == 0 {
+                counted += 1;
+                return Some(of_object(place, &String::from_utf8_lossy(&text), &map));
+            }
+        }
+        fail("the list ends in the middle")
+    }))
+}
+
+/// The records of arrays: a column for each field or array, several for one of two dimensions.
+fn array_rows(file: String, mut all: Vec<Array>, map: Map) -> Result<Rows, String> {
+    let mut columns: Vec<(Column, String)> = Vec::new();
+    let mut count = None;
+    for array in &all {
+        let (rows, width) = match array.shape.as_slice() {
+            [rows] => (*rows, 1),
+            [rows, width] if !array.is_fortran && array.fields.len() == 1 => (*rows, *width),
+            shape => {
+                let name = &array.name;
+                return Err(format!(
+                    "{file}: {name} has the shape {shape:?}; it is to have a line for each state"
+                ));
+            }
+        };
+        if count.is_some_and(|count| count != rows) {
+            return Err(format!(
+                "{file}: {} has {rows} lines, and others {}",
+                array.name,
+                count.unwrap_or(0)
+            ));
+        }
+        count = Some(rows);
+        let first = usize::from(!array.name.eq_ignore_ascii_case("q"));
+        for field in &array.fields {
+            let name = if field.is_empty() { &array.name } else { field };
+            let names =
+                (0..width).map(|n| if width == 1 { name.clone() } else { format!("{name}{}", n + first) });
+            columns.extend(names.map(|name| (map.column(&name), name)));
+        }
+    }
+    told(&file, &columns)?;
+    let mut read = 0;
+    Ok(Box::new(std::iter::from_fn(move || {
+        if Some(read) == count {
+            return None;
+        }
+        read += 1;
+        let mut row = Row { place: format!("{file}, line {read}"), ..Row::default() };
+        let mut columns = columns.iter();
+        for array in &mut all {
+            let width = array.shape.get(1).copied().unwrap_or(1);
+            let numbers = if array.fields.len() > 1 || !array.fields[0].is_empty() {
+                array
+                    .next()
+                    .and_then(|record| record.ok_or_else(|| "it ends before its last line".to_string()))
+            } else {
+                array.take(width)
+            };
+            let numbers = match numbers {
+                Ok(numbers) => numbers,
+                Err(why) => return Some(Err(format!("{}: {}: {why}", row.place, array.name))),
+            };
+            for (number, (column, heading)) in numbers.into_iter().zip(&mut columns) {
+                // NaN stands for what is not there.
+                if number.x.is_finite() {
+                    row.put_number(*column, number, &map);
+                } else if number.x.is_infinite() {
+                    return Some(Err(format!("{}: {heading} is infinite", row.place)));
+                }
+            }
+        }
+        Some(Ok(row))
+    })))
 }
 
 /// Lines with their numbers.
@@ -372,7 +586,7 @@ fn printed_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
             Err(error) => return Some(Err(error)),
         };
         let place = format!("{file}:{number}");
-        let words: Vec<&str> = line.split_whitespace().collect();
+        let words = Printed::words(&line);
         let upper = line.to_ascii_uppercase();
         if let Some(at) = upper.find("TOTAL TIME COMPLETED") {
             let told = line[at + "TOTAL TIME COMPLETED".len()..].split(',').next().unwrap_or_default();
@@ -383,23 +597,31 @@ fn printed_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
         // CalculiX: «displacements (vx,vy,vz) for set ALL and time  0.1000000E+01».
         if let Some((_, told)) = upper.split_once(" AND TIME ") {
             time = Printed::parse(told).map(|time| time.x);
-            let is_displacement = upper.trim_start().starts_with("DISPLACEMENTS");
-            table = if is_displacement {
-                let columns = [0, 1, 2]
-                    .map(|i| (Column::Motion(Motion::Displacement(i)), format!("v{}", ["x", "y", "z"][i])));
-                Table::Of { is_node: true, columns: columns.to_vec() }
+            let head = upper.trim_start();
+            let begins_motion = head.starts_with("DISPLACEMENTS");
+            let of = |letter: &str, column: fn(usize) -> Column| Table::Of {
+                is_node: true,
+                columns: (0..3).map(|i| (column(i), format!("{letter}{}", ["x", "y", "z"][i]))).collect(),
+            };
+            table = if head.starts_with("DISPLACEMENTS") {
+                of("v", |i| Column::Motion(Motion::Displacement(i)))
+            } else if head.starts_with("FORCES") {
+                of("f", |i| Column::Nodal(Nodal::Reaction, i))
             } else {
                 Table::None
             };
-            return None;
+            return begins_motion.then(|| Ok(Row { place, time, begins_motion, ..Row::default() }));
         }
         let heads = |kind: &str| words.first().is_some_and(|word| word.eq_ignore_ascii_case(kind));
         let is_node = heads("NODE");
         if (is_node || heads("ELEMENT")) && upper.contains("FOOT-") {
             let after = words.iter().skip_while(|word| !word.eq_ignore_ascii_case("FOOT-")).skip(1);
-            let columns = after.map(|heading| (map.column(heading), (*heading).to_string())).collect();
+            let columns: Vec<(Column, String)> =
+                after.map(|heading| (map.column(heading), (*heading).to_string())).collect();
+            let begins_motion =
+                is_node && columns.iter().any(|(column, _)| matches!(column, Column::Motion(_)));
             table = Table::Of { is_node, columns };
-            return None;
+            return begins_motion.then(|| Ok(Row { place, time, begins_motion, ..Row::default() }));
         }
         let Table::Of { is_node, columns } = &table else { return None };
         let label_of = words.first().filter(|word| word.parse::<u64>().is_ok())?;
@@ -415,6 +637,9 @@ fn printed_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
             row.element = owner
         }
         for ((column, heading), text) in columns.iter().zip(&words[first..]) {
+            // Such a table has significant digits, and prints what is zero as 0.000.
+            let is_zero = Printed::parse(text).is_some_and(|number| number.x == 0.0);
+            let text = if is_zero { &"0" } else { text };
             if let Err(error) = row.put(*column, heading, text, &map) {
                 return Some(Err(error));
             }

@@ -1,12 +1,16 @@
 //! A comparison as text, and as a page with pictures.
 
-use crate::judge::{Comparison, Point, Series};
+use crate::judge::{Comparison, Gap, Point, Series, Unjudged};
 use pintle_report::{table, wrap};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// The most series that are shown with what is wrong.
 const SHOWN: usize = 6;
+
+/// How many characters a spark has at most.
+const SPARK: usize = 48;
 
 /// Width and heights of a picture.
 const WIDTH: f64 = 720.0;
@@ -52,7 +56,11 @@ impl Comparison {
                         state.to_string(),
                         format!("{} of {}", series.wrong, series.compared),
                         shown(worst),
-                        series.worst.map_or_else(String::new, |worst| shown(worst.at)),
+                        match (&series.entry, series.of, series.worst) {
+                            (Some(entry), ..) => entry.clone(),
+                            (None, Some(_), Some(worst)) => shown(worst.at),
+                            _ => String::new(),
+                        },
                     ]
                 })
                 .collect();
@@ -68,20 +76,118 @@ impl Comparison {
             for line in wrap(&series.sentence(), width) {
                 writeln!(out, "{line}")?;
             }
+            for line in sparks(series) {
+                writeln!(out, "  {line}")?;
+            }
+        }
+        for words in self.refused() {
+            for line in wrap(&format!("not compared: {words}"), width) {
+                writeln!(out, "{line}")?;
+            }
+        }
+        if self.between > 0 {
+            for line in wrap(&self.interpolated(), width) {
+                writeln!(out, "{line}")?;
+            }
+        }
+        for Gap { what, request } in &self.gaps {
+            let add = if request.is_empty() { "" } else { "; add to the step" };
+            for line in wrap(&format!("the file cannot tell: {what}{add}"), width) {
+                writeln!(out, "{line}")?;
+            }
+            for line in request {
+                writeln!(out, "    {line}")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What was not compared, a sentence for each element and cause.
+    fn refused(&self) -> Vec<String> {
+        let mut groups: Vec<(&str, &str, Vec<&str>, u64)> = Vec::new();
+        for Unjudged { element, name, count, why } in &self.unjudged {
+            match groups.iter_mut().find(|(of, because, ..)| of == element && because == why) {
+                Some((.., names, sum)) => {
+                    names.push(name);
+                    *sum += count;
+                }
+                None => groups.push((element, why, vec![name], *count)),
+            }
+        }
+        let words = groups.into_iter().map(|(element, why, names, count)| {
+            format!("{} of {element} ({count} numbers): {why}", names.join(", "))
+        });
+        words.collect()
+    }
+
+    /// What was interpolated, in a sentence.
+    fn interpolated(&self) -> String {
+        format!(
+            "interpolated: {} of {} states have no motion of their own; it lies between those of the files, and counts with what a \
+             parabola differs",
+            self.between, self.frames
+        )
+    }
+
+    /// A suite of JUnit of these files, a case for each output.
+    fn suite(&self, of: &str) -> TestSuite {
+        let mut suite = TestSuite::new(of);
+        for series in &self.series {
+            let mut status = TestCaseStatus::success();
+            if series.wrong > 0 {
+                status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                status.set_message(self.cause.clone().map_or_else(
+                    || series.sentence(),
+                    |cause| format!("{} All agree if {cause}.", series.sentence()),
+                ));
+            }
+            let mut test = TestCase::new(format!("{} of {}", series.name, series.element), status);
+            test.set_classname(format!("{} {}", series.type_name, series.element));
+            suite.add_test_case(test);
         }
         for unjudged in &self.unjudged {
-            let words = format!(
-                "not compared: {} of {} ({} numbers): {}",
-                unjudged.name, unjudged.element, unjudged.count, unjudged.why
-            );
-            for line in wrap(&words, width) {
-                writeln!(out, "{line}")?;
-            }
+            let mut status = TestCaseStatus::skipped();
+            status.set_message(unjudged.why.clone());
+            suite.add_test_case(TestCase::new(format!("{} of {}", unjudged.name, unjudged.element), status));
         }
-        for gap in &self.gaps {
-            for line in wrap(&format!("the file cannot tell: {gap}"), width) {
-                writeln!(out, "{line}")?;
-            }
+        suite
+    }
+
+    /// Writes it as Markdown, for a comment in a review.
+    ///
+    /// # Errors
+    /// Where the stream cannot be written to.
+    pub fn write_markdown(&self, out: &mut dyn Write, of: &str) -> io::Result<()> {
+        writeln!(out, "**{}**: {}\n", marked(of), marked(&self.headline()))?;
+        if !self.series.is_empty() {
+            writeln!(out, "| connector | output | wrong | difference/allowed |\n|---|---|---|---|")?;
+        }
+        for series in &self.series {
+            let worst = series.worst.map_or(0.0, |worst| worst.units());
+            writeln!(
+                out,
+                "| {} {} | {} | {} of {} | {} |",
+                marked(&series.type_name),
+                marked(&series.element),
+                series.name,
+                series.wrong,
+                series.compared,
+                shown(worst)
+            )?;
+        }
+        writeln!(out)?;
+        for series in self.series.iter().filter(|series| series.wrong > 0) {
+            writeln!(out, "- {}", marked(&series.sentence()))?;
+        }
+        for words in self.refused() {
+            writeln!(out, "- not compared: {}", marked(&words))?;
+        }
+        if self.between > 0 {
+            writeln!(out, "- {}", self.interpolated())?;
+        }
+        for Gap { what, request } in &self.gaps {
+            let add = if request.is_empty() { String::new() } else { format!(": `{}`", request.join("` `")) };
+            writeln!(out, "- the file cannot tell: {}{add}", marked(what))?;
         }
         Ok(())
     }
@@ -123,20 +229,21 @@ impl Comparison {
                 escaped(&series.element),
                 escaped(&series.sentence())
             )?;
-            write!(out, "{}", picture(series))?;
+            if series.points.len() > 1 {
+                write!(out, "{}", picture(series))?;
+            }
         }
-        for unjudged in &self.unjudged {
-            writeln!(
-                out,
-                "<p>Not compared: {} of {} ({} numbers): {}.</p>",
-                escaped(&unjudged.name),
-                escaped(&unjudged.element),
-                unjudged.count,
-                escaped(&unjudged.why)
-            )?;
+        for words in self.refused() {
+            writeln!(out, "<p>Not compared: {}.</p>", escaped(&words))?;
         }
-        for gap in &self.gaps {
-            writeln!(out, "<p>The file cannot tell: {}.</p>", escaped(gap))?;
+        if self.between > 0 {
+            writeln!(out, "<p>{}.</p>", escaped(&self.interpolated()))?;
+        }
+        for Gap { what, request } in &self.gaps {
+            writeln!(out, "<p>The file cannot tell: {}.</p>", escaped(what))?;
+            if !request.is_empty() {
+                writeln!(out, "<pre>{}</pre>", escaped(&request.join("\n")))?;
+            }
         }
         writeln!(out, "</html>")
     }
@@ -145,15 +252,16 @@ impl Comparison {
 impl Series {
     /// What is wrong, where first, and why.
     fn sentence(&self) -> String {
-        let mut words = format!("{} of {}", self.name, self.element);
+        let mut words = match &self.of {
+            Some(_) => format!("{} of {}", self.name, self.element),
+            None => format!("{} {}", self.type_name, self.element),
+        };
         if let Some(first) = self.first {
-            let _ = write!(
-                words,
-                " differs from {} on: got {}, want {}",
-                shown(first.at),
-                shown(first.got),
-                shown(first.want)
-            );
+            let place = match &self.entry {
+                Some(entry) => format!("at {entry}"),
+                None => format!("from {} on", shown(first.at)),
+            };
+            let _ = write!(words, " differs {place}: got {}, want {}", shown(first.got), shown(first.want));
         }
         let _ = match &self.cause {
             Some(cause) => write!(words, "; {cause}."),
@@ -177,6 +285,66 @@ fn shown(x: f64) -> String {
 
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// A text in Markdown: what would be a mark is none.
+fn marked(text: &str) -> String {
+    let mut marked = String::new();
+    for c in text.chars() {
+        if matches!(c, '|' | '*' | '_' | '`' | '<' | '[' | ']' | '\\' | '#') {
+            marked.push('\\');
+        }
+        marked.push(if c == '\n' { ' ' } else { c });
+    }
+    marked
+}
+
+/// JUnit XML of some comparisons.
+///
+/// # Errors
+/// Where the stream cannot be written to.
+pub fn write_junit(out: &mut dyn Write, all: &[(String, Comparison)]) -> io::Result<()> {
+    let mut document = Report::new("pintle compare");
+    for (name, comparison) in all {
+        document.add_test_suite(comparison.suite(name));
+    }
+    let text = document.to_string().map_err(io::Error::other)?;
+    out.write_all(text.as_bytes())
+}
+
+/// Both curves and their difference as lines of text.
+fn sparks(series: &Series) -> Vec<String> {
+    const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+    let points = &series.points;
+    if points.len() < 3 {
+        return Vec::new();
+    }
+    let count = points.len().min(SPARK);
+    let some: Vec<&Point> =
+        (0..count).map(|n| &points[n * (points.len() - 1) / (count - 1).max(1)]).collect();
+    let range = |of: &dyn Fn(&Point) -> [f64; 2]| {
+        let all = || some.iter().flat_map(|point| of(point)).filter(|x| x.is_finite());
+        (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max))
+    };
+    let spark = |of: &dyn Fn(&Point) -> f64, (low, high): (f64, f64)| -> String {
+        let bar = |point: &&Point| {
+            let part = (of(point) - low) / (high - low);
+            if part.is_finite() { BARS[((part * 7.0).round() as usize).min(7)] } else { BARS[0] }
+        };
+        some.iter().map(bar).collect()
+    };
+    let both = range(&|point| [point.got, point.want]);
+    let apart = range(&|point| [point.got - point.want; 2]);
+    vec![
+        format!("file       {}  {} … {}", spark(&|point| point.got, both), shown(both.0), shown(both.1)),
+        format!("pintle     {}", spark(&|point| point.want, both)),
+        format!(
+            "difference {}  {} … {}",
+            spark(&|point| point.got - point.want, apart),
+            shown(apart.0),
+            shown(apart.1)
+        ),
+    ]
 }
 
 /// One number of a point.

@@ -1,148 +1,75 @@
 //! What the connectors must give along the motion that files tell, beside what the files say of them.
 
 use crate::cause::{Alternatives, explain};
-use crate::column::{Map, Motion, Rotations};
-use crate::judge::{Comparison, KEPT, Point, Series, Unjudged};
-use crate::printed::Printed;
+use crate::column::{Map, Motion, Nodal, Rotations};
+use crate::entries::compare_matrices;
+use crate::evaluate::{Evaluator, Key, Known, Of, unit_of};
+use crate::judge::{Comparison, Gap, Point, Series, Unjudged};
+use crate::motion::Motions;
 use crate::read::{Frame, Results};
 use pintle_check::Angle;
-use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::connector::{Output, Request};
-use pintle_kinematics::measure::Unit;
-use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Matrix, identity, product};
+use pintle_kinematics::connector::Output;
 use pintle_model::behavior::state::Velocities;
-use pintle_model::evaluate::{Item, Model, Plan, Selection, Sequence};
-use pintle_report::{Block, Value};
-use pintle_scene::{Label, NodeMotion, Rotation, Scene, State};
-use std::collections::BTreeMap;
-use std::convert::Infallible;
-
-/// What is evaluated.
-const OUTPUTS: [Output; 13] = [
-    Output::CP,
-    Output::CU,
-    Output::CCU,
-    Output::CV,
-    Output::CA,
-    Output::CTF,
-    Output::CEF,
-    Output::CVF,
-    Output::CSF,
-    Output::CRF,
-    Output::CCF,
-    Output::CNF,
-    Output::CASU,
-];
+use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
+use pintle_scene::{Scene, State};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Roundings that a program may spend on a number, relative to the largest number of its kind at the state.
 const ROUNDINGS: f64 = 1e-13;
 
+/// Why rates are not compared.
+const NO_RATES: &str = "the files have no such rates of nodes";
+
 /// How many states beyond which a series that is wrong is taken to be so, without another look at the digits of the motion.
 const SURE: u64 = 3;
-
-/// The numbers of one connector at one state.
-#[derive(Clone, Debug, Default)]
-struct Numbers {
-    type_name: String,
-    units: [Option<Unit>; 6],
-    values: BTreeMap<(Output, usize), f64>,
-}
-
-/// The states of a run, as scenes have them.
-struct Motions {
-    labels: BTreeMap<String, Label>,
-    map: Map,
-    /// Total rotations, where the file has increments.
-    turned: BTreeMap<Label, Matrix<f64>>,
-}
-
-impl Motions {
-    fn new(scene: &Scene, map: &Map) -> Self {
-        let labels =
-            scene.nodes.keys().map(|label| (label.to_string().to_ascii_uppercase(), *label)).collect();
-        Self { labels, map: map.clone(), turned: BTreeMap::new() }
-    }
-
-    /// The state of a frame.
-    fn state(&mut self, frame: &Frame) -> Result<State, String> {
-        let mut state = State { number: frame.number, time: frame.time, ..State::default() };
-        for (node, motions) in &frame.nodes {
-            // A file holds more nodes than a scene needs.
-            let Some(label) = self.labels.get(node) else { continue };
-            let mut motion = of_node(motions)?;
-            if self.map.rotations == Rotations::Incremental {
-                let by = match motion.rotation {
-                    Rotation::Vector(vector) => so3::turn(vector),
-                    Rotation::Quaternion(quaternion) => so3::matrix(quaternion),
-                };
-                let before = self.turned.get(label).copied().unwrap_or_else(identity);
-                let now = product(&by, &before);
-                self.turned.insert(*label, now);
-                motion.rotation = Rotation::Quaternion(so3::quaternion(&now));
-            }
-            state.nodes.insert(*label, motion);
-        }
-        Ok(state)
-    }
-}
-
-/// The motion of a node from what a file says of it.
-fn of_node(motions: &[(Motion, Printed)]) -> Result<NodeMotion, String> {
-    let mut found = NodeMotion::default();
-    let (mut vector, mut quaternion) = ([0.0; 3], None);
-    for (motion, number) in motions {
-        let x = number.x;
-        match motion {
-            Motion::Displacement(i) => found.displacement[*i] = x,
-            Motion::Rotation(i) => vector[*i] = x,
-            Motion::Quaternion(i) => quaternion.get_or_insert([0.0; 4])[*i] = x,
-            Motion::Velocity(i) => found.velocity[*i] = x,
-            Motion::AngularVelocity(i) => found.angular_velocity[*i] = x,
-            Motion::Acceleration(i) => found.acceleration[*i] = x,
-            Motion::AngularAcceleration(i) => found.angular_acceleration[*i] = x,
-            Motion::Flow => found.flow = x,
-        }
-    }
-    found.rotation = match quaternion {
-        None => Rotation::Vector(vector),
-        Some(q) => {
-            let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (norm - 1.0).abs() > 1e-3 {
-                return Err(format!("a quaternion of norm {norm}: is it q0, q1, q2, q3, the scalar first?"));
-            }
-            // Printed digits leave the norm a little off.
-            Rotation::Quaternion(q.map(|x| x / norm))
-        }
-    };
-    Ok(found)
-}
-
-/// The states that files tell, for whoever reads states.
-///
-/// # Errors
-/// What cannot be read, with file and line.
-pub fn states(scene: &Scene, results: &Results) -> Result<Vec<State>, String> {
-    let mut motions = Motions::new(scene, &results.map);
-    let mut found = Vec::new();
-    results.each(|frame| {
-        if !frame.nodes.is_empty() {
-            let mut state = motions.state(frame)?;
-            state.number = Some(found.len() as u64);
-            found.push(state);
-        }
-        Ok(())
-    })?;
-    Ok(found)
-}
 
 /// What files hold.
 #[derive(Debug, Default)]
 struct Survey {
-    has_rates: bool,
-    has_rotations: bool,
+    /// Velocities, accelerations.
+    has_rates: [bool; 2],
     has_motion: bool,
-    elements: u64,
+    /// The nodes that are told to move, and those that are told to turn.
+    moved: BTreeSet<String>,
+    turned: BTreeSet<String>,
+    has_outputs: bool,
+    has_forces: bool,
+    /// The most numbers of one frame.
+    numbers: usize,
+}
+
+impl Survey {
+    fn of(results: &Results) -> Result<Self, String> {
+        let mut survey = Self::default();
+        results.each(|frame| {
+            for (node, motions) in &frame.nodes {
+                let is = |kinds: fn(&Motion) -> bool| motions.iter().any(|(of, _)| kinds(of));
+                if !survey.moved.contains(node) {
+                    survey.moved.insert(node.clone());
+                }
+                let turns = is(|of| matches!(of, Motion::Rotation(_) | Motion::Quaternion(_)));
+                if turns && !survey.turned.contains(node) {
+                    survey.turned.insert(node.clone());
+                }
+                survey.has_rates[0] |=
+                    is(|of| matches!(of, Motion::Velocity(_) | Motion::AngularVelocity(_)));
+                survey.has_rates[1] |=
+                    is(|of| matches!(of, Motion::Acceleration(_) | Motion::AngularAcceleration(_)));
+            }
+            survey.has_motion |= frame.moves;
+            survey.has_outputs |= !frame.elements.is_empty();
+            survey.has_forces |= !frame.forces.is_empty();
+            let numbers = frame.elements.values().map(Vec::len).chain(frame.forces.values().map(Vec::len));
+            survey.numbers = survey.numbers.max(numbers.sum());
+            Ok(())
+        })?;
+        Ok(survey)
+    }
+
+    /// How many points of a series are kept, so that all take no more than some hundred megabytes.
+    fn kept(&self) -> usize {
+        (2_000_000 / self.numbers.max(1)).clamp(40, 4_000)
+    }
 }
 
 /// Compares what files say of the connectors of a scene with what these give along the motion that the files tell.
@@ -152,63 +79,64 @@ struct Survey {
 /// # Errors
 /// What cannot be read, with file and line, or that there is nothing to compare.
 pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Comparison, String> {
-    let mut survey = Survey::default();
-    results.each(|frame| {
-        let mut motions = frame.nodes.values().flatten();
-        survey.has_motion |= !frame.nodes.is_empty();
-        survey.has_rates |= motions.clone().any(|(of, _)| {
-            !matches!(
-                of,
-                Motion::Displacement(_) | Motion::Rotation(_) | Motion::Quaternion(_) | Motion::Flow
-            )
-        });
-        survey.has_rotations |=
-            motions.any(|(of, _)| matches!(of, Motion::Rotation(_) | Motion::Quaternion(_)));
-        survey.elements += frame.elements.len() as u64;
-        Ok(())
-    })?;
+    let survey = Survey::of(results)?;
+    let matrices = results.matrices();
     if !survey.has_motion {
         return Err("no file has a motion of nodes (U1, UR1 …): connectors cannot be evaluated; print it with *NODE PRINT or *NODE OUTPUT: U, UR".into());
     }
-    if survey.elements == 0 {
-        return Err("no file has an output of connectors (CU1, CP1, CTF1 …): there is nothing to compare; print it with *EL PRINT: CU, CTF".into());
+    if !survey.has_outputs && !survey.has_forces && matrices.is_empty() {
+        return Err("no file has an output of connectors (CU1, CP1, CTF1 …), a force at nodes (RF1 …) or a matrix: there is nothing to compare; print it with *EL PRINT: CU, CTF".into());
     }
-    let (mut comparison, alternatives) = run(scene, model, results, &survey)?;
+    let (mut comparison, _) = run(scene, model, results, (&survey, false))?;
+    if comparison.wrong() > 0 {
+        comparison.cause = other_maps(&results.map, &survey).into_iter().find_map(|(changed, words)| {
+            let mut other = results.clone();
+            other.map = changed;
+            let (tried, _) = run(scene, model, &other, (&survey, false)).ok()?;
+            (tried.compared() > 0 && tried.wrong() == 0).then_some(words)
+        });
+        if comparison.cause.is_none() {
+            let (_, alternatives) = run(scene, model, results, (&survey, true))?;
+            explain_all(&mut comparison.series, &alternatives);
+        }
+    }
+    if !matrices.is_empty() {
+        comparison.series.extend(compare_matrices(scene, model, results, &matrices, survey.has_rates[0])?);
+    }
     comparison.gaps = gaps(model, &survey, &comparison);
-    comparison.gaps.extend(results.unread().into_iter().map(|(file, headings)| {
-        format!("{file} has columns of no known meaning: {headings}; a map says what they are, or \"ignore\"")
+    comparison.gaps.extend(results.unread().into_iter().map(|(file, headings)| Gap {
+        what: format!(
+            "{file} has columns of no known meaning: {headings}; a map says what they are, or \"ignore\""
+        ),
+        request: Vec::new(),
     }));
-    if comparison.wrong() == 0 {
-        return Ok(comparison);
-    }
-    for (changed, words) in other_maps(&results.map, &survey) {
-        let mut other = results.clone();
-        other.map = changed;
-        let Ok((tried, _)) = run(scene, model, &other, &survey) else { continue };
-        if tried.compared() > 0 && tried.wrong() == 0 {
-            comparison.cause = Some(words);
-            return Ok(comparison);
-        }
-    }
-    for n in 0..comparison.series.len() {
-        if comparison.series[n].wrong > 0 {
-            comparison.series[n].cause = explain(&comparison.series[n], &alternatives);
-        }
-    }
     Ok(comparison)
+}
+
+fn explain_all(all: &mut [Series], alternatives: &Alternatives) {
+    for n in 0..all.len() {
+        let series = &all[n];
+        let Some(of) = series.of.filter(|_| series.wrong > 0) else { continue };
+        let (_, first) = of.place();
+        let sibling = |i: usize| {
+            all.iter().find(|other| other.element == series.element && other.of == Some(of.with(first + i)))
+        };
+        let cause = explain(series, [sibling(0), sibling(1), sibling(2)], alternatives);
+        all[n].cause = cause;
+    }
 }
 
 /// Other meanings of the motion, which explain everything at once.
 fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
     let mut found = Vec::new();
-    if survey.has_rotations && map.rotation_angles == Angle::Radian {
+    if !survey.turned.is_empty() && map.rotation_angles == Angle::Radian {
         let changed = Map { rotation_angles: Angle::Degree, ..map.clone() };
         found.push((
             changed,
             "the rotations of nodes are in degrees: rotation_angles = \"deg\" in the map".to_string(),
         ));
     }
-    if survey.has_rotations && map.rotations == Rotations::Total {
+    if !survey.turned.is_empty() && map.rotations == Rotations::Total {
         let changed = Map { rotations: Rotations::Incremental, ..map.clone() };
         found.push((
             changed,
@@ -222,279 +150,272 @@ fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
         let changed = Map { length: map.length * length, ..map.clone() };
         found.push((changed, format!("lengths are in {words}: length = {length} in the map")));
     }
+    if !map.single {
+        let changed = Map { single: true, ..map.clone() };
+        found.push((changed, "numbers went through single precision: single = true in the map".to_string()));
+    }
     found
 }
 
 /// What a file cannot tell.
-fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<String> {
+fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<Gap> {
     let mut found = Vec::new();
-    if !survey.has_rotations
-        && model.connectors.iter().any(|element| element.nodes.iter().flatten().count() > 0)
-    {
-        found.push(
-            "no rotation of a node: nodes are taken not to turn; add UR to *NODE PRINT or *NODE OUTPUT"
-                .to_string(),
-        );
+    let lines = |first: &str, second: &str| vec![first.to_string(), second.to_string()];
+    let mut still: BTreeSet<String> = BTreeSet::new();
+    for element in &model.connectors {
+        for (end, node) in element.nodes.iter().enumerate().filter_map(|(end, node)| Some((end, (*node)?))) {
+            let active = element.connector.active();
+            let node = node.to_string().to_ascii_uppercase();
+            let turns = active[7 * end + 3..7 * end + 6].contains(&true);
+            if turns && survey.moved.contains(&node) && !survey.turned.contains(&node) {
+                still.insert(node);
+            }
+        }
     }
-    let of_rates = |series: &Series| {
-        series.name.starts_with("CV") || series.name.starts_with("CA") && !series.name.starts_with("CASU")
-    };
-    if !survey.has_rates && comparison.series.iter().any(of_rates) {
-        found.push("no velocity of a node: CV, CA and viscous forces follow from differences of states; add V, VR to *NODE PRINT".to_string());
+    if !still.is_empty() {
+        const SHOWN: usize = 8;
+        let nodes: Vec<&str> = still.iter().take(SHOWN).map(String::as_str).collect();
+        let more = if still.len() > SHOWN { ", …" } else { "" };
+        found.push(Gap {
+            what: format!(
+                "no rotation of nodes {}{more}: they are taken not to turn, so neither frames of components nor variations of rotations are told apart",
+                nodes.join(", ")
+            ),
+            request: lines("*NODE PRINT", "U, UR"),
+        });
+    }
+    if comparison.unjudged.iter().any(|of| of.why == NO_RATES) {
+        found.push(Gap {
+            what: "the rates of nodes, of which CV and CA are made".into(),
+            request: lines("*NODE PRINT", "U, UR, V, VR, A, AR"),
+        });
+    }
+    if !survey.has_rates[0] && comparison.series.iter().any(Series::is_viscous) {
+        found.push(Gap {
+            what: "the velocities of nodes: viscous forces follow from differences of states".into(),
+            request: lines("*NODE PRINT", "U, UR, V, VR"),
+        });
+    }
+    if comparison.unjudged.iter().any(|of| of.why.contains("is not in the files")) {
+        found.push(Gap {
+            what: "forces at nodes need those of every component, and reactions do not follow from a motion"
+                .into(),
+            request: lines("*EL PRINT", "CTF"),
+        });
+    }
+    if comparison.unjudged.iter().any(|of| of.why.contains("no motion of nodes at")) {
+        found.push(Gap {
+            what: "some states have outputs and no motion: --interpolate takes it between those before and after".into(),
+            request: lines("*NODE PRINT, FREQUENCY=1", "U, UR"),
+        });
+    }
+    if survey.has_forces && comparison.between > 0 {
+        found.push(Gap {
+            what: "forces at states between two of the motion are those of that motion".into(),
+            request: Vec::new(),
+        });
     }
     found
 }
 
-/// One pass through all frames.
+/// A number of a file that is to be compared: what it is called, and what it must be.
+struct Judging<'a> {
+    evaluator: &'a Evaluator<'a>,
+    series: BTreeMap<Key, Series>,
+    unjudged: BTreeMap<(String, String), Unjudged>,
+    kept: usize,
+    has_rates: [bool; 2],
+}
+
+impl Judging<'_> {
+    fn refuse(&mut self, (owner, of): &Key, why: &str) {
+        let name = of.name();
+        let entry = self.unjudged.entry((owner.clone(), name.clone())).or_insert_with(|| Unjudged {
+            element: owner.clone(),
+            name,
+            count: 0,
+            why: why.to_string(),
+        });
+        entry.count += 1;
+    }
+
+    fn add(&mut self, key: &Key, type_name: &str, point: Point) {
+        let kept = self.kept;
+        let new = || Series::new(key, type_name.to_string());
+        self.series.entry(key.clone()).or_insert_with(new).add(point, kept);
+    }
+
+    /// The points of a frame.
+    fn points(
+        &mut self,
+        frame: &Frame,
+        at: f64,
+        known: Option<(&Known, &State)>,
+    ) -> Vec<(Key, String, Point)> {
+        let mut found = Vec::new();
+        let evaluator = self.evaluator;
+        for (element, outputs) in &frame.elements {
+            for (output, k, printed) in outputs {
+                let key = (element.clone(), Of::Output(*output, *k));
+                if !evaluator.ends.contains_key(element) {
+                    self.refuse(&key, "the scene has no such connector");
+                    continue;
+                }
+                let Some((known, _)) = known else {
+                    self.refuse(&key, "the files have no motion of nodes at these times");
+                    continue;
+                };
+                let is_told = match output {
+                    Output::CV => self.has_rates[0],
+                    Output::CA => self.has_rates == [true; 2],
+                    _ => true,
+                };
+                if !is_told {
+                    self.refuse(&key, NO_RATES);
+                    continue;
+                }
+                let Some(numbers) = known.elements.get(element) else {
+                    self.refuse(&key, "the connector has no output");
+                    continue;
+                };
+                let printed = printed.times(unit_of(evaluator.map, *output, numbers.units[*k]));
+                let Some(want) = numbers.values.get(&(*output, *k)) else {
+                    self.refuse(
+                        &key,
+                        if output.is_force() {
+                            "the motion leaves it open: a reaction, or nothing acts there"
+                        } else {
+                            "the connection type has no such component"
+                        },
+                    );
+                    continue;
+                };
+                let of_kind = numbers.values.iter().filter(|((other, _), _)| *other == *output);
+                let largest = of_kind.map(|(_, x)| x.abs()).fold(printed.x.abs(), f64::max);
+                let allowed = printed.half + ROUNDINGS * largest.max(1e-3);
+                found.push((
+                    key,
+                    numbers.type_name.clone(),
+                    Point { at, got: printed.x, want: *want, allowed },
+                ));
+            }
+        }
+        for (node, forces) in &frame.forces {
+            for (nodal, i, printed) in forces {
+                let key = (node.clone(), Of::Nodal(*nodal, *i));
+                let Some((known, state)) = known else {
+                    self.refuse(&key, "the files have no motion of nodes at these times");
+                    continue;
+                };
+                match evaluator.at_node(known, (node, (*nodal, *i)), state) {
+                    Err(why) => self.refuse(&key, &why),
+                    Ok(want) => {
+                        let of_kind = forces.iter().filter(|(of, ..)| of == nodal);
+                        let largest = of_kind.map(|(.., x)| x.x.abs()).fold(want.x.abs(), f64::max);
+                        let allowed = printed.half + want.half + ROUNDINGS * largest.max(1e-3);
+                        let type_name = if *nodal == Nodal::Reaction { "reaction at" } else { "force at" };
+                        found.push((
+                            key,
+                            type_name.into(),
+                            Point { at, got: printed.x, want: want.x, allowed },
+                        ));
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// One pass through all frames; with what each number may be besides, where that is looked for.
 fn run(
     scene: &Scene,
     model: &Model,
     results: &Results,
-    survey: &Survey,
+    (survey, explains): (&Survey, bool),
 ) -> Result<(Comparison, Alternatives), String> {
-    let request = Request::new(&OUTPUTS, [true; 6], 0);
-    let plan = Plan::compile(model, &Selection::All, request.clone()).map_err(|error| error.to_string())?;
     if model.connectors.is_empty() {
         return Err(format!("{} has no connector", scene.name));
     }
+    let evaluator = Evaluator::new(scene, model, &results.map)?;
+    let plan =
+        Plan::compile(model, &Selection::All, evaluator.request()).map_err(|error| error.to_string())?;
     let mut sequence = Sequence::new(model, &plan);
-    if !survey.has_rates {
+    if !survey.has_rates[0] {
         sequence.set_velocities(Velocities::Increments);
     }
-    let ends: BTreeMap<String, [Option<Label>; 2]> = model
-        .connectors
-        .iter()
-        .map(|element| (element.label.to_string().to_ascii_uppercase(), element.nodes))
-        .collect();
     let mut motions = Motions::new(scene, &results.map);
-    let mut series: BTreeMap<(String, Output, usize), Series> = BTreeMap::new();
-    let mut unjudged: BTreeMap<(String, String), Unjudged> = BTreeMap::new();
+    let kept = survey.kept();
+    let mut judging = Judging {
+        evaluator: &evaluator,
+        series: BTreeMap::new(),
+        unjudged: BTreeMap::new(),
+        kept,
+        has_rates: survey.has_rates,
+    };
     let mut alternatives = Alternatives::default();
     let mut comparison = Comparison::default();
-    let mut last: Option<BTreeMap<String, Numbers>> = None;
     let mut before = sequence.clone();
+    let mut is_wrong = false;
     results.each(|frame| {
         comparison.frames += 1;
-        let mut state = None;
-        if !frame.nodes.is_empty() {
-            comparison.moved += 1;
-            before.clone_from(&sequence);
-            let now = motions.state(frame)?;
-            last = Some(evaluate(&mut sequence, model, &request, &now));
-            state = Some(now);
-        }
-        if frame.elements.is_empty() {
+        comparison.between += u64::from(frame.is_between);
+        let at = frame.time.or(frame.number.map(|n| n as f64)).unwrap_or(comparison.frames as f64 - 1.0);
+        if !frame.moves {
+            judging.points(frame, at, None);
             return Ok(());
         }
-        let at = frame.time.or(frame.number.map(|n| n as f64)).unwrap_or(comparison.frames as f64 - 1.0);
-        let mut suspects: Vec<((String, Output, usize), Point)> = Vec::new();
-        for (element, outputs) in &frame.elements {
-            let of_scene = last.as_ref().and_then(|all| all.get(element));
-            for (output, k, printed) in outputs {
-                let name = name_of(*output, *k);
-                let mut not_judged = |why: &str| {
-                    let entry = unjudged.entry((element.clone(), name.clone()));
-                    let entry = entry.or_insert_with(|| Unjudged {
-                        element: element.clone(),
-                        name: name.clone(),
-                        count: 0,
-                        why: why.to_string(),
-                    });
-                    entry.count += 1;
-                };
-                if !ends.contains_key(element) {
-                    not_judged("the scene has no such connector");
-                    continue;
-                }
-                if state.is_none() {
-                    not_judged("the files have no motion of nodes at these times");
-                    continue;
-                }
-                let Some(numbers) = of_scene else {
-                    not_judged("the connector has no output");
-                    continue;
-                };
-                let printed = printed.times(unit_of(&results.map, *output, numbers.units[*k]));
-                let Some(want) = numbers.values.get(&(*output, *k)) else {
-                    not_judged(if output.is_force() {
-                        "the motion leaves it open: a reaction, or nothing acts there"
-                    } else {
-                        "the connection type has no such component"
-                    });
-                    continue;
-                };
-                let largest = numbers
-                    .values
-                    .iter()
-                    .filter(|((other, _), _)| *other == *output)
-                    .map(|(_, x)| x.abs())
-                    .fold(printed.x.abs(), f64::max);
-                let point = Point {
-                    at,
-                    got: printed.x,
-                    want: *want,
-                    allowed: printed.half + ROUNDINGS * largest.max(1e-3),
-                };
-                let key = (element.clone(), *output, *k);
-                let of = series.entry(key.clone()).or_insert_with(|| {
-                    Series::new(element.clone(), numbers.type_name.clone(), name.clone(), *k)
-                });
-                if point.is_wrong() && (of.wrong < SURE || point.units() < 100.0) {
-                    suspects.push((key, point));
-                } else {
-                    of.add(point);
-                }
+        comparison.moved += 1;
+        before.clone_from(&sequence);
+        let state = motions.state(frame)?;
+        let known = evaluator.at(&mut sequence, &state, (frame, explains && frame.tells()));
+        let mut suspects: Vec<(Key, String, Point)> = Vec::new();
+        for (key, type_name, point) in judging.points(frame, at, Some((&known, &state))) {
+            let wrong = judging.series.get(&key).map_or(0, |of| of.wrong);
+            if point.is_wrong() && (wrong < SURE || point.units() < 100.0) {
+                suspects.push((key, type_name, point));
+            } else {
+                is_wrong |= point.is_wrong();
+                judging.add(&key, &type_name, point);
             }
         }
-        if let (Some(now), Some(right)) = (&state, &last) {
-            let digits = digits_of_motion(now, frame, &motions.labels, &suspects, &ends);
-            let uncertain = uncertain(&before, model, &request, (now, right), &digits, &suspects);
-            for ((key, point), more) in suspects.into_iter().zip(uncertain) {
-                let point = Point { allowed: point.allowed + more, ..point };
-                series.entry(key).and_modify(|of| of.add(point));
-            }
-            if alternatives.len() < KEPT {
-                let of_files = right.iter().filter(|(element, _)| frame.elements.contains_key(*element));
-                alternatives
-                    .add(at, of_files.map(|(element, numbers)| (element.clone(), numbers.values.clone())));
-            }
+        let keys: Vec<Key> = suspects.iter().map(|(key, ..)| key.clone()).collect();
+        let more = evaluator.uncertain(&before, (&state, frame, &known), &motions, &keys);
+        for ((key, type_name, point), more) in suspects.into_iter().zip(more) {
+            let point = Point { allowed: point.allowed + more, ..point };
+            is_wrong |= point.is_wrong();
+            judging.add(&key, &type_name, point);
+        }
+        if explains && frame.tells() {
+            alternatives.add(at, known, |element| frame.elements.contains_key(element), (kept, is_wrong));
         }
         Ok(())
     })?;
-    comparison.series = series.into_values().collect();
-    comparison.unjudged = unjudged.into_values().collect();
+    comparison.series = judging.series.into_values().collect();
+    comparison.unjudged = judging.unjudged.into_values().collect();
     Ok((comparison, alternatives))
 }
 
-/// The numbers of every connector at the next state.
-fn evaluate(
-    sequence: &mut Sequence<'_>,
-    model: &Model,
-    request: &Request,
-    state: &State,
-) -> BTreeMap<String, Numbers> {
-    let mut found = BTreeMap::new();
-    let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
-        if let Item::Connector(result) = item {
-            let block = Block::of_connector(model, request, result);
-            let mut numbers = Numbers { type_name: block.type_name.to_string(), ..Numbers::default() };
-            for row in &block.rows {
-                let Some(k) = COMPONENT.iter().position(|name| *name == row.name) else { continue };
-                numbers.units[k] = Some(row.unit);
-                for (output, value) in Output::ALL.into_iter().zip(row.values) {
-                    if let Some(Value::Number(x)) = value {
-                        numbers.values.insert((output, k), x);
-                    }
-                }
-            }
-            found.insert(block.label.to_ascii_uppercase(), numbers);
-        }
-        Ok(())
-    });
-    found
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The motions whose digits count for what is suspected: node, which of its numbers, half a unit.
-fn digits_of_motion(
-    state: &State,
-    frame: &Frame,
-    labels: &BTreeMap<String, Label>,
-    suspects: &[((String, Output, usize), Point)],
-    ends: &BTreeMap<String, [Option<Label>; 2]>,
-) -> Vec<(Label, Motion, f64)> {
-    let counts = |label: &Label| {
-        suspects.iter().any(|((element, ..), _)| {
-            ends.get(element).is_some_and(|ends| ends.iter().flatten().any(|end| end == label))
-        })
-    };
-    let mut found = Vec::new();
-    for (node, motions) in &frame.nodes {
-        let Some(label) = labels.get(node).filter(|label| counts(label) && state.nodes.contains_key(*label))
-        else {
-            continue;
-        };
-        found.extend(
-            motions.iter().filter(|(_, of)| of.half > 0.0).map(|(motion, of)| (*label, *motion, of.half)),
+    #[test]
+    fn an_output_is_named_as_files_have_it() {
+        for (of, name) in [
+            (Of::Output(Output::CU, 3), "CUR1"),
+            (Of::Output(Output::CTF, 5), "CTM3"),
+            (Of::Output(Output::CRF, 0), "CRF1"),
+            (Of::Nodal(Nodal::Reaction, 4), "RM2"),
+            (Of::Nodal(Nodal::Force, 0), "NF1"),
+        ] {
+            assert_eq!(of.name(), name);
+        }
+        let scene = Scene::parse("none.inp", "*NODE\n1, 0., 0., 0.\n").unwrap();
+        let model = Model::compile(&scene).unwrap();
+        assert!(
+            run(&scene, &model, &Results::new(Vec::new(), Map::default()), (&Survey::default(), false))
+                .is_err()
         );
-    }
-    found
-}
-
-/// By how much each suspected number changes, as the motion changes by what its digits leave open.
-fn uncertain(
-    before: &Sequence<'_>,
-    model: &Model,
-    request: &Request,
-    (state, right): (&State, &BTreeMap<String, Numbers>),
-    digits: &[(Label, Motion, f64)],
-    suspects: &[((String, Output, usize), Point)],
-) -> Vec<f64> {
-    let mut found = vec![0.0; suspects.len()];
-    let mut again = before.clone();
-    for (label, motion, half) in digits {
-        let mut moved = state.clone();
-        let Some(node) = moved.nodes.get_mut(label) else { continue };
-        shift(node, *motion, *half);
-        again.clone_from(before);
-        let all = evaluate(&mut again, model, request, &moved);
-        for (found, ((element, output, k), _)) in found.iter_mut().zip(suspects) {
-            let value = |of: &BTreeMap<String, Numbers>| {
-                of.get(element).and_then(|numbers| numbers.values.get(&(*output, *k)).copied())
-            };
-            if let (Some(one), Some(other)) = (value(right), value(&all)) {
-                *found += (one - other).abs();
-            }
-        }
-    }
-    found
-}
-
-/// Moves a node a little.
-fn shift(node: &mut NodeMotion, motion: Motion, by: f64) {
-    match (motion, &mut node.rotation) {
-        (Motion::Displacement(i), _) => node.displacement[i] += by,
-        (Motion::Rotation(i), Rotation::Vector(vector)) => vector[i] += by,
-        (Motion::Rotation(i), Rotation::Quaternion(quaternion)) => {
-            let mut turn = [0.0; 3];
-            turn[i] = by;
-            let turned = product(&so3::turn(turn), &so3::matrix(*quaternion));
-            *quaternion = so3::quaternion(&turned);
-        }
-        (Motion::Quaternion(i), Rotation::Quaternion(quaternion)) => {
-            quaternion[i] += by;
-            let norm = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
-            *quaternion = quaternion.map(|x| x / norm);
-        }
-        (Motion::Quaternion(_), Rotation::Vector(_)) => {}
-        (Motion::Velocity(i), _) => node.velocity[i] += by,
-        (Motion::AngularVelocity(i), _) => node.angular_velocity[i] += by,
-        (Motion::Acceleration(i), _) => node.acceleration[i] += by,
-        (Motion::AngularAcceleration(i), _) => node.angular_acceleration[i] += by,
-        (Motion::Flow, _) => node.flow += by,
-    }
-}
-
-/// The unit of an output of the file, in the scene's.
-fn unit_of(map: &Map, output: Output, unit: Option<Unit>) -> f64 {
-    let of_component = match unit {
-        Some(Unit::Angle) => map.angles.size(),
-        Some(Unit::Length) => map.length,
-        _ => 1.0,
-    };
-    if !output.is_force() {
-        return of_component;
-    }
-    // A force on a rotation is a moment.
-    if unit == Some(Unit::Angle) { map.force * map.length } else { map.force }
-}
-
-/// The name of an output of a component, as headings have it: CU1, CUR1, CTF1, CTM1.
-pub(crate) fn name_of(output: Output, k: usize) -> String {
-    let name = output.name();
-    match (k, output.is_force()) {
-        (0..=2, _) => format!("{name}{}", k + 1),
-        (_, true) => format!("{}M{}", name.trim_end_matches('F'), k - 2),
-        (_, false) if output.is_kinematic() => format!("{name}R{}", k - 2),
-        _ => format!("{name}{}", k + 1),
     }
 }

@@ -177,8 +177,8 @@ impl MpcCase {
         (nearness >= CLEAR && is_plain).then(|| Least::of((value, s, s2), unit, rates)).flatten()
     }
 
-    /// The numbers without mistakes.
-    fn judged(&self) -> Vec<ResultTable> {
+    /// The numbers at this state, and what they must be; without mistakes that may explain what is wrong.
+    pub fn judged(&self) -> Vec<ResultTable> {
         let got = self.said();
         let mut tables = self.tables_of(&got, &self.truth(&got), &self.equations());
         tables.retain(|table| !table.entries.is_empty());

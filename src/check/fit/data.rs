@@ -2,9 +2,10 @@
 
 use super::space::Reading;
 use crate::convention::{Axes, Frame, Positions, Turned, Variation, is_vector};
-use pintle_audit::{Case, Quantity, Right, Step};
+use pintle_audit::{Case, MpcCase, Quantity, Right, Step};
 use pintle_kinematics::connector::{Connector, Definition, State};
 use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::mpc::{Body, DOFS, Kind, PHI};
 use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::so3;
@@ -43,8 +44,19 @@ pub(super) struct Row {
     pub(super) displacements: [[Block; Frame::ALL.len()]; 2],
     /// By each variation of rotations.
     pub(super) rotations: [[Block; Variation::ALL.len()]; 2],
-    /// By the flows.
-    pub(super) flows: [Number; 2],
+    /// By the flows, and by the angles of hinges.
+    pub(super) single: [Number; 4],
+}
+
+impl Row {
+    /// By a degree of freedom that has no others beside it.
+    pub(super) fn by(&self, place: usize) -> Number {
+        match place {
+            6 => self.single[0],
+            13 => self.single[1],
+            hinge => self.single[hinge - PHI + 2],
+        }
+    }
 }
 
 /// A line that a routine may give: a component, or a cosine as an angle.
@@ -71,6 +83,9 @@ pub(super) struct Said {
     /// Of a and of b.
     pub(super) rotations: [bool; 2],
     pub(super) flows: bool,
+    pub(super) hinges: bool,
+    /// Whether it matters how orientations are read.
+    pub(super) turns: bool,
 }
 
 /// What is right at all states, of every line, where the orientations are read and vectors resolved in one way.
@@ -150,6 +165,8 @@ impl Expected {
             displacements: depends(|measure| measure.dependence().translation) && (any(0..3) || any(7..10)),
             rotations: [depends(turns_a) && any(3..6), depends(turns_b) && any(10..13)],
             flows: depends(|measure| measure.dependence().flow) && (active[6] || active[13]),
+            hinges: false,
+            turns: depends(turns_a) || depends(turns_b),
         };
         let at = states.iter().map(|state| {
             let (definition, pair) = read(definition, &state.pair, reading);
@@ -205,7 +222,7 @@ impl Expected {
                 rotations: [0, 1].map(|end| {
                     Variation::ALL.map(|of| times(&of.jacobian(&turned[end]), block(7 * end + 3)))
                 }),
-                flows: [entry(6), entry(13)],
+                single: [entry(6), entry(13), Number::default(), Number::default()],
             };
             let values = [0, 1, 2].map(|n| {
                 let value = value?;
@@ -225,5 +242,80 @@ impl Expected {
             Right1 { row, values, rate }
         });
         Some(found.collect())
+    }
+}
+
+/// The case as a routine sees it that reads orientations in its own way.
+fn read_case(case: &MpcCase, reading: Reading) -> MpcCase {
+    let mut case = case.clone();
+    let read = |body: &mut Body<f64>| match reading {
+        Reading::Right => {}
+        Reading::Inverse | Reading::Transposed => body.rotation = transpose(&body.rotation),
+        Reading::ScalarLast => {
+            let mut quaternion = so3::quaternion(&body.rotation);
+            quaternion.rotate_right(1);
+            body.rotation = so3::matrix(quaternion);
+        }
+    };
+    read(&mut case.state.slave);
+    read(&mut case.state.master);
+    case
+}
+
+impl Expected {
+    /// Of a multi-point constraint, S in the place of a and M in that of b.
+    pub(super) fn of_constraint(cases: &[MpcCase], reading: Reading, axes: Axes) -> Option<Self> {
+        // Initial triads are the global axes: transposed triads are rotations backwards.
+        if axes != Axes::A || reading == Reading::Transposed {
+            return None;
+        }
+        let constraint = &cases.first()?.constraint;
+        let rows = constraint.rows();
+        let rows: Vec<usize> = (0..rows.len()).filter(|k| rows[*k]).collect();
+        let lines =
+            rows.iter().map(|k| Line { k: *k, is_as_angle: false, unit: Kind::row_unit(*k) }).collect();
+        let has = constraint.columns();
+        let any = |of: std::ops::Range<usize>| has[of].contains(&true);
+        let said = Said {
+            displacements: any(0..3),
+            rotations: [any(3..6), any(10..13)],
+            flows: has[6] || has[13],
+            hinges: any(PHI..DOFS),
+            turns: any(3..6) || any(10..13),
+        };
+        if reading != Reading::Right && said.rotations == [false; 2] {
+            return None;
+        }
+        let at = cases.iter().map(|case| Self::at_case(&read_case(case, reading), rows.len())).collect();
+        Some(Self { lines, said, at })
+    }
+
+    fn at_case(case: &MpcCase, rows: usize) -> Vec<Right1> {
+        let turned = [&case.state.slave, &case.state.master].map(|body| Turned {
+            triad: body.rotation,
+            rotation: body.rotation,
+            vector: so3::log(&body.rotation),
+        });
+        let tables = case.judged();
+        let number = |quantity: Quantity, n: usize, j: usize| {
+            let table = tables.iter().find(|table| table.quantity == quantity)?;
+            let entry = table.entries.get(n * table.width() + j)?;
+            Some(Number { x: entry.want.to_f64(), off: entry.tolerance() })
+        };
+        let found = (0..rows).map(|n| {
+            let entry = |j: usize| number(Quantity::FirstDerivatives, n, j).unwrap_or_default();
+            let block = |at: usize| [0, 1, 2].map(|i| entry(at + i));
+            let row = Row {
+                displacements: [0, 1]
+                    .map(|end| Frame::ALL.map(|frame| times(&frame.axes(end, &turned), block(7 * end)))),
+                rotations: [0, 1].map(|end| {
+                    Variation::ALL.map(|of| times(&of.jacobian(&turned[end]), block(7 * end + 3)))
+                }),
+                single: [entry(6), entry(13), entry(PHI), entry(PHI + 1)],
+            };
+            let values = [number(Quantity::Value, n, 0), None, None];
+            Right1 { row, values, rate: number(Quantity::Rate, n, 0) }
+        });
+        found.collect()
     }
 }

@@ -5,12 +5,14 @@
 //! | `space` | which conventions are looked at, and how unusual is each? |
 //! | `data` | what is right at the states, in every form that a convention may give it? |
 //! | `search` | under which of them is every entry right, or are the fewest wrong? |
+//! | `more` | what do second derivatives and nodal forces tell, where rows leave something open? |
 //! | `words` | what does a convention say? |
 //!
 //! An entry is right within the bound of the audit (`pintle_audit::judge::bound`), never within a tolerance of its row. Where states
 //! leave several conventions open, all of them are the answer, with a state that tells them apart.
 
 mod data;
+mod more;
 mod search;
 mod space;
 #[cfg(test)]
@@ -19,15 +21,17 @@ mod words;
 
 pub use search::GivenRows;
 
-use crate::convention::{Axes, COLUMNS, Convention, Positions, Turned};
+use crate::convention::{Axes, Convention, Forces, Positions, Turned};
 use data::{Expected, Number};
-use pintle_audit::{Candidate, Case, Settings};
-use pintle_kinematics::catalog::COMPONENT;
+use more::More;
+use pintle_audit::{Candidate, Case, ConstraintCandidate, MpcCase, Settings};
 use pintle_kinematics::connector::{Definition, State};
-use pintle_kinematics::node::DOFS;
+use pintle_kinematics::mpc::Constraint;
 use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3;
 use search::{Fit, Fits, ODD_FACTOR, Search, Stored, index, is_value};
-use space::Reading;
+pub(crate) use space::columns_of;
+use space::{Names, Reading};
 
 /// How many conventions of a class are compared in search of a state that tells them apart.
 const COMPARED: usize = 60;
@@ -74,25 +78,54 @@ pub struct Found {
 /// # Errors
 /// In words, where the lists are no rows of a connector.
 pub fn fit(definition: &Definition, states: &[State<f64>], given: &[GivenRows]) -> Result<Found, String> {
-    if states.is_empty() || states.len() != given.len() {
-        return Err(format!("{} states, and rows of {}", states.len(), given.len()));
+    let length = length(definition);
+    let expected = |reading, axes| Expected::of(definition, states, reading, axes, length);
+    let more = More { definition, states, given, length };
+    find(states.len(), &expected, (Names::of_connector(), Some(&more)), given)
+}
+
+/// The same of the rows of a multi-point constraint.
+///
+/// # Errors
+/// In words, where the lists are no rows of a constraint.
+pub fn fit_constraint(
+    constraint: &Constraint<f64>,
+    cases: &[MpcCase],
+    given: &[GivenRows],
+) -> Result<Found, String> {
+    let expected = |reading, axes| Expected::of_constraint(cases, reading, axes);
+    find(cases.len(), &expected, (Names::of_constraint(constraint.kind()), None), given)
+}
+
+/// What is right at the states, where orientations are read and vectors resolved in one way.
+type Expecting<'a> = dyn Fn(Reading, Axes) -> Option<Expected> + 'a;
+
+fn find(
+    states: usize,
+    expecting: &Expecting<'_>,
+    (names, more): (Names, Option<&More<'_>>),
+    given: &[GivenRows],
+) -> Result<Found, String> {
+    if states == 0 || states != given.len() {
+        return Err(format!("{states} states, and rows of {}", given.len()));
     }
-    let all = Stored::all(given);
+    let all = Stored::all(given, &names);
     if all.is_empty() {
-        return Err("the rows are no lists of 6, 7, 12 or 14 columns and at most six lines, of one shape at every state".into());
+        return Err(match names.hinges {
+            0 => "the rows are no lists of 6, 7, 12 or 14 columns and at most six lines, of one shape at every state".into(),
+            hinges => format!("the rows are no lists of {} or {} columns and at most seven lines, of one shape at every state", 12 + hinges, 14 + hinges),
+        });
     }
     if all.iter().all(|stored| stored.lines.is_empty()) {
         return Err("every row is zero".into());
     }
-    let length = length(definition);
     let mut known: Vec<(Reading, Axes, Expected)> = Vec::new();
     for reading in Reading::ALL {
         for axes in Axes::ALL {
-            let expected = Expected::of(definition, states, reading, axes, length);
-            known.extend(expected.map(|expected| (reading, axes, expected)));
+            known.extend(expecting(reading, axes).map(|expected| (reading, axes, expected)));
         }
     }
-    let mut search = Search { given, fits: Fits::default(), most: 0 };
+    let mut search = Search { names, given, fits: Fits::default(), most: 0 };
     // What leaves few entries wrong is found at once; what leaves many is looked for where nothing else is found.
     for most in [2, 8, 30] {
         search.most = most;
@@ -116,11 +149,11 @@ pub fn fit(definition: &Definition, states: &[State<f64>], given: &[GivenRows]) 
             is_new
         });
     }
+    tell_more(&mut fits, more);
     let Some(best) = fits.all.first().cloned() else {
         return Err("under no convention are most entries right: these are other rows".into());
     };
-    let expected = Expected::of(definition, states, best.reading, best.axes, length)
-        .ok_or("the states leave no connector")?;
+    let expected = expecting(best.reading, best.axes).ok_or("the states leave no connector")?;
     let stored = all
         .iter()
         .find(|stored| {
@@ -132,7 +165,15 @@ pub fn fit(definition: &Definition, states: &[State<f64>], given: &[GivenRows]) 
     let best = with_odd_factors(&best, stored, &expected, &search);
     let right: Vec<Fit> = fits.all.iter().filter(|fit| fit.wrong == 0).cloned().collect();
     let plain = plain(&best);
-    let departures = best.answers().into_iter().filter(|answer| !plain.contains(answer)).collect();
+    let mut departures: Vec<(&'static str, String)> =
+        best.answers().into_iter().filter(|answer| !plain.contains(answer)).collect();
+    let mut convention = best.convention();
+    if let Some(side) = more.and_then(|more| more.side(&best)) {
+        convention.forces = side;
+        if side == Forces::Body {
+            departures.push(("nodal forces", "those on the bodies, minus the residual side".into()));
+        }
+    }
     let mut open: Vec<(&'static str, Vec<String>)> = Vec::new();
     if right.len() > 1 {
         for fit in &right {
@@ -148,7 +189,7 @@ pub fn fit(definition: &Definition, states: &[State<f64>], given: &[GivenRows]) 
     }
     let wrong = wrong_entries(&best, stored, &expected, given);
     Ok(Found {
-        convention: best.convention(),
+        convention,
         departures,
         open,
         count: right.len(),
@@ -188,10 +229,47 @@ pub fn generic_states(definition: &Definition, seed: &str, count: usize) -> Vec<
     clear.iter().filter_map(|case| case.last()).map(|step| step.state).take(count).collect()
 }
 
+/// General states of a constraint: both nodes turned, the constraint violated, and clear of singular sets.
+pub fn generic_cases(constraint: &Constraint<f64>, seed: &str, count: usize) -> Vec<MpcCase> {
+    const DRAWN: usize = 16;
+    let settings = Settings {
+        states: DRAWN * (count + 1),
+        seed: seed.to_string(),
+        near_singular_states: 0,
+        atlas: false,
+        ..Settings::default()
+    };
+    let drawn = ConstraintCandidate::new("general states", constraint).settings(settings).drawn();
+    let is_general = |(n, case): &(usize, MpcCase)| {
+        let bodies = [&case.state.slave, &case.state.master];
+        let is_turned = bodies.iter().all(|body| (0.3..2.8).contains(&norm(so3::log(&body.rotation))));
+        // Those at which the constraint holds tell less, and every sixth has right angles.
+        n % 2 == 1 && n % 6 != 5 && is_turned
+    };
+    drawn.into_iter().enumerate().filter(is_general).map(|(_, case)| case).take(count).collect()
+}
+
 /// The connector's length.
 fn length(definition: &Definition) -> f64 {
     let length = norm(definition.initial.reference);
     if length > 0.0 { length } else { 1.0 }
+}
+
+/// Leaves those of the conventions under which all rows are right that second derivatives allow.
+fn tell_more(fits: &mut Fits, more: Option<&More<'_>>) {
+    /// Of more than so many, rows tell next to nothing.
+    const MOST: usize = 200;
+    let right = fits.all.iter().filter(|fit| fit.wrong == 0).count();
+    let Some(more) =
+        more.filter(|more| (2..=MOST).contains(&right) && more.given.iter().any(|of| of.second.is_some()))
+    else {
+        return;
+    };
+    let left: Vec<Fit> =
+        fits.all.iter().filter(|fit| fit.wrong > 0 || more.bends(fit) != Some(false)).cloned().collect();
+    if left.iter().any(|fit| fit.wrong == 0) {
+        fits.all = left;
+    }
 }
 
 /// What pintle's own conventions say on the questions of a fit.
@@ -291,8 +369,8 @@ fn wrong_entries(fit: &Fit, stored: &Stored, expected: &Expected, given: &[Given
                 if !number.is(got, factor) {
                     let name = format!(
                         "∂{}/∂{} (line {}, column {})",
-                        COMPONENT[k],
-                        COLUMNS[place % DOFS],
+                        fit.names.rows[k],
+                        fit.names.columns[*place],
                         of.line + 1,
                         column + 1
                     );
@@ -307,13 +385,13 @@ fn wrong_entries(fit: &Fit, stored: &Stored, expected: &Expected, given: &[Given
             if let (Some(got), Some(number)) = value
                 && !is_value(&number, got, factor, of.is.unit)
             {
-                let name = format!("{} (line {})", COMPONENT[k], of.line + 1);
+                let name = format!("{} (line {})", fit.names.rows[k], of.line + 1);
                 add(WrongEntry { name, component: k, column: None, state, got, want: factor * number.x });
             }
             if let (Some(got), Some(number)) = (line(&given[state].rates), right.rate)
                 && !number.is(got, factor)
             {
-                let name = format!("d{}/dt (line {})", COMPONENT[k], of.line + 1);
+                let name = format!("d{}/dt (line {})", fit.names.rows[k], of.line + 1);
                 add(WrongEntry { name, component: k, column: None, state, got, want: factor * number.x });
             }
         }
@@ -339,12 +417,16 @@ impl Found {
 
     /// How many groups a state tells the conventions of the class apart into: 1 where it tells nothing.
     pub fn told_apart(&self, definition: &Definition, state: &State<f64>) -> usize {
+        let length = length(definition);
+        self.groups(&|reading, axes| Expected::of(definition, &[*state], reading, axes, length))
+    }
+
+    fn groups(&self, expecting: &Expecting<'_>) -> usize {
         let mut groups: Vec<Vec<Number>> = Vec::new();
         let mut known: Vec<(Reading, Axes, Option<Expected>)> = Vec::new();
         for fit in spread(&self.fits) {
             if !known.iter().any(|(reading, axes, _)| (*reading, *axes) == (fit.reading, fit.axes)) {
-                let of = Expected::of(definition, &[*state], fit.reading, fit.axes, length(definition));
-                known.push((fit.reading, fit.axes, of));
+                known.push((fit.reading, fit.axes, expecting(fit.reading, fit.axes)));
             }
             let of = known.iter().find(|(reading, axes, _)| (*reading, *axes) == (fit.reading, fit.axes));
             let Some((_, _, Some(expected))) = of else { continue };
@@ -364,11 +446,22 @@ impl Found {
 
     /// The state of some that tells most conventions of the class apart; none where there is one convention, or nothing tells.
     pub fn separating(&self, definition: &Definition, states: &[State<f64>]) -> Option<usize> {
+        self.best(states.iter().map(|state| self.told_apart(definition, state)))
+    }
+
+    /// The same of states of a constraint.
+    pub fn separating_case(&self, cases: &[MpcCase]) -> Option<usize> {
+        let expecting = |case: &MpcCase, reading, axes| {
+            Expected::of_constraint(std::slice::from_ref(case), reading, axes)
+        };
+        self.best(cases.iter().map(|case| self.groups(&|reading, axes| expecting(case, reading, axes))))
+    }
+
+    fn best(&self, told: impl Iterator<Item = usize>) -> Option<usize> {
         if self.fits.len() < 2 {
             return None;
         }
-        let told = states.iter().map(|state| self.told_apart(definition, state)).enumerate();
-        let best = told.max_by(|one, other| one.1.cmp(&other.1).then(other.0.cmp(&one.0)))?;
+        let best = told.enumerate().max_by(|one, other| one.1.cmp(&other.1).then(other.0.cmp(&one.0)))?;
         (best.1 > 1).then_some(best.0)
     }
 }

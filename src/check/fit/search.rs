@@ -5,7 +5,9 @@
 //! blocks are matched by themselves, and only what may still be the best is put together.
 
 use super::data::{Block, Expected, Line, Number, Right1};
-use super::space::{Order, Reading, Units, cost_of_axes, cost_of_frame, cost_of_variation};
+use super::space::{
+    Names, Order, PLACES, Reading, Units, cost_of_axes, cost_of_frame, cost_of_variation, is_rotation,
+};
 use crate::convention::{Angle, Axes, Frame, Positions, Storage, Variation};
 use pintle_kinematics::measure::Unit;
 use std::collections::HashMap;
@@ -30,6 +32,10 @@ pub struct GivenRows {
     pub values: Option<Vec<Option<f64>>>,
     /// The rates, by line.
     pub rates: Option<Vec<Option<f64>>>,
+    /// The second derivatives, by line: a matrix, row by row.
+    pub second: Option<Vec<Option<Vec<f64>>>>,
+    /// The nodal forces of unit forces, by line.
+    pub nodal: Option<Vec<Option<Vec<f64>>>>,
 }
 
 /// The rows of all states as they were stored: by state, line, column.
@@ -45,8 +51,11 @@ pub(super) struct Stored {
 
 impl Stored {
     /// Every way in which the lists may be meant.
-    pub(super) fn all(given: &[GivenRows]) -> Vec<Self> {
-        const WIDTHS: [usize; 4] = [14, 12, 7, 6];
+    pub(super) fn all(given: &[GivenRows], names: &Names) -> Vec<Self> {
+        let widths = match names.hinges {
+            0 => vec![14, 12, 7, 6],
+            hinges => vec![14 + hinges, 12 + hinges, 14, 12],
+        };
         let Some(first) = given.first() else { return Vec::new() };
         let outer = first.rows.len();
         let inner = first.rows.iter().flatten().map(Vec::len).max().unwrap_or(0);
@@ -58,7 +67,10 @@ impl Stored {
         }
         let mut found = Vec::new();
         let mut add = |storage: Storage, height: usize, width: usize| {
-            if !(1..=6).contains(&height) || !WIDTHS.contains(&width) || height * width != outer * inner {
+            if !(1..=names.height).contains(&height)
+                || !widths.contains(&width)
+                || height * width != outer * inner
+            {
                 return;
             }
             let place = |i: usize, j: usize| match storage {
@@ -79,8 +91,8 @@ impl Stored {
             let lines = (0..height).filter(holds).collect();
             found.push(Self { storage, height, width, lines, entries });
         };
-        if outer == 1 && inner > 14 {
-            for width in WIDTHS {
+        if outer == 1 && inner > 16 {
+            for width in widths.clone() {
                 for storage in [Storage::Rows, Storage::Columns] {
                     add(storage, inner / width, width);
                 }
@@ -113,6 +125,7 @@ pub(super) struct Matched {
 /// A convention that was found, with what it leaves wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fit {
+    pub(super) names: Names,
     pub(super) reading: Reading,
     pub(super) axes: Axes,
     pub(super) storage: Storage,
@@ -136,16 +149,18 @@ impl Fit {
 
     /// The factor of an entry.
     pub(super) fn factor(&self, matched: &Matched, place: usize) -> f64 {
-        matched.factor * self.units.of_entry(matched.is.unit, matches!(place % 7, 3..=5))
+        matched.factor * self.units.of_entry(matched.is.unit, is_rotation(place))
     }
 
     /// What an entry of a line must be, but for [`Fit::factor`].
     pub(super) fn entry(&self, right: &Right1, place: usize) -> Number {
+        if PLACES.contains(&place) {
+            return right.row.by(place);
+        }
         let (end, of) = (place / 7, place % 7);
         match of {
             0..=2 => right.row.displacements[end][index(&Frame::ALL, self.frame)][of],
-            3..=5 => right.row.rotations[end][index(&Variation::ALL, self.variations[end])][of - 3],
-            _ => right.row.flows[end],
+            _ => right.row.rotations[end][index(&Variation::ALL, self.variations[end])][of - 3],
         }
     }
 }
@@ -282,11 +297,12 @@ fn unexplained(stored: &Stored, expected: &Expected, all: &[Units]) -> usize {
             let row = &of.row;
             if is_rotation {
                 sizes.extend(row.rotations.iter().flatten().flatten().map(|number| number.x.abs() * factor));
+                sizes.extend(row.single[2..].iter().map(|number| number.x.abs() * factor));
             } else {
                 sizes.extend(
                     row.displacements.iter().flatten().flatten().map(|number| number.x.abs() * factor),
                 );
-                sizes.extend(row.flows.iter().map(|number| number.x.abs() * factor));
+                sizes.extend(row.single[..2].iter().map(|number| number.x.abs() * factor));
             }
         }
     }
@@ -309,6 +325,7 @@ fn unexplained(stored: &Stored, expected: &Expected, all: &[Units]) -> usize {
 
 /// Puts together what fits.
 pub(super) struct Search<'a> {
+    pub(super) names: Names,
     pub(super) given: &'a [GivenRows],
     pub(super) fits: Fits,
     /// So many entries may be wrong.
@@ -320,7 +337,7 @@ pub(super) struct Search<'a> {
 struct Tally {
     displacements: [[u8; Frame::ALL.len()]; 2],
     rotations: [[u8; Variation::ALL.len()]; 2],
-    flows: u8,
+    single: u8,
 }
 
 impl Tally {
@@ -332,7 +349,7 @@ impl Tally {
         frames.min().unwrap_or(0)
             + least(&self.rotations[0])
             + least(&self.rotations[1])
-            + usize::from(self.flows)
+            + usize::from(self.single)
     }
 
     fn of(&self, frame: usize, variations: [usize; 2]) -> usize {
@@ -343,7 +360,7 @@ impl Tally {
             })
             .into_iter()
             .sum::<usize>()
-            + usize::from(self.flows)
+            + usize::from(self.single)
     }
 }
 
@@ -359,7 +376,7 @@ struct Blocks<'a> {
     expected: &'a Expected,
     units: Units,
     known: HashMap<(usize, [usize; 3]), Shared>,
-    flows: HashMap<(usize, usize), Rc<Vec<u8>>>,
+    single: HashMap<(usize, usize), Rc<Vec<u8>>>,
 }
 
 impl Blocks<'_> {
@@ -396,18 +413,18 @@ impl Blocks<'_> {
         found
     }
 
-    /// The same of a flow.
-    fn of_flow(&mut self, place: usize, column: usize) -> Rc<Vec<u8>> {
-        if let Some(known) = self.flows.get(&(place, column)) {
+    /// The same of a flow or the angle of a hinge.
+    fn of_single(&mut self, place: usize, column: usize) -> Rc<Vec<u8>> {
+        if let Some(known) = self.single.get(&(place, column)) {
             return Rc::clone(known);
         }
         let mut found = Vec::new();
         for line in &self.stored.lines {
             for (l, is) in self.expected.lines.iter().enumerate() {
                 for sign in [1.0, -1.0] {
-                    let factor = sign * self.units.of_entry(is.unit, false);
+                    let factor = sign * self.units.of_entry(is.unit, is_rotation(place));
                     let is_off = |(state, of): (usize, &Vec<Right1>)| {
-                        !of[l].row.flows[place / 7].is(self.stored.get(state, *line, column), factor)
+                        !of[l].row.by(place).is(self.stored.get(state, *line, column), factor)
                     };
                     let is_wrong = column != usize::MAX && self.expected.at.iter().enumerate().any(is_off);
                     found.push(u8::from(is_wrong));
@@ -415,7 +432,7 @@ impl Blocks<'_> {
             }
         }
         let found = Rc::new(found);
-        self.flows.insert((place, column), Rc::clone(&found));
+        self.single.insert((place, column), Rc::clone(&found));
         found
     }
 }
@@ -433,7 +450,7 @@ impl Search<'_> {
             (said.displacements || said.flows || units.column_length == 1.0)
                 && (has(Unit::Length) || units.row_length == 1.0)
                 && (has(Unit::Angle) || units.row_angle == Angle::Radian)
-                && (said.rotations.contains(&true) || units.column_angle == Angle::Radian)
+                && (said.rotations.contains(&true) || said.hinges || units.column_angle == Angle::Radian)
         });
         if unexplained(stored, expected, &all_units) > self.budget(base) {
             return;
@@ -456,14 +473,14 @@ impl Search<'_> {
                 None => alike.push((units, vec![units])),
             }
         }
-        let orders = Order::all(stored.width);
+        let orders = Order::all(stored.width, self.names.hinges);
         for (units, all) in &alike {
             let cheapest = all.iter().map(Units::cost).fold(f64::INFINITY, f64::min);
             if unexplained(stored, expected, &[*units]) > self.budget(base + cheapest) {
                 continue;
             }
-            let (known, flows) = (HashMap::new(), HashMap::new());
-            let mut blocks = Blocks { stored, expected, units: *units, known, flows };
+            let (known, single) = (HashMap::new(), HashMap::new());
+            let mut blocks = Blocks { stored, expected, units: *units, known, single };
             for order in &orders {
                 let cost = base + order.cost + cheapest;
                 let Some(tallies) = self.tallies(&mut blocks, order, cost) else { continue };
@@ -481,13 +498,13 @@ impl Search<'_> {
     /// Of each given line, by expected line and sign; `None` where more is wrong, whatever the rest is, than may be.
     fn tallies(&self, blocks: &mut Blocks<'_>, order: &Order, cost: f64) -> Option<Vec<Vec<[Tally; 2]>>> {
         let budget = self.budget(cost);
-        let mut at = [usize::MAX; 14];
+        let mut at = [usize::MAX; 16];
         for (column, place) in order.places.iter().enumerate() {
             at[*place] = column;
         }
         let columns = |first: usize| [0, 1, 2].map(|i| at[first + i]);
         let parts = [0, 3, 7, 10].map(|first| blocks.of(first, columns(first)));
-        let flows = [6, 13].map(|place| blocks.of_flow(place, at[place]));
+        let single = PLACES.map(|place| blocks.of_single(place, at[place]));
         let expected = blocks.expected.lines.len();
         let (mut least, mut found) = (0_usize, Vec::new());
         for line in 0..blocks.stored.lines.len() {
@@ -500,7 +517,7 @@ impl Search<'_> {
                         let tally = Tally {
                             displacements: [frames(&parts[0]), frames(&parts[2])],
                             rotations: [parts[1][n].map(|x| x), parts[3][n].map(|x| x)],
-                            flows: flows[0][n] + flows[1][n],
+                            single: single.iter().map(|of| of[n]).sum(),
                         };
                         best = best.min(tally.least());
                         tally
@@ -531,6 +548,10 @@ impl Search<'_> {
         let cheapest = alike.iter().map(Units::cost).fold(f64::INFINITY, f64::min);
         let said = &expected.said;
         for (f, frame) in Frame::ALL.into_iter().enumerate().filter(|(f, _)| *f == 0 || said.displacements) {
+            // How orientations are read is no matter where none is looked at.
+            if reading != Reading::Right && !said.turns && frame == Frame::Global {
+                continue;
+            }
             for (m, one) in
                 Variation::ALL.into_iter().enumerate().filter(|(m, _)| *m == 0 || said.rotations[0])
             {
@@ -572,8 +593,10 @@ impl Search<'_> {
                                 factor: [1.0, -1.0][sign],
                             })
                             .collect();
-                        let of_lines = cost_of_lines(&lines, stored.height);
+                        let names = self.names;
+                        let of_lines = cost_of_lines(&lines, stored.height == names.height);
                         let fit = |units: &Units, positions: Positions| Fit {
+                            names,
                             reading,
                             axes,
                             storage: stored.storage,
@@ -653,8 +676,8 @@ pub(super) fn is_value(want: &Number, got: f64, factor: f64, unit: Unit) -> bool
 }
 
 /// What the lines cost: another order, signs, angles in place of cosines.
-fn cost_of_lines(lines: &[Matched], height: usize) -> f64 {
-    let is_in_place = lines.iter().all(|of| height == 6 && of.line == of.is.k);
+fn cost_of_lines(lines: &[Matched], is_whole: bool) -> f64 {
+    let is_in_place = lines.iter().all(|of| is_whole && of.line == of.is.k);
     let is_in_order = lines.windows(2).all(|pair| pair[0].is.k < pair[1].is.k);
     let order = if is_in_place {
         0.0

@@ -1,8 +1,71 @@
 //! The conventions among which the fit looks: everything but the order of rows, their signs and units, which follow from the numbers.
 
 use crate::convention::{Angle, Axes, COLUMNS, Frame, Variation};
+use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::node::DOFS;
+use pintle_kinematics::mpc::{DOFS, Kind, PHI};
+
+/// Where the degrees of freedom are that have no others beside them: flows, and the angles of hinges.
+pub(super) const PLACES: [usize; 4] = [6, 13, PHI, PHI + 1];
+
+/// Whether a degree of freedom is a rotation.
+pub(super) const fn is_rotation(place: usize) -> bool {
+    place >= PHI || matches!(place % 7, 3..=5)
+}
+
+/// What the rows and columns of a connector or constraint are called.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Names {
+    pub(super) rows: [&'static str; 7],
+    pub(super) columns: [&'static str; DOFS],
+    /// The nodes, and their rotations.
+    pub(super) nodes: [&'static str; 2],
+    pub(super) rotations: [&'static str; 2],
+    /// How many lines there are of values and rows in pintle's order.
+    pub(super) height: usize,
+    /// How many hinges.
+    pub(super) hinges: usize,
+}
+
+impl Names {
+    pub(super) fn of_connector() -> Self {
+        let mut columns = [""; DOFS];
+        columns[..PHI].copy_from_slice(&COLUMNS);
+        let mut rows = [""; 7];
+        rows[..6].copy_from_slice(&COMPONENT);
+        let rotations = ["rotations of a", "rotations of b"];
+        Self { rows, columns, nodes: ["a", "b"], rotations, height: 6, hinges: 0 }
+    }
+
+    pub(super) fn of_constraint(kind: Kind) -> Self {
+        let rotations = ["rotations of S", "rotations of M"];
+        Self {
+            rows: std::array::from_fn(|k| kind.row_name(k)),
+            columns: columns_of(kind),
+            nodes: ["S", "M"],
+            rotations,
+            height: 7,
+            hinges: kind.entry().angles.len(),
+        }
+    }
+}
+
+/// The columns of a row of a constraint: those of S and M, then degree of freedom 6 of the nodes of hinges.
+pub(crate) fn columns_of(kind: Kind) -> [&'static str; DOFS] {
+    const NODAL: [&str; PHI] = [
+        "S.u1", "S.u2", "S.u3", "S.ur1", "S.ur2", "S.ur3", "S.flow", "M.u1", "M.u2", "M.u3", "M.ur1",
+        "M.ur2", "M.ur3", "M.flow",
+    ];
+    let mut columns = [""; DOFS];
+    columns[..PHI].copy_from_slice(&NODAL);
+    let hinges: &[&str] = match kind.entry().angles.len() {
+        0 => &[],
+        1 => &["J.ur3"],
+        _ => &["J1.ur3", "J2.ur3"],
+    };
+    columns[PHI..PHI + hinges.len()].copy_from_slice(hinges);
+    columns
+}
 
 /// How a routine misreads the orientation that it got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,8 +151,22 @@ const AXES: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0
 
 impl Order {
     /// Every declared order of so many columns: nodes apart, kinds apart or degrees of freedom apart; displacements or rotations
-    /// first; b before a; axes in any order; flow with its node, last, or left out; one node alone.
-    pub(super) fn all(count: usize) -> Vec<Self> {
+    /// first; b before a; axes in any order; flow with its node, last, or left out; one node alone. Angles of hinges last, first, or left
+    /// out.
+    pub(super) fn all(count: usize, hinges: usize) -> Vec<Self> {
+        let mut found = Self::of_nodes(count);
+        let last: Vec<usize> = (PHI..PHI + hinges).collect();
+        for order in Self::of_nodes(count.saturating_sub(hinges)).into_iter().filter(|_| hinges > 0) {
+            let places = [order.places.clone(), last.clone()].concat();
+            found.push(Self { places, cost: order.cost });
+            let places = [last.clone(), order.places].concat();
+            found.push(Self { places, cost: order.cost + 1.0 });
+        }
+        found
+    }
+
+    /// Those of the two nodes.
+    fn of_nodes(count: usize) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         let mut add = |places: Vec<usize>, cost: f64| {
             if places.len() == count && !found.iter().any(|known| known.places == places) {
@@ -135,8 +212,8 @@ impl Order {
     }
 
     /// The names of the columns.
-    pub(super) fn names(&self) -> Vec<String> {
-        self.places.iter().map(|place| COLUMNS[place % DOFS].to_string()).collect()
+    pub(super) fn names(&self, names: &Names) -> Vec<String> {
+        self.places.iter().map(|place| names.columns[place % DOFS].to_string()).collect()
     }
 }
 

@@ -1,16 +1,17 @@
 use super::search::GivenRows;
-use super::space::{LENGTHS, Order};
-use super::{Found, fit, generic_states};
+use super::space::{LENGTHS, Names, Order};
+use super::{Found, fit, fit_constraint, generic_cases, generic_states};
 use crate::convention::{
-    Angle, Axes, Convention, Frame, Positions, Quaternions, Sense, Storage, Triads, Turned, Variation,
-    Variations, is_vector,
+    Angle, Axes, Convention, Forces, Frame, Positions, Quaternions, Sense, Storage, Triads, Turned,
+    Variation, Variations, is_vector,
 };
 use pintle_audit::sampling::{aligned, definition, pair};
-use pintle_audit::{Case, Quantity, Right, Step};
+use pintle_audit::{Case, MpcCase, Quantity, Right, Step};
 use pintle_kinematics::catalog::{COMPONENT, ConnectionType, TABLE};
-use pintle_kinematics::connector::{Connector, Definition, State};
+use pintle_kinematics::connector::{Connector, Definition, Request, State, Tally};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{product, transpose};
 
@@ -27,8 +28,8 @@ fn drawn(definition: &Definition, draw: &mut Draw) -> Convention {
     let mut convention = Convention::default();
     let often = |draw: &mut Draw| draw.unit() < 0.5;
     let width = if often(draw) { 14 } else { 12 };
-    let orders = Order::all(width);
-    convention.columns = orders[draw.below(orders.len())].names();
+    let orders = Order::all(width, 0);
+    convention.columns = orders[draw.below(orders.len())].names(&Names::of_connector());
     let components: Vec<usize> = (0..6).filter(|k| connector.differentiated(*k).is_some()).collect();
     if often(draw) {
         let mut rows: Vec<String> = components.iter().map(|k| COMPONENT[*k].to_string()).collect();
@@ -159,7 +160,7 @@ fn given(definition: &Definition, state: &State<f64>, convention: &Convention) -
         let entry = |i: usize, j: usize| table[i].as_ref().map_or(0.0, |line| line[j]);
         table = (0..width).map(|j| Some((0..table.len()).map(|i| entry(i, j)).collect())).collect();
     }
-    GivenRows { rows: table, values: Some(numbers), rates: None }
+    GivenRows { rows: table, values: Some(numbers), ..GivenRows::default() }
 }
 
 fn found(definition: &Definition, states: &[State<f64>], convention: &Convention) -> Found {
@@ -376,4 +377,322 @@ fn variations_are_derivatives() {
         }
     }
     assert_eq!(compared, 81);
+}
+
+/// A constraint of a kind whose nodes are apart, along no global axis.
+fn of_kind(kind: Kind) -> Constraint<f64> {
+    Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]])
+}
+
+/// A convention of a constraint.
+fn drawn_of(constraint: &Constraint<f64>, draw: &mut Draw) -> Convention {
+    let kind = constraint.kind();
+    let names = Names::of_constraint(kind);
+    let mut convention = Convention::default();
+    let often = |draw: &mut Draw| draw.unit() < 0.5;
+    let orders = Order::all(if often(draw) { 14 } else { 12 } + names.hinges, names.hinges);
+    convention.columns = orders[draw.below(orders.len())].names(&names);
+    let has = constraint.rows();
+    if often(draw) {
+        let mut rows: Vec<String> =
+            (0..7).filter(|k| has[*k]).map(|k| kind.row_name(k).to_string()).collect();
+        for n in (1..rows.len()).rev() {
+            rows.swap(n, draw.below(n + 1));
+        }
+        convention.rows = rows;
+    }
+    let variation = |draw: &mut Draw| Variation::ALL[draw.below(Variation::ALL.len())];
+    let [a, b] = [variation(draw), variation(draw)];
+    convention.rotations = if a == b { Variations::Both(a) } else { Variations::Each([a, b]) };
+    convention.displacements = Frame::ALL[draw.below(4)];
+    convention.storage = if often(draw) { Storage::Rows } else { Storage::Columns };
+    convention.angles = Angle::ALL[draw.below(3)];
+    convention.column_angles = Angle::ALL[draw.below(3)];
+    convention.row_length = LENGTHS[draw.below(LENGTHS.len())];
+    convention.column_length = LENGTHS[draw.below(LENGTHS.len())];
+    for factor in &mut convention.factors {
+        *factor = if often(draw) { 1.0 } else { -1.0 };
+    }
+    match draw.below(8) {
+        0 => convention.sense = Sense::Inverse,
+        1 => convention.quaternion = Quaternions::Xyzw,
+        _ => {}
+    }
+    convention
+}
+
+/// What a routine with a convention gives of a constraint: the product's own numbers, put into the convention apart from the fit.
+fn given_of(case: &MpcCase, convention: &Convention) -> GivenRows {
+    let mut case = case.clone();
+    for body in [&mut case.state.slave, &mut case.state.master] {
+        if convention.sense == Sense::Inverse {
+            body.rotation = transpose(&body.rotation);
+        }
+        if convention.quaternion == Quaternions::Xyzw {
+            let [w, x, y, z] = so3::quaternion(&body.rotation);
+            body.rotation = so3::matrix([z, w, x, y]);
+        }
+    }
+    let kind = case.constraint.kind();
+    let names = Names::of_constraint(kind);
+    let turned = [&case.state.slave, &case.state.master].map(|body| Turned {
+        triad: body.rotation,
+        rotation: body.rotation,
+        vector: so3::log(&body.rotation),
+    });
+    let asked = Request::everything(1);
+    let found =
+        case.constraint.evaluate(&case.state, &case.before, &case.turning, &asked, &mut Tally::default());
+    let all: Vec<&str> = names.rows.to_vec();
+    let lines = convention.lines_among(&all);
+    let (mut table, mut values) = (Vec::new(), Vec::new());
+    for k in lines {
+        let Some(row) = found.jacobian[k] else {
+            table.push(None);
+            values.push(None);
+            continue;
+        };
+        let unit = match Kind::row_unit(k) {
+            Unit::Angle => convention.angles.size(),
+            _ => convention.row_length,
+        };
+        let factor = convention.factors.get(k).copied().unwrap_or(1.0) / unit;
+        let line = convention.columns.iter().map(|name| {
+            let place = names.columns.iter().position(|known| known == name).unwrap();
+            if place >= 14 {
+                return factor * row[place] * convention.column_angles.size();
+            }
+            let (end, dof) = (place / 7, place % 7);
+            let sum = |m: &pintle_kinematics::vector::Matrix<f64>, first: usize, of: usize| {
+                (0..3).map(|i| m[i][of] * row[7 * end + first + i]).sum::<f64>()
+            };
+            factor
+                * match dof {
+                    0..=2 => {
+                        let axes = convention.displacements.axes(end, &turned);
+                        sum(&axes, 0, dof) * convention.column_length
+                    }
+                    3..=5 => {
+                        let jacobian = convention.rotations.of(end).jacobian(&turned[end]);
+                        sum(&jacobian, 3, dof - 3) * convention.column_angles.size()
+                    }
+                    _ => row[place] * convention.column_length,
+                }
+        });
+        table.push(Some(line.collect::<Vec<f64>>()));
+        values.push(found.residual[k].map(|x| x * factor));
+    }
+    if convention.storage == Storage::Columns {
+        let width = convention.columns.len();
+        let entry = |i: usize, j: usize| table[i].as_ref().map_or(0.0, |line| line[j]);
+        table = (0..width).map(|j| Some((0..table.len()).map(|i| entry(i, j)).collect())).collect();
+    }
+    GivenRows { rows: table, values: Some(values), ..GivenRows::default() }
+}
+
+/// Whether two conventions of a constraint give the same numbers at states that the fit has not seen.
+fn say_the_same(one: &Convention, other: &Convention, cases: &[MpcCase]) -> bool {
+    let same = |x: &f64, y: &f64| (x - y).abs() <= 1e-9 * (1e-3 + x.abs().max(y.abs()));
+    cases.iter().all(|case| {
+        let [one, other] = [one, other].map(|convention| given_of(case, convention));
+        one.rows.len() == other.rows.len()
+            && one.rows.iter().zip(&other.rows).all(|(x, y)| match (x, y) {
+                (Some(x), Some(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
+                (Some(x), None) | (None, Some(x)) => x.iter().all(|x| *x == 0.0),
+                (None, None) => true,
+            })
+    })
+}
+
+/// Of each of the six constraints, drawn conventions are found; and one that has a wrong entry is found with that entry.
+#[test]
+fn drawn_conventions_of_constraints_are_found() {
+    let per_kind = std::env::var("PINTLE_CONVENTIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let (mut tried, mut unique, mut named, mut missed, mut slowest) = (0, 0, 0, Vec::new(), 0.0_f64);
+    for kind in Kind::ALL {
+        let constraint = of_kind(kind);
+        let cases = generic_cases(&constraint, "seen", 2);
+        let others = generic_cases(&constraint, "unseen", 2);
+        assert_eq!((cases.len(), others.len()), (2, 2), "{kind:?}");
+        let mut draw = Draw::new(&format!("conventions of MPC {}", kind.name()));
+        for _ in 0..per_kind {
+            let convention = drawn_of(&constraint, &mut draw);
+            let of = |convention: &Convention| -> Vec<GivenRows> {
+                cases.iter().map(|case| given_of(case, convention)).collect()
+            };
+            // As a file holds it: names that are left out are those of pintle.
+            let whole = |found: &Convention| {
+                let mut found = found.clone();
+                if found.columns == Convention::default().columns {
+                    let names = Names::of_constraint(kind).columns;
+                    found.columns =
+                        names.iter().filter(|name| !name.is_empty()).map(|name| (*name).into()).collect();
+                }
+                found
+            };
+            let mut all = of(&convention);
+            let begun = std::time::Instant::now();
+            let found = fit_constraint(&constraint, &cases, &all).unwrap();
+            slowest = slowest.max(begun.elapsed().as_secs_f64());
+            assert!(found.wrong.is_empty(), "{kind:?}:\n{}{:#?}", convention.to_toml(), found.wrong);
+            let simplest = whole(&found.convention);
+            assert!(
+                say_the_same(&convention, &simplest, &others),
+                "{kind:?}:\n{}\nfound:\n{}{:?}",
+                convention.to_toml(),
+                simplest.to_toml(),
+                found.open
+            );
+            tried += 1;
+            unique += usize::from(found.count == 1);
+            let places: Vec<(usize, usize)> = all[0]
+                .rows
+                .iter()
+                .enumerate()
+                .flat_map(|(i, line)| (0..line.as_ref().map_or(0, Vec::len)).map(move |j| (i, j)))
+                .filter(|(i, j)| all.iter().all(|of| of.rows[*i].as_ref().unwrap()[*j].abs() > 1e-9))
+                .collect();
+            let (i, j) = places[draw.below(places.len())];
+            let factor = 1.0 + 10.0_f64.powf(-draw.between(0.0, 6.0));
+            for of in &mut all {
+                of.rows[i].as_mut().unwrap()[j] *= factor;
+            }
+            let found = fit_constraint(&constraint, &cases, &all).unwrap();
+            let place = match convention.storage {
+                Storage::Rows => format!("(line {}, column {})", i + 1, j + 1),
+                Storage::Columns => format!("(line {}, column {})", j + 1, i + 1),
+            };
+            let is_entry = found.wrong.len() == 1 && found.wrong[0].name.ends_with(&place);
+            if is_entry && say_the_same(&convention, &whole(&found.convention), &others) {
+                named += 1;
+            } else {
+                let wrong: Vec<&String> = found.wrong.iter().map(|wrong| &wrong.name).collect();
+                missed.push(format!(
+                    "{kind:?} × {factor} at {place}: {wrong:?}\n{}found\n{}",
+                    convention.to_toml(),
+                    found.convention.to_toml()
+                ));
+            }
+        }
+    }
+    println!(
+        "{tried} conventions of constraints, {unique} of them the only one, {named} wrong entries named, {slowest:.2} s"
+    );
+    assert!(tried >= 6 * per_kind);
+    assert!(100 * named >= 99 * tried, "{named} of {tried}\n{}", missed.join("\n"));
+}
+
+/// The numbers of a quantity by columns, as a routine of a convention gives them: rows, or nodal forces on a side.
+fn by_columns(
+    definition: &Definition,
+    state: &State<f64>,
+    convention: &Convention,
+    quantity: Quantity,
+) -> Vec<Option<Vec<f64>>> {
+    let step = Step::between(&definition.initial, state.pair);
+    let name = "by columns".to_string();
+    let case = Case { name, definition: definition.clone(), start: None, path: vec![step], length: 1.0 };
+    let right = Right::of(&case).unwrap();
+    let (connector, turned) = (case.connector(), Turned::of(definition, state));
+    let line = |k: usize| -> Option<Vec<f64>> {
+        connector.differentiated(k)?;
+        let entry = |j: usize| right.numbers.entries(quantity).get(k, j).unwrap_or(0.0);
+        let factor = 1.0 / convention.unit(k, &connector);
+        let column = |name: &String| {
+            let place = crate::convention::COLUMNS.iter().position(|known| known == name).unwrap();
+            let (end, dof) = (place / 7, place % 7);
+            let sum = |m: &pintle_kinematics::vector::Matrix<f64>, first: usize| {
+                (0..3).map(|i| m[i][dof - first] * entry(7 * end + first + i)).sum::<f64>()
+            };
+            factor
+                * match dof {
+                    0..=2 => sum(&convention.displacements.axes(end, &turned), 0) * convention.column_length,
+                    3..=5 => {
+                        let jacobian = convention.rotations.of(end).jacobian(&turned[end]);
+                        sum(&jacobian, 3) * convention.column_angles.size()
+                    }
+                    _ => entry(place) * convention.column_length,
+                }
+        };
+        Some(convention.columns.iter().map(column).collect())
+    };
+    let lines = if convention.rows.is_empty() { (0..6).collect() } else { convention.lines() };
+    lines.into_iter().map(line).collect()
+}
+
+/// Nodal forces that are given besides tell on which side they are, under drawn conventions.
+#[test]
+fn nodal_forces_tell_their_side() {
+    let mut tried = 0;
+    for name in ["BUSHING", "CARTESIAN", "HINGE", "AXIAL", "TRANSLATOR"] {
+        let definition = of_type(&ConnectionType::named(name, None).unwrap());
+        let states = generic_states(&definition, "seen", 2);
+        let mut draw = Draw::new(&format!("sides of {name}"));
+        for n in 0..6 {
+            let plain = Convention::default();
+            let convention = Convention {
+                axes: plain.axes,
+                as_angle: Vec::new(),
+                positions: plain.positions,
+                triads: plain.triads,
+                quaternion: plain.quaternion,
+                sense: plain.sense,
+                storage: Storage::Rows,
+                ..drawn(&definition, &mut draw)
+            };
+            let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+            let of = |state: &State<f64>| {
+                let mut nodal = by_columns(&definition, state, &convention, Quantity::NodalForces);
+                nodal.iter_mut().flatten().flatten().for_each(|x| *x *= sign);
+                let rows = by_columns(&definition, state, &convention, Quantity::FirstDerivatives);
+                GivenRows { rows, nodal: Some(nodal), ..GivenRows::default() }
+            };
+            let all: Vec<GivenRows> = states.iter().map(of).collect();
+            let found = fit(&definition, &states, &all).unwrap();
+            // Without values nothing tells the sign of rows from that of forces but the two together.
+            let minus = |convention: &Convention| convention.forces == Forces::Body;
+            assert_eq!(
+                minus(&found.convention),
+                n % 2 == 1,
+                "{name}:\n{}\n{}",
+                convention.to_toml(),
+                found.convention.to_toml()
+            );
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 30);
+}
+
+/// Rows of a length by lengths are the same in any unit; second derivatives tell it.
+#[test]
+fn second_derivatives_tell_what_rows_leave_open() {
+    let definition = of_type(&ConnectionType::named("AXIAL", None).unwrap());
+    let states = generic_states(&definition, "seen", 2);
+    for length in [1e-3, 0.0254, 1.0] {
+        let truth = Convention { row_length: length, column_length: length, ..Convention::default() };
+        let of = |state: &State<f64>, is_told: bool| {
+            let connector = Connector::<f64>::new(&definition);
+            let asked = Request::everything(2);
+            let branch = connector.initial_branch();
+            let step = Step::between(&definition.initial, state.pair);
+            let found =
+                connector.evaluate(&step.state, &step.increment, &branch, &asked, &mut Tally::default());
+            let second = found
+                .hessian
+                .map(|of| of.map(|of| of.as_flattened().iter().map(|x| x * length).collect::<Vec<f64>>()));
+            GivenRows {
+                rows: by_columns(&definition, state, &truth, Quantity::FirstDerivatives),
+                second: is_told.then(|| second.to_vec()),
+                ..GivenRows::default()
+            }
+        };
+        let [open, told] = [false, true].map(|is_told| {
+            let all: Vec<GivenRows> = states.iter().map(|state| of(state, is_told)).collect();
+            fit(&definition, &states, &all).unwrap()
+        });
+        assert!(open.count >= 9 && open.holds(&truth), "{}", open.count);
+        assert!(told.count < open.count && told.holds(&truth), "{length}: {} of {}", told.count, open.count);
+        assert_eq!(told.convention.row_length, length);
+    }
 }

@@ -1,18 +1,22 @@
 //! A fit as a convention, and in words.
 
 use super::search::Fit;
-use super::space::{Order, Reading};
+use super::space::{Names, Order, Reading};
 use crate::convention::{
     Angle, Axes, Convention, Frame, Positions, Quaternions, Sense, Storage, Triads, Variation, Variations,
 };
-use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::measure::Unit;
 
 impl Fit {
     /// As a routine declares it.
     pub(super) fn convention(&self) -> Convention {
-        let mut convention = Convention { columns: self.order.names(), ..Convention::default() };
-        let is_in_place = self.height == 6 && self.lines.iter().all(|of| of.line == of.is.k);
+        let mut convention = Convention::default();
+        let names = &self.names;
+        let all: Vec<usize> = (0..pintle_kinematics::mpc::PHI + names.hinges).collect();
+        if self.order.places != all {
+            convention.columns = self.order.names(names);
+        }
+        let is_in_place = self.height == names.height && self.lines.iter().all(|of| of.line == of.is.k);
         if !is_in_place {
             convention.rows = self.rows();
         }
@@ -35,9 +39,11 @@ impl Fit {
         convention.row_length = self.units.row_length;
         convention.column_length = self.units.column_length;
         for of in &self.lines {
-            convention.factors[of.is.k] = of.factor;
+            if let Some(factor) = convention.factors.get_mut(of.is.k) {
+                *factor = of.factor;
+            }
             if of.is.is_as_angle {
-                convention.as_angle.push(COMPONENT[of.is.k].to_string());
+                convention.as_angle.push(names.rows[of.is.k].to_string());
             }
         }
         convention
@@ -49,16 +55,17 @@ impl Fit {
         for of in &self.lines {
             names[of.line] = Some(of.is.k);
         }
-        let mut left = (0..6).filter(|k| !self.lines.iter().any(|of| of.is.k == *k));
+        let mut left = (0..self.names.height).filter(|k| !self.lines.iter().any(|of| of.is.k == *k));
         let filled = names.into_iter().map(|name| name.or_else(|| left.next()));
-        filled.flatten().map(|k| COMPONENT[k].to_string()).collect()
+        filled.flatten().map(|k| self.names.rows[k].to_string()).collect()
     }
 
     /// What it says on each question, the plain answer included.
     pub(super) fn answers(&self) -> Vec<(&'static str, String)> {
+        let names = &self.names;
         let has = |unit: Unit| self.lines.iter().any(|of| of.is.unit == unit);
         let minus: Vec<&str> =
-            self.lines.iter().filter(|of| of.factor < 0.0).map(|of| COMPONENT[of.is.k]).collect();
+            self.lines.iter().filter(|of| of.factor < 0.0).map(|of| names.rows[of.is.k]).collect();
         let signs = match minus.as_slice() {
             [] => "as pintle's".to_string(),
             all if all.len() == self.lines.len() => "all opposite: forces in place of residuals".to_string(),
@@ -68,19 +75,19 @@ impl Fit {
             .lines
             .iter()
             .filter(|of| of.factor.abs() != 1.0)
-            .map(|of| format!("{} times {}", COMPONENT[of.is.k], of.factor.abs()))
+            .map(|of| format!("{} times {}", names.rows[of.is.k], of.factor.abs()))
             .collect();
         let as_angle: Vec<&str> =
-            self.lines.iter().filter(|of| of.is.is_as_angle).map(|of| COMPONENT[of.is.k]).collect();
+            self.lines.iter().filter(|of| of.is.is_as_angle).map(|of| names.rows[of.is.k]).collect();
         let mut found = vec![
-            ("order of columns", describe_order(&self.order)),
-            ("rotations of a", describe_variation(self.variations[0]).to_string()),
-            ("rotations of b", describe_variation(self.variations[1]).to_string()),
-            ("displacements", describe_frame(self.frame).to_string()),
+            ("order of columns", describe_order(&self.order, names)),
+            (names.rotations[0], describe_variation(self.variations[0]).to_string()),
+            (names.rotations[1], describe_variation(self.variations[1]).to_string()),
+            ("displacements", describe_frame(self.frame, names)),
             ("order of rows", {
                 let mut lines = self.lines.clone();
                 lines.sort_by_key(|of| of.line);
-                lines.iter().map(|of| COMPONENT[of.is.k]).collect::<Vec<_>>().join(", ")
+                lines.iter().map(|of| names.rows[of.is.k]).collect::<Vec<_>>().join(", ")
             }),
             ("signs of rows", signs),
             (
@@ -155,18 +162,18 @@ const fn describe_variation(variation: Variation) -> &'static str {
     }
 }
 
-const fn describe_frame(frame: Frame) -> &'static str {
+fn describe_frame(frame: Frame, names: &Names) -> String {
     match frame {
-        Frame::Global => "along global axes",
-        Frame::A => "along the axes of a",
-        Frame::B => "along the axes of b",
-        Frame::Own => "of each node along its own axes",
+        Frame::Global => "along global axes".to_string(),
+        Frame::A => format!("along the axes of {}", names.nodes[0]),
+        Frame::B => format!("along the axes of {}", names.nodes[1]),
+        Frame::Own => "of each node along its own axes".to_string(),
     }
 }
 
 /// `a.u1 … a.ur3, b.u1 … b.ur3`: runs of names shortened.
-fn describe_order(order: &Order) -> String {
-    let names = order.names();
+fn describe_order(order: &Order, names: &Names) -> String {
+    let names = order.names(names);
     let mut parts: Vec<String> = Vec::new();
     let mut at = 0;
     while at < names.len() {

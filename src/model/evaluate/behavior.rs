@@ -40,7 +40,7 @@ impl ElementBehavior {
     }
 
     /// Whether nothing acts on the connector but its constraints.
-    pub(super) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.behavior.is_empty() && self.drives.is_empty()
     }
 

@@ -194,8 +194,8 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
             Some((scene, _)) => Some(read(source(scene)?, None)?.0),
             None => None,
         };
-        let found = fit::of_files(&subject, scene.as_ref(), at, answers)?;
-        fit::tell(&found, &subject.definition)?;
+        let (found, gaps) = fit::of_files(&subject, scene.as_ref(), at, answers)?;
+        fit::tell(&found, fit::Of::Connector(&subject.definition, subject.nodes), &gaps)?;
         return if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) };
     }
     let at = arguments.at.as_deref().map(|file| At { file, independent: arguments.independent });
@@ -216,13 +216,20 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         Failure::Input(format!("{misbehaviour}{hint}"))
     };
     if arguments.fit_convention {
-        let pintle_check::Subject::Connector(definition, _) = &subject else {
-            return Err(Failure::Usage("--fit-convention finds the conventions of a connector".into()));
+        let about = match &subject {
+            pintle_check::Subject::Constraint(constraint, _) => fit::Of::Constraint(constraint),
+            pintle_check::Subject::Connector(definition, _) => {
+                fit::Of::Connector(definition, named(of)?.nodes)
+            }
+            pintle_check::Subject::Friction(_) => {
+                let what = "--fit-convention finds the conventions of a connector or constraint";
+                return Err(Failure::Usage(what.into()));
+            }
         };
         let found = Process::start(&command, patience)
-            .and_then(|process| pintle_check::fit_convention(process, definition, &arguments.seed))
+            .and_then(|process| pintle_check::fit_convention(process, &subject, &arguments.seed))
             .map_err(misbehaved)?;
-        fit::tell(&found, definition)?;
+        fit::tell(&found, about, &[])?;
         println!();
         convention = Some(found.convention);
     }

@@ -3,19 +3,22 @@
 use super::eval::{read, source};
 use super::{Failure, page_width};
 use clap::{Args, ValueEnum};
-use pintle_compare::{Comparison, Map, Results, compare};
+use pintle_compare::{Comparison, Map, Results, compare, write_junit};
 use pintle_model::evaluate::Model;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
 Compares what another program has written with what the connectors of a scene must
-give along the same motion: CP, CU, CCU, CV, CA and forces, number by number.
+give along the same motion, number by number: CP, CU, CCU, CV, CA and forces of
+connectors, reactions RF, RM and sums NF, NM of nodal forces, Jacobians and stiffness.
 
 The motion is in the files, too: U and UR of the nodes (or q0 to q3), and V, VR
 where rates are compared. Files given together are one run, joined by time. Tables
-(.csv), records (.json, .jsonl) and what Abaqus and CalculiX print (.dat) are read
-by their standard headings; a map in TOML says what others mean.
+(.csv), records (.json, .jsonl), arrays (.npy, .npz) and what Abaqus and CalculiX
+print (.dat) are read by their standard headings; a map in TOML says what others
+mean. A matrix (.mtx, .npy, .npz) is the constraint Jacobian, as pintle eval
+--jacobian writes it, or the stiffness, at the last state.
 
 A number stands for all that round to it: a difference within half a unit of its
 last digit, and within what the digits of the motion allow, is none.
@@ -25,11 +28,13 @@ last digit, and within what the digits of the motion allow, is none.
 
 Also in the map: node, element (of files that name none), rotation_angles and
 angles (\"deg\"), length and force (the file's unit in the scene's), rotations
-(\"incremental\").
+(\"incremental\"), single (true for single precision), matrix (\"jacobian\",
+\"stiffness\"), matrix_state (from 0 on).
 
 Examples:
   pintle compare model.inp --against model.dat
   pintle compare model.inp --against nodes.csv connectors.csv --map map.toml
+  pintle compare model.inp --against model.dat stiffness.mtx --format junit
   pintle compare model.inp --against abaqus.dat --or mine.csv
 
 Exit codes: 0 all agree, 1 a number differs, 4 nothing was compared, 6 bad input.";
@@ -49,6 +54,9 @@ pub(crate) struct Compare {
     /// What is not standard in the files, as TOML
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
+    /// Where outputs have no motion at their time, take it between those before and after
+    #[arg(long)]
+    interpolate: bool,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -61,6 +69,10 @@ enum Format {
     Human,
     /// One JSON document
     Json,
+    /// JUnit XML, a case for each output
+    Junit,
+    /// Markdown, for a comment in a review
+    Markdown,
     /// One self-contained page of HTML, with both curves
     Html,
 }
@@ -88,6 +100,20 @@ pub(crate) fn states(path: &Path, scene: &pintle_scene::Scene) -> Result<Vec<pin
     Ok(states)
 }
 
+/// Which of two programs is right.
+fn arbiter(found: &[(String, Comparison)]) -> Option<String> {
+    let [(one, first), (other, second)] = found else { return None };
+    if first.compared() == 0 || second.compared() == 0 {
+        return None;
+    }
+    Some(match (first.wrong(), second.wrong()) {
+        (0, 0) => format!("Both are right: {one}, and {other}."),
+        (0, _) => format!("{one}: right. {other}: wrong."),
+        (_, 0) => format!("{one}: wrong. {other}: right."),
+        _ => format!("Neither is right: {one}, nor {other}."),
+    })
+}
+
 /// Compares files with what a scene gives.
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let source = source(&arguments.scene)?;
@@ -100,13 +126,17 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
             continue;
         }
         let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-        let results = Results::new(files.clone(), map.clone());
+        let mut results = Results::new(files.clone(), map.clone());
+        results.interpolates = arguments.interpolate;
         found.push((names.join(", "), compare(&scene, &model, &results).map_err(Failure::Input)?));
     }
     let mut out = BufWriter::new(anstream::stdout().lock());
     match arguments.format {
         Format::Human => {
             let width = page_width(&io::stdout());
+            if let Some(words) = arbiter(&found) {
+                writeln!(out, "{words}\n")?;
+            }
             for (n, (name, comparison)) in found.iter().enumerate() {
                 if n > 0 {
                     writeln!(out)?;
@@ -124,6 +154,12 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
                 .collect();
             serde_json::to_writer_pretty(&mut out, &all).map_err(io::Error::from)?;
             writeln!(out)?;
+        }
+        Format::Junit => write_junit(&mut out, &found)?,
+        Format::Markdown => {
+            for (name, comparison) in &found {
+                comparison.write_markdown(&mut out, name)?;
+            }
         }
         Format::Html => {
             for (name, comparison) in &found {

@@ -3,13 +3,15 @@
 use super::states::deck;
 use super::subject::Subject;
 use super::{Failure, page_width};
-use pintle_check::fit::{Found, fit, generic_states};
+use pintle_check::fit::{Found, fit, generic_cases, generic_states};
 use pintle_kinematics::connector::{Definition, State};
+use pintle_kinematics::mpc::Constraint;
 use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::product;
+use pintle_kinematics::vector::{Matrix, Vector, cross, product, transpose};
 use pintle_report::wrap;
-use pintle_scene::{NodeMotion, Rotation, Scene, StateFile};
+use pintle_scene::{Label, NodeMotion, Rotation, Scene, StateFile};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
@@ -17,13 +19,22 @@ use std::path::Path;
 /// The most wrong entries that are shown.
 const SHOWN: usize = 8;
 
+/// What rows are of.
+#[derive(Clone, Copy)]
+pub(crate) enum Of<'a> {
+    /// A connector, between nodes of a scene.
+    Connector(&'a Definition, [Option<Label>; 2]),
+    /// A multi-point constraint.
+    Constraint(&'a Constraint<f64>),
+}
+
 /// The conventions of rows that a harness computed at the states of a file.
 pub(crate) fn of_files(
     subject: &Subject,
     scene: Option<&Scene>,
     at: &Path,
     answers: &Path,
-) -> Result<Found, Failure> {
+) -> Result<(Found, Vec<String>), Failure> {
     let definition = &subject.definition;
     let of_type = match scene {
         Some(_) => None,
@@ -35,7 +46,42 @@ pub(crate) fn of_files(
     let named = |why: String| Failure::Input(format!("{}: {why}", answers.display()));
     let text = std::fs::read_to_string(answers).map_err(|error| named(error.to_string()))?;
     let given = pintle_check::answers_of_file(&text, states.len()).map_err(named)?;
-    fit(definition, &states, &given).map_err(|why| Failure::Input(format!("{}: {why}", answers.display())))
+    let found = fit(definition, &states, &given)
+        .map_err(|why| Failure::Input(format!("{}: {why}", answers.display())))?;
+    let gaps = if found.count > 1 { gaps(subject, &states) } else { Vec::new() };
+    Ok((found, gaps))
+}
+
+/// What states cannot tell, and what to print to close it.
+fn gaps(subject: &Subject, states: &[State<f64>]) -> Vec<String> {
+    let initial = &subject.definition.initial;
+    let mut found = Vec::new();
+    let mut vectors: Vec<Vector<f64>> = Vec::new();
+    for (end, first) in
+        [initial.a, initial.b].iter().enumerate().filter(|(end, _)| subject.nodes[*end].is_some())
+    {
+        let of = |state: &State<f64>| if end == 0 { state.pair.a } else { state.pair.b };
+        let turned: Vec<Vector<f64>> = states
+            .iter()
+            .map(|state| so3::log(&product(&of(state).triad, &transpose(&first.triad))))
+            .collect();
+        if turned.iter().all(|vector| norm(*vector) == 0.0) {
+            let node = subject.nodes[end].map_or_else(String::new, |label| label.to_string());
+            found.push(format!(
+                "The states have no rotation of node {node}, which tells frames and variations apart. Abaqus prints it by:\n    *NODE PRINT\n    U, UR"
+            ));
+        }
+        vectors.extend(turned.into_iter().filter(|vector| norm(*vector) > 0.0));
+    }
+    let is_parallel =
+        |vector: &Vector<f64>| norm(cross(*vector, vectors[0])) <= 1e-9 * norm(*vector) * norm(vectors[0]);
+    if !vectors.is_empty() && vectors.iter().all(is_parallel) {
+        found.push(
+            "Every node turns about one axis, as in the plane: no output tells variations of rotations apart there. Take a motion in space."
+                .into(),
+        );
+    }
+    found
 }
 
 /// The pair of a connector at a state of a file.
@@ -63,7 +109,7 @@ fn state_of(subject: &Subject, state: &pintle_scene::State) -> State<f64> {
 }
 
 /// Says what was found: the convention in words and as TOML, what is left open, what is wrong under it.
-pub(crate) fn tell(found: &Found, definition: &Definition) -> Result<(), Failure> {
+pub(crate) fn tell(found: &Found, of: Of<'_>, gaps: &[String]) -> Result<(), Failure> {
     let width = page_width(&io::stdout());
     let mut text = String::new();
     let line = |text: &mut String, words: &str| {
@@ -112,11 +158,15 @@ pub(crate) fn tell(found: &Found, definition: &Definition) -> Result<(), Failure
         for (question, answers) in &found.open {
             line(&mut text, &format!("  {question}: {}", answers.join(" | ")));
         }
-        let others = generic_states(definition, "separating", 4);
-        match found.separating(definition, &others) {
-            Some(best) => {
+        for gap in gaps {
+            let mut lines = gap.lines();
+            lines.by_ref().take(1).for_each(|words| line(&mut text, words));
+            lines.for_each(|literal| text.push_str(&format!("{literal}\n")));
+        }
+        match separating(found, of) {
+            Some(state) => {
                 text.push_str("\nA state that tells them apart (as pintle states --format csv writes it):\n");
-                text.push_str(&separating(definition, &others[best]));
+                text.push_str(&state);
             }
             None => {
                 line(&mut text, "No state that was tried tells them apart: for this connector they are one.")
@@ -141,18 +191,46 @@ fn cause(got: f64, want: f64) -> Option<String> {
     Some(format!("the entry is {ratio:.6} times what it must be"))
 }
 
-/// One state as a table.
-fn separating(definition: &Definition, state: &State<f64>) -> String {
+/// A state that tells most conventions apart, as a table.
+fn separating(found: &Found, of: Of<'_>) -> Option<String> {
+    const TRIED: usize = 4;
     let mut text = "state,node,u1,u2,u3,q0,q1,q2,q3\n".to_string();
-    let ends = [(&state.pair.a, &definition.initial.a), (&state.pair.b, &definition.initial.b)];
-    for (n, (now, first)) in ends.into_iter().enumerate() {
-        let transposed = pintle_kinematics::vector::transpose(&first.triad);
-        let quaternion = so3::quaternion(&product(&now.triad, &transposed));
-        let _ = write!(text, "0,{}", n + 1);
-        for x in now.displacement.into_iter().chain(quaternion) {
+    let mut line = |node: &str, displacement: Vector<f64>, rotation: &Matrix<f64>| {
+        let _ = write!(text, "0,{node}");
+        for x in displacement.into_iter().chain(so3::quaternion(rotation)) {
             let _ = write!(text, ",{x:?}");
         }
         text.push('\n');
+    };
+    match of {
+        Of::Connector(definition, nodes) => {
+            let others = generic_states(definition, "separating", TRIED);
+            let state = &others[found.separating(definition, &others)?];
+            let initial = &definition.initial;
+            let ends = [(&state.pair.a, &initial.a), (&state.pair.b, &initial.b)];
+            for ((now, first), label) in ends.into_iter().zip(nodes) {
+                // What is on the ground does not move.
+                if let Some(label) = label {
+                    line(
+                        &label.to_string(),
+                        now.displacement,
+                        &product(&now.triad, &transpose(&first.triad)),
+                    );
+                }
+            }
+        }
+        Of::Constraint(constraint) => {
+            let others = generic_cases(constraint, "separating", TRIED);
+            let state = &others[found.separating_case(&others)?].state;
+            for (name, body) in [("S", &state.slave), ("M", &state.master)] {
+                line(name, body.displacement, &body.rotation);
+            }
+            for (n, angle) in
+                state.angles.iter().flatten().take(constraint.kind().entry().angles.len()).enumerate()
+            {
+                let _ = writeln!(text, "# degree of freedom 6 of the node of hinge {}: {angle:?}", n + 1);
+            }
+        }
     }
-    text
+    Some(text)
 }
