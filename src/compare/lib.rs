@@ -8,6 +8,7 @@
 //! | `walk` | what must the connectors give along that motion? |
 //! | `judge` | how far apart are the two, in units of what the file can tell? |
 //! | `cause` | why? |
+//! | `digits` | how many digits does a run have of a reference solution? |
 //! | `show` | how is it read? |
 //!
 //! A printed number stands for all that round to it. A difference within half a unit of its last digit, and within what the digits
@@ -15,6 +16,7 @@
 
 mod cause;
 mod column;
+mod digits;
 mod judge;
 mod printed;
 mod read;
@@ -22,6 +24,7 @@ mod show;
 mod walk;
 
 pub use column::{Map, Motion, Rotations};
+pub use digits::{Creep, Digits, Events, Given, Quantity, Run, digits, given};
 pub use judge::{Comparison, Series, Unjudged};
 pub use printed::Printed;
 pub use read::{Frame, Results};

@@ -72,6 +72,7 @@ impl<R: Number> Mechanism<R> {
             joints: Vec::with_capacity(self.joints.len()),
             masses: self.bodies.iter().map(|body| body.mass).collect(),
             inertias: Vec::with_capacity(count),
+            flows: vec![zero; count],
             applied: vec![zero; DOFS * count],
             powers: [zero; WORKS],
             rates: at.rates.to_vec(),
@@ -109,6 +110,7 @@ impl<R: Number> Mechanism<R> {
             );
             let spin = [rates[3], rates[4], rates[5]];
             let gyroscopic = cross(spin, apply(&inertia, spin));
+            let gyroscopic = if has(Fault::GyroscopicLeftOut) { [zero; 3] } else { gyroscopic };
             let mut force = [zero; 6];
             for (k, drive) in &body.loads {
                 let load = self.load(drive, when, || format!("load on node {}", body.label))?;

@@ -4,10 +4,10 @@ use crate::number::Number;
 use crate::time::integrate::Method;
 use pintle_kinematics::connector::{Components, Mask, StopStatus};
 use pintle_scene::Label;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A node at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct NodeFrame<R> {
     /// u, global components (length).
     pub displacement: [R; 3],
@@ -20,7 +20,7 @@ pub struct NodeFrame<R> {
 }
 
 /// A connector at one time, of components u1 … ur3; 0 where there is none.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ConnectorFrame<R> {
     /// CP of the components that are free or slide.
     pub position: [R; 6],
@@ -36,6 +36,8 @@ pub struct ConnectorFrame<R> {
     pub wanted: [bool; 6],
     /// Whether each of its frictions sticks.
     pub sticks: Vec<bool>,
+    /// P and its limit μ F_N of each of its frictions.
+    pub limits: Vec<[R; 2]>,
     /// CSLST: a stop that holds, or a lock.
     pub held: Components<StopStatus>,
     /// CFAILST.
@@ -43,7 +45,7 @@ pub struct ConnectorFrame<R> {
 }
 
 /// Energies since the beginning.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Energies<R> {
     /// ½ Σ v·M v.
     pub kinetic: R,
@@ -58,7 +60,7 @@ pub struct Energies<R> {
 }
 
 /// A mechanism at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Frame<R> {
     /// The time.
     pub time: R,
@@ -73,7 +75,7 @@ pub struct Frame<R> {
 }
 
 /// What happened to a connector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum What {
     /// Stick ended: slip begins.
@@ -108,7 +110,7 @@ impl What {
 }
 
 /// An event.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Event<R> {
     /// When.
     pub time: R,

@@ -1,0 +1,273 @@
+//! `pintle solve`: events, the last state with its digits, energies, and how far two methods are apart; the motion as a page.
+
+mod motion;
+mod page;
+mod plot;
+
+pub use page::{html, picture};
+
+use crate::layout;
+use pintle_kinematics::catalog::COMPONENT;
+use pintle_solve::{Difference, Event, Frame, Number, Solution};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+
+/// The version of the JSON form.
+pub const SCHEMA: &str = "pintle-solution/1";
+
+/// What is told of a solution besides itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts<'a> {
+    /// The scene.
+    pub scene: &'a str,
+    /// The digits asked for.
+    pub digits: usize,
+    /// How far the witness is from it, where there is one.
+    pub difference: Option<&'a Difference>,
+    /// Why it ended early.
+    pub ended: Option<&'a str>,
+}
+
+impl Facts<'_> {
+    /// The digits that the error leaves.
+    fn digits<R: Number>(&self) -> usize {
+        let most = if R::ROUNDING < f64::EPSILON / 4.0 { self.digits } else { self.digits.min(16) };
+        let Some(difference) = self.difference else { return most.min(6) };
+        let error = difference.largest();
+        if error.is_nan() || error >= 0.1 {
+            return 1;
+        }
+        if error <= 0.0 { most } else { most.min((-error.log10()).floor().max(1.0) as usize) }
+    }
+
+    /// How the error is known.
+    const fn level<R: Number>(&self) -> &'static str {
+        match (self.difference.is_some(), R::ROUNDING < f64::EPSILON / 4.0) {
+            (false, _) => "not estimated",
+            (true, false) => "estimated",
+            (true, true) => "reproduced",
+        }
+    }
+}
+
+fn slides(event: &Event<impl Number>) -> String {
+    let names: Vec<&str> = event.components.iter().map(|k| COMPONENT[*k]).collect();
+    names.join(" ")
+}
+
+/// Writes a solution as text.
+///
+/// # Errors
+/// Those of the stream.
+pub fn human<R: Number>(
+    out: &mut dyn Write,
+    solution: &Solution<R>,
+    facts: Facts<'_>,
+    width: usize,
+) -> io::Result<()> {
+    let digits = facts.digits::<R>();
+    let number = |x: R| x.digits(digits);
+    let first = solution.frames.first().map_or(0.0, |frame| frame.time.to_f64());
+    let last = solution.frames.last();
+    let until = last.map_or(first, |frame| frame.time.to_f64());
+    let kind = if R::ROUNDING < f64::EPSILON / 4.0 { "237 bits" } else { "doubles" };
+    writeln!(
+        out,
+        "{}: solved from {first} to {until}, on {kind}, in {} steps",
+        layout::styled(layout::BOLD, facts.scene),
+        solution.steps
+    )?;
+    let mut say = |label: &str, text: &str| write!(out, "{}", layout::labelled(label, 2, 10, text, width));
+    match facts.difference {
+        None => say("error", "not estimated: one method alone")?,
+        Some(difference) if difference.same_events => say(
+            "error",
+            &format!(
+                "{:.0e}, {}: extrapolation and collocation differ by no more, in {} numbers and {} events",
+                difference.largest(),
+                facts.level::<R>(),
+                difference.compared,
+                solution.events.len()
+            ),
+        )?,
+        Some(_) => say("error", "unknown: extrapolation and collocation find other events")?,
+    }
+    if solution.connectors.is_empty()
+        || last.is_none_or(|last| last.connectors.iter().all(|of| of.sticks.is_empty()))
+    {
+        say("unique", "yes: nothing rubs")?;
+    } else if solution.lipschitz < 1.0 {
+        say(
+            "unique",
+            &format!("yes: κ = {:.3} < 1, so friction forces are the only ones that fit", solution.lipschitz),
+        )?;
+    } else {
+        say("unique", &format!("not certain: κ = {:.3} is not below 1", solution.lipschitz))?;
+    }
+    say("rows", &format!("violated by {:.0e} at most", solution.violation))?;
+    if !solution.events.is_empty() {
+        const MOST: usize = 40;
+        let rows: Vec<Vec<String>> = solution
+            .events
+            .iter()
+            .take(MOST)
+            .map(|event| {
+                let title = solution.connectors.get(event.connector).map_or("", |(_, title)| title.as_str());
+                vec![
+                    number(event.time),
+                    format!("{title} {}", slides(event)),
+                    event.what.in_words().to_string(),
+                    event.margin.map_or_else(|| "–".to_string(), |margin| format!("{margin:.3}")),
+                    format!("{:.3}", event.lipschitz),
+                ]
+            })
+            .collect();
+        writeln!(out)?;
+        write!(out, "{}", layout::table(&["time", "event", "", "margin", "κ"], &rows))?;
+        if solution.events.len() > MOST {
+            writeln!(out, "… {} more: --format json has them all", solution.events.len() - MOST)?;
+        }
+    }
+    if let Some(last) = last {
+        writeln!(out)?;
+        state(out, solution, last, &number)?;
+    }
+    if let Some(why) = facts.ended {
+        writeln!(out)?;
+        writeln!(out, "{} {why}", layout::styled(layout::CARE, "ended early:"))?;
+    }
+    Ok(())
+}
+
+fn state<R: Number>(
+    out: &mut dyn Write,
+    solution: &Solution<R>,
+    frame: &Frame<R>,
+    number: &dyn Fn(R) -> String,
+) -> io::Result<()> {
+    let mut rows = Vec::new();
+    for ((_, title), of) in solution.connectors.iter().zip(&frame.connectors) {
+        for k in (0..6).filter(|k| of.wanted[*k]) {
+            let moves = of.displacement[k].to_f64() != 0.0 || of.velocity[k].to_f64() != 0.0;
+            let is_zero = !moves && of.total[k].to_f64() == 0.0;
+            if is_zero {
+                continue;
+            }
+            rows.push(vec![
+                format!("{title} {}", COMPONENT[k]),
+                number(of.displacement[k]),
+                number(of.velocity[k]),
+                number(of.total[k]),
+                number(of.friction[k]),
+            ]);
+        }
+    }
+    writeln!(out, "at {}", number(frame.time))?;
+    write!(out, "{}", layout::table(&["component", "CU", "CV", "CTF", "CSF"], &rows))?;
+    let energies = &frame.energies;
+    writeln!(
+        out,
+        "energies: kinetic {}, stored {}, dissipated {}, external work {}; balance {:.0e}",
+        number(energies.kinetic),
+        number(energies.stored),
+        number(energies.dissipated),
+        number(energies.external),
+        energies.balance.to_f64()
+    )
+}
+
+/// Writes a solution as one JSON document: numbers of 237 bits are texts.
+///
+/// # Errors
+/// Those of the stream.
+pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts<'_>) -> io::Result<()> {
+    let is_wide = R::ROUNDING < f64::EPSILON / 4.0;
+    let digits = facts.digits::<R>();
+    let number = |x: R| if is_wide { Value::from(x.digits(digits)) } else { Value::from(x.to_f64()) };
+    let list = |all: &[R]| Value::from(all.iter().map(|x| number(*x)).collect::<Vec<_>>());
+    let label = |index: usize| solution.connectors.get(index).map(|(label, _)| label.to_string());
+    let events: Vec<Value> = solution
+        .events
+        .iter()
+        .map(|event| {
+            json!({
+                "time": number(event.time),
+                "connector": label(event.connector),
+                "components": event.components.iter().map(|k| COMPONENT[*k]).collect::<Vec<_>>(),
+                "event": event.what,
+                "margin": event.margin,
+                "lipschitz": event.lipschitz,
+            })
+        })
+        .collect();
+    let frames: Vec<Value> = solution
+        .frames
+        .iter()
+        .map(|frame| {
+            let nodes: serde_json::Map<String, Value> = solution
+                .nodes
+                .iter()
+                .zip(&frame.nodes)
+                .map(|(label, node)| {
+                    let value = json!({
+                        "displacement": list(&node.displacement),
+                        "rotation": list(&node.rotation),
+                        "velocity": list(&node.velocity[..3]),
+                        "angular_velocity": list(&node.velocity[3..]),
+                        "acceleration": list(&node.acceleration[..3]),
+                        "angular_acceleration": list(&node.acceleration[3..]),
+                    });
+                    (label.to_string(), value)
+                })
+                .collect();
+            let connectors: serde_json::Map<String, Value> = solution
+                .connectors
+                .iter()
+                .zip(&frame.connectors)
+                .map(|((label, _), of)| {
+                    let value = json!({
+                        "CU": list(&of.displacement),
+                        "CV": list(&of.velocity),
+                        "CTF": list(&of.total),
+                        "CSF": list(&of.friction),
+                        "sticks": of.sticks,
+                        "CSLST": of.held,
+                        "CFAILST": of.failed,
+                    });
+                    (label.to_string(), value)
+                })
+                .collect();
+            let energies = &frame.energies;
+            json!({
+                "time": number(frame.time),
+                "event": frame.is_event,
+                "nodes": nodes,
+                "connectors": connectors,
+                "energies": {
+                    "kinetic": number(energies.kinetic),
+                    "stored": number(energies.stored),
+                    "dissipated": number(energies.dissipated),
+                    "external": number(energies.external),
+                    "balance": number(energies.balance),
+                },
+            })
+        })
+        .collect();
+    let document = json!({
+        "schema": SCHEMA,
+        "version": pintle_kinematics::VERSION,
+        "scene": facts.scene,
+        "digits": digits,
+        "error": facts.difference,
+        "error_is": facts.level::<R>(),
+        "lipschitz": solution.lipschitz,
+        "violation": solution.violation,
+        "steps": solution.steps,
+        "evaluations": solution.evaluations,
+        "ended_early": facts.ended,
+        "events": events,
+        "frames": frames,
+    });
+    serde_json::to_writer_pretty(&mut *out, &document)?;
+    writeln!(out)
+}
