@@ -19,7 +19,6 @@ macro_rules! deck {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub static REFERENCES: &[(&str, &str)] = &[
-    deck!("andrews"),
     deck!("block"),
     deck!("cardan_shaft"),
     deck!("collision"),

@@ -186,8 +186,7 @@ fn a_block_sticks_and_slips() {
 }
 
 /// Every problem of `references/`, with the error that is allowed between the methods, and how many events it has.
-const EXPECTED: [(&str, f64, usize); 46] = [
-    ("andrews", 1e-11, 0),
+const EXPECTED: [(&str, f64, usize); 45] = [
     ("block", 1e-12, 3),
     ("cardan_shaft", 1e-11, 0),
     ("collision", 1e-12, 2),
@@ -199,11 +198,11 @@ const EXPECTED: [(&str, f64, usize); 46] = [
     ("drawer", 1e-12, 5),
     ("failure", 1e-12, 1),
     ("failure_hang", 1e-12, 1),
-    ("four_bar", 1e-11, 0),
+    ("four_bar", 2e-11, 0),
     ("free_top", 1e-11, 0),
     ("friction_decay", 1e-11, 7),
     ("helical_slide", 1e-12, 1),
-    ("hinge_rest", 1e-11, 99),
+    ("hinge_rest", 1e-11, 11),
     ("limit_cycle", 1e-11, 8),
     ("load_reversal", 1e-12, 0),
     ("lock", 1e-12, 1),
@@ -511,6 +510,23 @@ fn elastic_stick_is_a_spring() {
     assert!(apart.compared > 50 && apart.largest() < 1e-10, "{apart:?}");
     for frame in soft.frames.iter().chain(&one.frames) {
         assert!(frame.energies.balance.abs() < 1e-12, "{:?}", frame.energies);
+    }
+}
+
+/// Andrews' squeezing mechanism, seven bodies in a plane: published at 0.03 in the test set for initial value problem solvers (Bari), and as
+/// IFToMM's A03. The angle of its crank turns the velocity of its mass, so that both are compared by velocities.
+#[test]
+fn the_squeezing_mechanism_is_the_published_one() {
+    let options = Options { digits: 11, ..Options::default() };
+    let solution: Solution<f64> = solved(include_str!("andrews.inp"), &options);
+    let node = |label: &str| solution.nodes.iter().position(|known| known.to_string() == label).unwrap();
+    let last = solution.frames.last().unwrap();
+    let (angle, spin) = (15.810_771_196_299_04_f64, 1_139.920_302_151_208_f64);
+    assert!((last.nodes[node("13")].velocity[5] / spin - 1.0).abs() < 1e-9, "{:?}", last.nodes[node("13")]);
+    let middle = &last.nodes[node("11")].velocity;
+    let radius = 0.000_92;
+    for (found, wanted) in [(middle[0], -radius * angle.sin() * spin), (middle[1], radius * angle.cos() * spin)] {
+        assert!((found - wanted).abs() < 1e-9 * radius * spin, "{found} {wanted}");
     }
 }
 

@@ -1,7 +1,8 @@
 //! `pintle compare`.
 
 use super::eval::{read, source};
-use super::{Failure, page_width, solve};
+use super::reference::{both, length, reference};
+use super::{Failure, page_width};
 use clap::{Args, ValueEnum};
 use pintle_compare::{Comparison, Map, Results, compare, digits, given};
 use pintle_model::evaluate::Model;
@@ -100,7 +101,7 @@ pub(crate) fn states(path: &Path, scene: &pintle_scene::Scene) -> Result<Vec<pin
 
 /// Compares files with what a scene gives.
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
-    if let Some(scene) = solve::reference(&arguments.scene) {
+    if let Some(scene) = reference(&arguments.scene) {
         return beside_reference(arguments, &scene?);
     }
     if arguments.events.is_some() {
@@ -168,7 +169,7 @@ fn beside_reference(arguments: &Compare, scene: &pintle_scene::Scene) -> Result<
         let names = names.join(", ");
         let results = Results::new(files.clone(), map.clone());
         let run = pintle_compare::Run::read(&results).map_err(Failure::Input)?;
-        let (solution, difference) = solve::both(scene, run.times([0.0, solve::length(scene)]))?;
+        let (solution, difference) = both(scene, run.times([0.0, length(scene)]))?;
         let found = digits(&solution, &run, events.as_deref());
         let Some(fewest) = found.fewest() else {
             return Err(Failure::Nothing("no number of the files is one of the reference".to_string()));

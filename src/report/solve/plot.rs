@@ -6,8 +6,8 @@ use askama::Template;
 /// The style of such plots: a page gives the colours.
 pub(super) const STYLE: &str = include_str!("templates/panels.css");
 
-/// The most points of a curve: more are not seen.
-const POINTS: usize = 600;
+/// The most points of a curve on a page, and in a file, which stays small.
+const POINTS: [usize; 2] = [600, 130];
 
 const WIDTH: f64 = 720.0;
 const LEFT: f64 = 70.0;
@@ -101,7 +101,7 @@ impl Plot {
     /// The time from 0 to 1 across the page.
     pub(super) const ACROSS: [f64; 2] = [LEFT, RIGHT];
 
-    fn panel(&self, shift: f64) -> Panel {
+    fn panel(&self, shift: f64, most: usize) -> Panel {
         let [begin, end] = self.span;
         let length = if end > begin { end - begin } else { 1.0 };
         let across = |t: f64| rounded(LEFT + (t - begin) / length * (RIGHT - LEFT));
@@ -121,7 +121,7 @@ impl Plot {
             keys.push(Key { at: rounded(at), colour: i % 6 + 1, name: curve.name.clone() });
         }
         let curves = self.curves.iter().enumerate().map(|(i, curve)| {
-            let every = curve.points.len().div_ceil(POINTS).max(1);
+            let every = curve.points.len().div_ceil(most).max(1);
             let last = curve.points.len().saturating_sub(1);
             let kept = curve.points.iter().enumerate().filter(|(n, _)| n % every == 0 || *n == last);
             let points: Vec<String> =
@@ -152,7 +152,8 @@ impl Plot {
 
     /// Plots one below the other.
     pub(super) fn svg(all: &[Self], title: &str, place: Medium) -> String {
-        let panels = all.iter().enumerate().map(|(i, plot)| plot.panel(i as f64 * HEIGHT)).collect();
+        let most = POINTS[usize::from(place == Medium::File)];
+        let panels = all.iter().enumerate().map(|(i, plot)| plot.panel(i as f64 * HEIGHT, most)).collect();
         rendered(&Panels {
             title,
             style: (place == Medium::File).then_some(STYLE),

@@ -283,6 +283,7 @@ impl<R: Number> Mechanism<R> {
         mechanism.weigh(scene, &places)?;
         mechanism.join(model, &places)?;
         mechanism.bind(scene, &on_nodes, &places, step);
+        mechanism.hold_flows(scene, &labels, &places, step)?;
         mechanism.spring(scene, &places)?;
         Ok(mechanism)
     }
@@ -451,6 +452,36 @@ impl<R: Number> Mechanism<R> {
         for one in &model.relations {
             let nodes = one.nodes.iter().filter_map(|node| places.of(*node)).collect();
             self.relations.push((one.title(), one.relation.exact(), nodes));
+        }
+        Ok(())
+    }
+
+    /// Boundary conditions of material flow (degree of freedom 10): it is held, or refused.
+    fn hold_flows(
+        &mut self,
+        scene: &Scene,
+        labels: &dyn Fn(&Target) -> Vec<Label>,
+        places: &Places,
+        step: usize,
+    ) -> Result<(), Refusal> {
+        /// The number of material flow.
+        const NUMBER: u8 = 10;
+        let steps = scene.steps.iter().take(step + 1).flat_map(|step| &step.boundaries);
+        for boundary in scene.boundaries.iter().chain(steps) {
+            if !boundary.degrees_of_freedom.contains(&NUMBER) {
+                continue;
+            }
+            for label in labels(&boundary.target.value) {
+                let Some(node) = places.of(label) else { continue };
+                if boundary.magnitude != 0.0 {
+                    return Err(Refusal::of(
+                        &format!("node {label}"),
+                        "a material flow other than zero is prescribed",
+                        "hold it, and move the node",
+                    ));
+                }
+                self.held[DOFS * node + DOFS - 1] = true;
+            }
         }
         Ok(())
     }

@@ -245,8 +245,8 @@ impl<R: Number> Run<'_, R> {
             };
             if !has(Fault::FailureForgotten) {
                 self.state.sums[1] = self.state.sums[1] + whole - rest;
-                self.state.sums[2] = self.state.sums[2] - whole + rest;
             }
+            self.state.sums[2] = self.state.sums[2] - whole + rest;
             for k in (0..6).filter(|k| affected[*k]) {
                 self.modes.failed[joint][k] = true;
                 self.modes.locked[joint][k] = None;

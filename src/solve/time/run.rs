@@ -483,11 +483,14 @@ impl<'a, R: Number> Run<'a, R> {
         }
         let layout = Layout::new(&self.mechanism, &found, &self.modes)?;
         let (change, _) = found.correction(&layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        let rates = found.rows.iter().filter_map(|row| row.rate);
+        let most = rates.fold(0.0, |most: f64, rate| most.max(rate.to_f64().abs()));
         for row in &found.rows {
             let moved = row.coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
             let gap = (row.rate.unwrap_or(zero) + moved).to_f64().abs();
+            // Rounding alone leaves a part of the largest.
             let size = row.rate.map_or(0.0, |rate| rate.to_f64().abs()).max(moved.to_f64().abs());
-            if row.rate.is_some() && gap > 1e-9 * size {
+            if row.rate.is_some() && gap > 1e-9 * size.max(1e-3 * most) {
                 return Err(Refusal::of(
                     &self.mechanism.named(row.owner),
                     "the velocities given at the beginning do not fit the constraints",

@@ -3,6 +3,8 @@
 use crate::number::Number;
 use crate::time::integrate::Method;
 use pintle_kinematics::connector::{Components, Mask, StopStatus};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{product, transpose};
 use pintle_scene::Label;
 use serde::{Deserialize, Serialize};
 
@@ -179,6 +181,17 @@ impl Difference {
     }
 }
 
+/// How far two rotations are apart (rad): their vectors, or the rotation between them, for the whole turns of a body that turns about axes
+/// that turn depend on the way.
+fn apart<R: Number>(one: &[R; 3], two: &[R; 3]) -> f64 {
+    let of_vectors = one.iter().zip(two).map(|(x, y)| (*x - *y).to_f64().abs()).fold(0.0, f64::max);
+    if of_vectors < 1.0 {
+        return of_vectors;
+    }
+    let between = product(&transpose(&so3::turn(*one)), &so3::turn(*two));
+    so3::log(&between).iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max)
+}
+
 impl<R: Number> Solution<R> {
     /// How far another solution with the same frames is from this one. `length` is the size of the model.
     pub fn difference(&self, other: &Self, length: f64) -> Difference {
@@ -227,7 +240,8 @@ impl<R: Number> Solution<R> {
             for (one, two) in one.nodes.iter().zip(&two.nodes) {
                 let count = &mut found.compared;
                 compare(&mut found.displacement, count, &one.displacement, &two.displacement, length);
-                compare(&mut found.rotation, count, &one.rotation, &two.rotation, 1.0);
+                found.rotation = found.rotation.max(apart(&one.rotation, &two.rotation));
+                *count += 3;
                 compare(&mut found.velocity, count, &one.velocity[..3], &two.velocity[..3], speeds[0]);
                 compare(&mut found.velocity, count, &one.velocity[3..], &two.velocity[3..], speeds[1]);
             }

@@ -88,7 +88,8 @@ fn every_kept_state_goes_on_to_the_same_bits() {
     for (deck, stick) in decks {
         let scene = Scene::parse("deck.inp", &deck).unwrap();
         for method in [Method::Extrapolation, Method::Collocation] {
-            let options = Options { method, stick, times: vec![0.1, 0.25, 0.7, 1.0, 1.3], ..Options::default() };
+            let times = if deck.contains("*STATIC") { Vec::new() } else { vec![0.1, 0.25, 0.7, 1.0, 1.3] };
+            let options = Options { method, stick, times, ..Options::default() };
             let whole = told(&solve(&scene, &options).unwrap());
             let mut kept: Vec<String> = Vec::new();
             let take = |of: Kept<f64>| kept.push(serde_json::to_string(&of).unwrap());
@@ -106,7 +107,7 @@ fn every_kept_state_goes_on_to_the_same_bits() {
         }
     }
     println!("{compared} runs that went on");
-    assert!(compared > 60, "{compared}");
+    assert!(compared > 50, "{compared}");
 }
 
 /// Arrays for NumPy: their heads, and the end of the numbers.
@@ -151,5 +152,5 @@ fn the_page_shows_motion_forces_and_energies() {
         assert_eq!(data[of].as_array().unwrap().len(), count);
     }
     let stuck = data["sticks"].as_array().unwrap().iter().filter(|all| !all.as_array().unwrap().is_empty());
-    assert!(stuck.count() > 5);
+    assert!(stuck.count() >= 5);
 }

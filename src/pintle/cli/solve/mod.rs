@@ -5,6 +5,7 @@ mod kept;
 
 use self::kept::Book;
 use super::output::npz::npz;
+use super::reference::{length, reference, size, told};
 use super::states::csv;
 use super::{Failure, Files, eval, tell};
 use clap::{Args, ValueEnum};
@@ -12,11 +13,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pintle_kinematics::scalar::Wide;
 use pintle_model::evaluate::Model;
 use pintle_report::solve as report;
-use pintle_scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
-use pintle_solve::{
-    Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, Stick, solve,
-    solve_keeping,
-};
+use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State, StateFile};
+use pintle_solve::{Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Stick, solve_keeping};
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -172,26 +170,6 @@ fn scene(name: &str) -> Result<Scene, Failure> {
     }
 }
 
-/// The scene of `references/NAME`, and of `gallery:NAME` where the gallery has none of that name.
-pub(super) fn reference(name: &str) -> Option<Result<Scene, Failure>> {
-    let of_gallery = name.strip_prefix("gallery:");
-    let of_gallery = of_gallery.filter(|name| !GALLERY.iter().any(|example| example.name == *name));
-    let name = of_gallery.or_else(|| name.strip_prefix("references/").map(|name| name.trim_end_matches('/')))?;
-    let (name, deck) = REFERENCES.iter().find(|(known, _)| *known == name)?;
-    Some(Scene::parse(&format!("{name}.inp"), deck).map_err(Failure::from))
-}
-
-/// A solution at some times on doubles, and how far its witness is from it.
-pub(super) fn both(scene: &Scene, times: Vec<f64>) -> Result<(Solution<f64>, Difference), Failure> {
-    let options = Options { times, ..Options::default() };
-    let witness = Options { method: Method::Collocation, ..options.clone() };
-    let (one, other) = rayon::join(|| solve(scene, &options), || solve(scene, &witness));
-    let [one, other] = [one, other].map(|of| of.map_err(|ended| Failure::Input(told(&ended.why))));
-    let one = one?;
-    let difference = one.difference(&other?, size(scene));
-    Ok((one, difference))
-}
-
 /// A bar that shows the time reached, on a terminal, until it is dropped.
 struct Bar {
     is_done: Arc<AtomicBool>,
@@ -241,13 +219,6 @@ impl Drop for Bar {
             _ = thread.join();
         }
     }
-}
-
-/// The time at which the steps of a scene end, as far as it is known.
-pub(super) fn length(scene: &Scene) -> f64 {
-    let schedule = pintle_model::behavior::drive::Schedule::new(scene);
-    let last = schedule.len().checked_sub(1).and_then(|last| schedule.span(last));
-    last.map_or(0.0, |([_, end], _)| end)
 }
 
 fn solved<R: Number>(
@@ -341,18 +312,6 @@ fn solved<R: Number>(
         None => Ok(()),
         Some(_) => Err(Failure::Undecided),
     }
-}
-
-fn told(why: &Refusal) -> String {
-    match why {
-        Refusal::Scene(diagnostic) => diagnostic.to_string(),
-        Refusal::Of { what, why, remedy } => format!("{what}: {why}\n  help: {remedy}"),
-    }
-}
-
-/// The size of lengths.
-fn size(scene: &Scene) -> f64 {
-    Model::compile(scene).map_or(1.0, |model| model.length)
 }
 
 /// A frame as a state.
