@@ -18,7 +18,7 @@ const STORED: usize = 20;
 const DRAWN: usize = 240;
 
 /// Digits of a stored solution.
-const DIGITS: usize = 18;
+const DIGITS: usize = 16;
 
 /// How far doubles may be from it, relative to the largest of its kind: a hundred steps of 1e-14.
 const ALLOWED: f64 = 2e-12;
@@ -248,7 +248,7 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
         if is_writing {
             let begin = std::time::Instant::now();
             let options =
-                Options { digits: DIGITS + 3, times: times(&scene, STORED), ..Options::default() };
+                Options { digits: DIGITS + 1, times: times(&scene, STORED), ..Options::default() };
             let witness = Options { method: Method::Collocation, ..options.clone() };
             let (one, other): (Solution<Wide>, Solution<Wide>) =
                 rayon::join(|| solved(&scene, &options), || solved(&scene, &witness));
