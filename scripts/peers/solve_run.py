@@ -176,7 +176,7 @@ def main():
         print(name, versions[name], rows[-1], flush=True)
     results["pintle"] = pintle(given.pintle)
     told = subprocess.run([given.pintle, "--version"], check=True, capture_output=True, text=True).stdout
-    versions["pintle"] = "dev build" if "debug" in given.pintle else told.split()[1]
+    versions["pintle"] = "dev build" if "dev" in given.pintle or "debug" in given.pintle else told.split()[1]
     picture(results)
     others = {name: rows[-1] for name, rows in results.items() if name != "pintle"}
     creeps = {name: row["creep"] for name, row in others.items() if row["creep"] == row["creep"]}

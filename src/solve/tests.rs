@@ -517,7 +517,7 @@ fn elastic_stick_is_a_spring() {
 /// IFToMM's A03. The angle of its crank turns the velocity of its mass, so that both are compared by velocities.
 #[test]
 fn the_squeezing_mechanism_is_the_published_one() {
-    let options = Options { digits: 11, ..Options::default() };
+    let options = Options { digits: 13, ..Options::default() };
     let solution: Solution<f64> = solved(include_str!("andrews.inp"), &options);
     let node = |label: &str| solution.nodes.iter().position(|known| known.to_string() == label).unwrap();
     let last = solution.frames.last().unwrap();
@@ -526,7 +526,7 @@ fn the_squeezing_mechanism_is_the_published_one() {
     let middle = &last.nodes[node("11")].velocity;
     let radius = 0.000_92;
     for (found, wanted) in [(middle[0], -radius * angle.sin() * spin), (middle[1], radius * angle.cos() * spin)] {
-        assert!((found - wanted).abs() < 1e-9 * radius * spin, "{found} {wanted}");
+        assert!((found - wanted).abs() < 5e-9 * radius * spin, "{found} {wanted}");
     }
 }
 
