@@ -1,5 +1,5 @@
 """Closed forms of problems in references/, by mpmath with 50 digits: when what happens, and the state at the end. Writes
-references/NAME/solution.json; with --check compares with it.
+references/NAME/closed.json; with --check compares with it.
 
 Each form is typed from mechanics, not from the solver: quadratures, elliptic functions, roots of polynomials and oscillations.
 """
@@ -28,14 +28,14 @@ def component(label, number, displacement, velocity, force):
 
 
 def stop_rigid():
-    # 2 a = 4 − 2 t: x = t² − t³/6.
+    """2 a = 4 − 2 t: x = t² − t³/6."""
     meets = first_root([mpf(-1) / 6, 1, 0, mpf(-1) / 2])
     other = 2 + mpf(6) ** (mpf(1) / 3)
     return [(meets, "closes"), (mpf(2), "opens"), (other, "closes")], component("101", 1, mpf(-1) / 2, 0, -4)
 
 
 def stop_elastic():
-    # Between the stop at 1/2 and x = 0 the mass falls with 2; in the stop it swings with 20/s about 1/2 + 4/800.
+    """Between the stop at 1/2 and x = 0 the mass falls with 2; in the stop it swings with 20/s about 1/2 + 4/800."""
     falls, w = sqrt(mpf(1) / 2), mpf(20)
     v = sqrt(mpf(2))
     inside = 2 * (pi - atan(v / w / mpf("0.005"))) / w
@@ -52,7 +52,7 @@ def stop_elastic():
 
 
 def stop_friction():
-    # 2 a = 9 − 5 t − 5 until 0.3; the stop carries 9 − 5 t; friction holds to −5; then 2 a = 14 − 5 t.
+    """2 a = 9 − 5 t − 5 until 0.3; the stop carries 9 − 5 t; friction holds to −5; then 2 a = 14 − 5 t."""
     meets = first_root([mpf("-2.5") / 6, 1, 0, mpf("-0.3")])
     s = 4 - mpf("2.8")
     end = component("101", 1, mpf("0.3") - mpf("2.5") * s**3 / 6, mpf("-1.25") * s**2, -5)
@@ -60,30 +60,32 @@ def stop_friction():
 
 
 def stop_pendulum():
-    # ½ 2.5 ω² = 20 sin θ; θ = s².
+    """½ 2.5 ω² = 20 sin θ; θ = s²."""
     meets = quad(lambda s: 2 * s / (4 * sqrt(sin(s * s))), [0, 1])
     return [(meets, "closes")], component("101", 4, -1, 0, -20 * cos(mpf(1)))
 
 
 def lock():
+    """x = 0.2 (1 − cos 5 t) until 0.3."""
     # x = 0.2 (1 − cos 5 t) until 0.3.
     return [(2 * pi / 15, "locks")], component("101", 1, mpf("0.3"), 0, 10)
 
 
 def lock_slide():
-    # v = 2 − 2.5 t until 0.5.
+    """v = 2 − 2.5 t until 0.5."""
     meets = (2 - sqrt(mpf("1.5"))) / mpf("2.5")
     return [(meets, "locks")], component("101", 1, mpf("0.5"), 0, 0)
 
 
 def failure():
+    """x = 0.2 (1 − cos 5 t) until 0.3, where the spring fails; then 2 ẍ = 10."""
     meets = 2 * pi / 15
     v, s = sin(2 * pi / 3), 1 - meets
     return [(meets, "fails")], component("101", 1, mpf("0.3") + v * s + mpf("2.5") * s * s, v + 5 * s, 0)
 
 
 def collision():
-    # 2 of 3 m/s with 3 at rest go on with 1.2 m/s, swing with √(80/5), and part when the spring is slack again.
+    """2 of 3 m/s with 3 at rest go on with 1.2 m/s, swing with √(80/5), and part when the spring is slack again."""
     parts = mpf("0.25") + pi / 4
     s, w = 2 - parts, sqrt(mpf(80) / 3)
     u1, u2 = mpf("0.75") - mpf("1.2") * s, mpf("-1.2") / w * sin(w * s)
@@ -100,7 +102,7 @@ def turned(axis, angle):
 
 
 def free_top():
-    # I = (2, 2, 3), ω = (1, 0, 4): ω = L/2 − 2 e3, with e3 carried by the steady turn about L/2 = (1, 0, 6).
+    """I = (2, 2, 3), ω = (1, 0, 4): ω = L/2 − 2 e3, with e3 carried by the steady turn about L/2 = (1, 0, 6)."""
     rate = sqrt(mpf(37))
     carried = turned([1 / rate, 0, 6 / rate], 3 * rate)
     spin = [mpf(base) - 2 * carried[i, 2] for i, base in enumerate([1, 0, 6])]
@@ -108,7 +110,7 @@ def free_top():
 
 
 def block():
-    # The end of the spring (100 N/m) moves with 1 m/s to 0.2, friction is 5 N: stick, one slip, a turn, rest.
+    """The end of the spring (100 N/m) moves with 1 m/s to 0.2, friction is 5 N: stick, one slip, a turn, rest."""
     w, tau = sqrt(mpf(50)), mpf("0.15")
     x, v = tau - sin(w * tau) / w, 1 - cos(w * tau)
     phase = atan2(v * w, 50 * (x - tau))
@@ -120,6 +122,7 @@ def block():
 
 
 def oscillator():
+    """2 ẍ = 10 − 50 x − 0.8 ẋ: x = 0.2 − 0.2 exp(−t/5) (cos ω t + sin(ω t)/(5 ω)), ω² = 24.96."""
     t, decay = mpf(5), mpf("0.2")
     w = sqrt(25 - decay**2)
     x = mpf("0.2") * (1 - exp(-decay * t) * (cos(w * t) + decay / w * sin(w * t)))
@@ -128,14 +131,14 @@ def oscillator():
 
 
 def pendulum():
-    # sin(φ/2) = k cd(ω t), φ from below, released level.
+    """sin(φ/2) = k cd(ω t), φ from below, released level."""
     w, m = sqrt(mpf(10)), mpf(1) / 2
     angle = lambda t: 2 * asin(sqrt(m) * ellipfun("cd", w * t, m=m))
     return [], {"nodes": {"1": [mpf(0)] * 5 + [diff(angle, mpf(4))]}}
 
 
 def spin_down():
-    # 0.05 ω̇ = M(t) − 0.17: the moment 2 ends on a ramp of 1e-7 s.
+    """0.05 ω̇ = M(t) − 0.17: the moment 2 ends on a ramp of 1e-7 s."""
     ramp, inertia, rubs = mpf("1e-7"), mpf("0.05"), mpf("0.17")
     begins = mpf("0.5")
     w = (2 - rubs) / inertia * begins
@@ -148,7 +151,7 @@ def spin_down():
 
 
 def static_drawer():
-    # F = 40 (e − x) pulls 0.1 aside: |F − 30 x| = 0.2 (4 + 10 · 0.1 |F|) in slip, e = 0.5 of the amplitude.
+    """F = 40 (e − x) pulls 0.1 aside: |F − 30 x| = 0.2 (4 + 10 · 0.1 |F|) in slip, e = 0.5 of the amplitude."""
     there = (mpf(16) - mpf("0.8")) / 62
     back = (30 * there - mpf("0.8")) / 48 + there
     delay = (mpf("0.5") - back) / mpf("0.5")
@@ -158,23 +161,25 @@ def static_drawer():
 
 
 def static_lever():
-    # 10 t cos θ = 10 θ until 0.8.
+    """10 t cos θ = 10 θ until 0.8."""
     return [(mpf("0.8") / cos(mpf("0.8")), "closes")], component("101", 4, mpf("-0.8"), 0, -20 * cos(mpf("0.8")))
 
 
 def projectile():
+    """u1 = 3 t, u2 = 4 t − 5 t²."""
     end = component("101", 1, 3, 3, 0)
     end["101"].update(component("101", 2, -1, -6, 0)["101"])
     return [], end
 
 
 def damped_coast():
+    """2 v̇ = −3 v: v = 2 exp(−1.5 t)."""
     fall = exp(mpf(-3))
     return [], component("101", 1, mpf(4) / 3 * (1 - fall), 2 * fall, 6 * fall)
 
 
 def damper_oneway():
-    # 2 v̇ = −4 − 6 v while v > 0, then 2 v̇ = −4.
+    """2 v̇ = −4 − 6 v while v > 0, then 2 v̇ = −4."""
     turns = log(mpf("5.5")) / 3
     x = -mpf(2) / 3 * turns + mpf(11) / 9 * (1 - 1 / mpf("5.5"))
     s = 2 - turns
@@ -182,7 +187,7 @@ def damper_oneway():
 
 
 def stop_between():
-    # Half a swing with 20/s in each stop, and one length in between at 2 m/s; it begins in the middle.
+    """Half a swing with 20/s in each stop, and one length in between at 2 m/s; it begins in the middle."""
     inside = pi / 20
     left = mpf(3) - mpf("0.25")
     whole = floor(left / (inside + mpf("0.5")))
@@ -197,7 +202,7 @@ def stop_between():
 
 
 def failure_hang():
-    # 2 ẍ = −20 − 100 x until −0.15, then it falls.
+    """2 ẍ = −20 − 100 x until −0.15, then it falls."""
     w = sqrt(mpf(50))
     fails = acos(mpf("0.25")) / w
     v, s = mpf("-0.2") * w * sin(w * fails), mpf("0.5") - fails
@@ -205,7 +210,7 @@ def failure_hang():
 
 
 def two_masses():
-    # About their middle, which goes on with 1 m/s: √(12/0.75) = 4/s.
+    """About their middle, which goes on with 1 m/s: √(12/0.75) = 4/s."""
     end = component("101", 1, -sin(mpf(12)), -4 * cos(mpf(12)), -12 * sin(mpf(12)))
     rates = lambda v: [v] + [mpf(0)] * 5
     end["nodes"] = {"1": rates(1 + 3 * cos(mpf(12))), "2": rates(1 - cos(mpf(12)))}
@@ -213,15 +218,17 @@ def two_masses():
 
 
 def self_locking():
+    """4.9 is less than μ F_N = 5: it stays."""
     return [], component("101", 1, 0, 0, mpf("4.9"))
 
 
 def load_reversal():
+    """4.9 is less than μ F_N = 5 both ways: it stays."""
     return [], component("101", 1, 0, 0, mpf("-4.9"))
 
 
 def friction_decay():
-    # 10/s about ±0.025: each half swing loses 0.05.
+    """10/s about ±0.025: each half swing loses 0.05."""
     size = sqrt(mpf("0.3") ** 2 + mpf("0.025") ** 2)
     turns, at = atan2(mpf("0.3"), mpf("0.025")) / 10, size - mpf("0.025")
     events = []
@@ -234,23 +241,24 @@ def friction_decay():
 
 
 def translator_moment():
-    # 2 v̇ = 6 − 0.2 · 10 · 2 t.
+    """2 v̇ = 6 − 0.2 · 10 · 2 t."""
     return [(mpf(3), "sticks")], component("101", 1, mpf("4.5"), 0, 6)
 
 
 def lock_flywheel():
+    """φ = 3 t until 2 rad."""
     return [(mpf(2) / 3, "locks")], component("101", 4, 2, 0, 0)
 
 
 def pendulum_turns():
-    # φ̇² = 64 − 40 sin²(φ/2): φ/2 is the amplitude of 4 t at m = 40/64.
+    """φ̇² = 64 − 40 sin²(φ/2): φ/2 is the amplitude of 4 t at m = 40/64."""
     m = mpf(40) / 64
     half = findroot(lambda x: ellipf(x, m) - 16, mpf(13))
     return [], component("101", 4, 2 * half, sqrt(64 - 40 * sin(half) ** 2), 0)
 
 
 def static_axial():
-    # 2 · 100 (ℓ − √2) (1 + d)/ℓ = 30.
+    """2 · 100 (ℓ − √2) (1 + d)/ℓ = 30."""
     length = lambda d: sqrt(1 + (1 + d) ** 2)
     d = findroot(lambda d: 200 * (length(d) - sqrt(mpf(2))) * (1 + d) / length(d) - 30, mpf("0.2"))
     stretch = length(d) - sqrt(mpf(2))
@@ -259,10 +267,30 @@ def static_axial():
     return [], end
 
 
+def cv_joint():
+    """Both shafts turn alike: 0.2 ω̇ = 0.7, and the second carries its half of the moment."""
+    turn = [cos(pi / 6), mpf(1) / 2, mpf(0)]
+    rates = lambda axis: [mpf(0)] * 3 + [mpf("17.5") * x for x in axis]
+    return [], {"nodes": {"1": rates([mpf(1), mpf(0), mpf(0)]), "2": rates(turn)}}
+
+
+def static_belt():
+    """T2 = T1 exp(μ α) up, exp(−μ α) back, with T1 = 1000 (1/(1 − Ψ) − 1) and T2 = 1000 ((1 + p)/(1 + Ψ) − 1)."""
+    ratio = exp(mpf("0.3"))
+    first = lambda flow: 1000 * (1 / (1 - flow) - 1)
+    second = lambda flow, pull: 1000 * ((1 + pull) / (1 + flow) - 1)
+    top = findroot(lambda flow: second(flow, mpf("0.1")) - ratio * first(flow), mpf("0.04"))
+    pull = (1 + top) * (1 + first(top) / ratio / 1000) - 1
+    last = findroot(lambda flow: second(flow, mpf("0.02")) - first(flow) / ratio, mpf("0.01"))
+    end = component("103", 1, first(last) / 1000, 0, first(last))
+    end["103"].update(component("103", 2, last, 0, second(last, mpf("0.02")) - first(last))["103"])
+    return [(mpf(0), "slips"), (mpf(1), "sticks"), (1 + (mpf("0.1") - pull) / mpf("0.08"), "slips")], end
+
+
 PROBLEMS = [
-    block, collision, damped_coast, damper_oneway, failure, failure_hang, free_top, friction_decay, load_reversal,
+    block, collision, cv_joint, damped_coast, damper_oneway, failure, failure_hang, free_top, friction_decay, load_reversal,
     lock, lock_flywheel, lock_slide, oscillator, pendulum, pendulum_turns, projectile, self_locking, spin_down,
-    static_axial, static_drawer, static_lever, stop_between, stop_elastic, stop_friction, stop_pendulum, stop_rigid,
+    static_axial, static_belt, static_drawer, static_lever, stop_between, stop_elastic, stop_friction, stop_pendulum, stop_rigid,
     translator_moment, two_masses,
 ]
 
@@ -280,6 +308,7 @@ def written(problem):
     }
     return {
         "from": "closed form: scripts/reference/reference_solve.py",
+        "form": problem.__doc__,
         "events": [[text(time), what] for time, what in events],
         "last": {"connectors": connectors, "velocities": nodes},
     }
@@ -288,14 +317,14 @@ def written(problem):
 def main():
     wrong = []
     for problem in PROBLEMS:
-        path = FOLDER / problem.__name__ / "solution.json"
+        path = FOLDER / problem.__name__ / "closed.json"
         found = written(problem)
         if "--check" not in sys.argv:
-            path.write_text(json.dumps(found, indent=1) + "\n")
+            path.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n")
         elif not path.exists() or json.loads(path.read_text()) != found:
             wrong.append(problem.__name__)
     if wrong:
-        sys.exit(f"references/NAME/solution.json differs from its closed form: {', '.join(wrong)}")
+        sys.exit(f"references/NAME/closed.json differs from its closed form: {', '.join(wrong)}")
     print(f"closed forms: {len(PROBLEMS)}")
 
 

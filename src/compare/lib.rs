@@ -11,6 +11,7 @@
 //! | `entries` | what must a Jacobian or stiffness be? |
 //! | `judge` | how far apart are the two, in units of what the file can tell? |
 //! | `cause` | why? |
+//! | `digits` | how many digits does a run have of a reference solution? |
 //! | `show` | how is it read? |
 //!
 //! A printed number stands for all that round to it. A difference within half a unit of its last digit, and within what the digits
@@ -18,6 +19,7 @@
 
 mod cause;
 mod column;
+mod digits;
 mod entries;
 mod evaluate;
 mod judge;
@@ -30,6 +32,7 @@ mod show;
 mod walk;
 
 pub use column::{Map, MatrixKind, Motion, Nodal, Rotations};
+pub use digits::{Creep, Digits, Events, Given, Quantity, Run, digits, given};
 pub use judge::{Comparison, Gap, Series, Unjudged};
 pub use motion::states;
 pub use printed::Printed;

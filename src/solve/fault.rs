@@ -25,6 +25,28 @@ pub(crate) enum Fault {
     TurnLost,
     /// A lock lets go of the velocity that it stops.
     LockSlips,
+    /// What comes to rest sticks, whatever pulls.
+    SticksAlways,
+    /// What comes to rest slips back, whatever holds.
+    ReversesAlways,
+    /// Slip begins a little beyond the limit: a tolerance.
+    OnsetLate,
+    /// J̇ q̇ is left out.
+    BiasLeftOut,
+    /// ω × I ω is left out.
+    GyroscopicLeftOut,
+    /// Corners of what acts are stepped over.
+    CornersPassed,
+    /// The energy that a failure releases is not counted.
+    FailureForgotten,
+    /// What friction takes is not counted.
+    FrictionForgotten,
+    /// The work of what is prescribed is not counted.
+    DriveForgotten,
+    /// Rotation vectors are added.
+    RotationAdded,
+    /// A rotation vector grows with ω.
+    TurnRateTaken,
 }
 
 #[cfg(test)]

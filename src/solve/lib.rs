@@ -44,7 +44,8 @@ pub use number::Number;
 pub use references::REFERENCES;
 pub use refusal::Refusal;
 pub use time::integrate::Method;
-pub use time::run::{Ended, Options, Solvable, Stick, solve};
+pub use time::keep::{Keeping, Kept};
+pub use time::run::{Ended, Options, Solvable, Stick, solve, solve_keeping};
 pub use time::solution::{ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Solution, What};
 
 #[cfg(test)]

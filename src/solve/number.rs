@@ -4,10 +4,12 @@ use num_bigint::{BigInt, BigUint};
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::scalar::{Real, Wide};
 use pintle_model::behavior::friction::Ordered;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::cmp::Ordering;
 
 /// A number of a solution: `f64`, or [`Wide`] with 237 bits.
-pub trait Number: Differentiable + Ordered + Send + Sync + 'static {
+pub trait Number: Differentiable + Ordered + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Half of the distance from 1 to the next number.
     const ROUNDING: f64;
 

@@ -1,5 +1,8 @@
 //! `pintle solve`: events with their digits, states that `eval` reads, a motion that goes on, refusals by name.
 
+mod kept;
+mod references;
+
 use crate::commands::cli::{pintle, stderr, stdout};
 use std::fs;
 use std::path::Path;

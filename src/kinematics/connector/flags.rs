@@ -24,7 +24,7 @@ pub struct Stop {
 }
 
 /// Whether a stop is reached, or a lock closed (output CSLST).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopStatus {
     /// Between the limits: 0.

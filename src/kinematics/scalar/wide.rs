@@ -4,6 +4,7 @@ use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use ::f256::{consts, f256};
 use num_dual::{DualNum, DualStruct, Mappable};
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::cmp::Ordering;
 use std::fmt;
 use std::iter::{Product, Sum};
@@ -26,6 +27,33 @@ use std::sync::LazyLock;
 /// ```
 #[derive(Clone, Copy, Default, PartialEq, PartialOrd)]
 pub struct Wide(f256);
+
+/// As doubles whose sum it is, each the nearest to what is left.
+impl Serialize for Wide {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        /// The doubles that 237 bits are at most.
+        const MOST: usize = 6;
+        let (mut parts, mut rest) = (Vec::with_capacity(MOST), *self);
+        while parts.len() < MOST {
+            let part = rest.to_f64();
+            parts.push(part);
+            rest -= Self::from_f64(part);
+            if rest == Self::from_f64(0.0) {
+                break;
+            }
+        }
+        parts.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Wide {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let parts = Vec::<f64>::deserialize(deserializer)?;
+        let parts = parts.into_iter().map(Self::from_f64);
+        // A zero keeps its sign.
+        Ok(parts.reduce(|sum, part| sum + part).unwrap_or_default())
+    }
+}
 
 // The two words of a number: sign, 19 bits of exponent, 236 of fraction, of which so many are in the high word.
 const FRACTION_BITS: u32 = 108;

@@ -1,9 +1,10 @@
 //! `pintle compare`.
 
 use super::eval::{read, source};
+use super::reference::{both, length, reference};
 use super::{Failure, page_width};
 use clap::{Args, ValueEnum};
-use pintle_compare::{Comparison, Map, Results, compare, write_junit};
+use pintle_compare::{Comparison, Map, Results, compare, digits, given, write_junit};
 use pintle_model::evaluate::Model;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -37,12 +38,19 @@ Examples:
   pintle compare model.inp --against model.dat stiffness.mtx --format junit
   pintle compare model.inp --against abaqus.dat --or mine.csv
 
+Of references/NAME, a mechanism that pintle solve knows, it says how many digits a
+run has: of each output, of the events (--events FILE, a table with time, connector
+and event), and how fast what sticks creeps. The reference is solved at the times
+of the run.
+
+  pintle compare references/drawer --against my-run.csv --events my-events.csv
+
 Exit codes: 0 all agree, 1 a number differs, 4 nothing was compared, 6 bad input.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
 pub(crate) struct Compare {
-    /// A scene (.inp, .toml, .json) or gallery:NAME
+    /// A scene (.inp, .toml, .json), gallery:NAME, or references/NAME
     #[arg(value_name = "SCENE")]
     scene: String,
     /// The files of one run: motions of nodes and outputs of connectors
@@ -51,6 +59,9 @@ pub(crate) struct Compare {
     /// The files of another program's run, compared by themselves
     #[arg(long, value_name = "FILE", num_args = 1..)]
     or: Vec<PathBuf>,
+    /// The events of the run, beside those of references/NAME (.csv)
+    #[arg(long, value_name = "FILE")]
+    events: Option<PathBuf>,
     /// What is not standard in the files, as TOML
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -116,6 +127,12 @@ fn arbiter(found: &[(String, Comparison)]) -> Option<String> {
 
 /// Compares files with what a scene gives.
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
+    if let Some(scene) = reference(&arguments.scene) {
+        return beside_reference(arguments, &scene?);
+    }
+    if arguments.events.is_some() {
+        return Err(Failure::Usage("--events are compared with those of references/NAME".to_string()));
+    }
     let source = source(&arguments.scene)?;
     let (scene, _) = read(source, None)?;
     let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
@@ -172,4 +189,54 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         return Err(Failure::Nothing("no number of the files could be compared".to_string()));
     }
     if found.iter().any(|(_, comparison)| comparison.wrong() > 0) { Err(Failure::Mismatch) } else { Ok(()) }
+}
+
+/// Says how many digits a run has of a reference.
+fn beside_reference(arguments: &Compare, scene: &pintle_scene::Scene) -> Result<(), Failure> {
+    let map = map(arguments.map.as_deref())?;
+    let events = arguments.events.as_deref().map(given).transpose().map_err(Failure::Input)?;
+    let mut out = BufWriter::new(anstream::stdout().lock());
+    let mut documents = Vec::new();
+    for files in [&arguments.against, &arguments.or] {
+        if files.is_empty() {
+            continue;
+        }
+        let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        let names = names.join(", ");
+        let results = Results::new(files.clone(), map.clone());
+        let run = pintle_compare::Run::read(&results).map_err(Failure::Input)?;
+        let (solution, difference) = both(scene, run.times([0.0, length(scene)]))?;
+        let found = digits(&solution, &run, events.as_deref());
+        let Some(fewest) = found.fewest() else {
+            return Err(Failure::Nothing("no number of the files is one of the reference".to_string()));
+        };
+        match arguments.format {
+            Format::Human => {
+                let width = page_width(&io::stdout());
+                let told = format!(
+                    "{names}: {:.1} digits at least, beside {} (its own error is {:.0e})",
+                    fewest.digits,
+                    arguments.scene,
+                    difference.largest()
+                );
+                for line in pintle_report::wrap(&told, width) {
+                    writeln!(out, "{line}")?;
+                }
+                writeln!(out)?;
+                found.write_human(&mut out, width)?;
+            }
+            Format::Json => documents.push(serde_json::json!({
+                "schema": "pintle-digits/1", "files": names, "reference": arguments.scene,
+                "error": difference, "digits": found,
+            })),
+            Format::Html | Format::Junit | Format::Markdown => {
+                return Err(Failure::Usage("digits are written as text or JSON".to_string()));
+            }
+        }
+    }
+    if !documents.is_empty() {
+        serde_json::to_writer_pretty(&mut out, &documents).map_err(io::Error::from)?;
+        writeln!(out)?;
+    }
+    Ok(out.flush()?)
 }

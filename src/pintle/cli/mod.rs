@@ -11,6 +11,7 @@ mod fit;
 pub(crate) mod history;
 pub(crate) mod manual;
 mod output;
+mod reference;
 pub(crate) mod replay;
 pub(crate) mod solve;
 mod start;

@@ -1,6 +1,7 @@
 //! `pintle states`.
 
 use super::eval::{read, source};
+use super::output::npz::{Array, Items, npz};
 use super::subject::{Subject, named};
 use super::{Failure, Files, compare};
 use clap::{Args, ValueEnum};
@@ -13,11 +14,8 @@ use pintle_kinematics::vector::{Matrix, product, transpose};
 use pintle_scene::{Label, NodeMotion, Rotation, StateFile};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::io::{self, BufWriter, Cursor, Write};
-use std::iter::repeat;
+use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
-use zip::ZipWriter;
-use zip::write::FileOptions;
 
 const HELP: &str = "\
 States for a harness of your own: those at which pintle check asks. The first is the
@@ -129,7 +127,11 @@ fn write(arguments: &States, files: Files, states: Vec<pintle_scene::State>) -> 
     let bytes = match arguments.format {
         Format::Csv => csv(&states).into_bytes(),
         Format::Json => (StateFile { states }.to_json().map_err(io::Error::from)? + "\n").into_bytes(),
-        Format::Npz => npz(&states).map_err(io::Error::from)?,
+        Format::Npz => {
+            let mut bytes = Vec::new();
+            npz(&mut bytes, &arrays(&states))?;
+            bytes
+        }
     };
     match &arguments.output {
         Some(file) => files.text(file, bytes),
@@ -143,63 +145,39 @@ fn write(arguments: &States, files: Files, states: Vec<pintle_scene::State>) -> 
 
 /// States as arrays of NumPy: `state`, `time` where there are some, the labels `node`, and of each state and node `u`, `quaternion` (or
 /// `rotation_vector`, which keeps its turns), `flow` and their rates.
-fn npz(states: &[pintle_scene::State]) -> zip::result::ZipResult<Vec<u8>> {
-    /// The arrays of an archive that is written.
-    struct Arrays(ZipWriter<Cursor<Vec<u8>>>);
-    impl Arrays {
-        /// An array in the order of C, of the element type that NumPy calls so.
-        fn put(&mut self, name: &str, of: &str, shape: &[usize], bytes: &[u8]) -> zip::result::ZipResult<()> {
-            self.0.start_file(format!("{name}.npy"), FileOptions::<()>::default())?;
-            let shape: String = shape.iter().map(|size| format!("{size},")).collect();
-            let header = format!("{{'descr': '{of}', 'fortran_order': False, 'shape': ({shape}), }}");
-            // Magic and version, two bytes of length, and the header, filled up to a multiple of 64.
-            const BEFORE: usize = 10;
-            let size = (BEFORE + header.len() + 1).next_multiple_of(64) - BEFORE;
-            let length = u16::try_from(size).unwrap_or(u16::MAX).to_le_bytes();
-            self.0.write_all(b"\x93NUMPY\x01\x00")?;
-            self.0.write_all(&length)?;
-            self.0.write_all(format!("{header:<0$}\n", size - 1).as_bytes())?;
-            Ok(self.0.write_all(bytes)?)
-        }
-    }
+fn arrays(states: &[pintle_scene::State]) -> Vec<Array> {
     let nodes: BTreeSet<Label> = states.iter().flat_map(|state| state.nodes.keys().copied()).collect();
     let is_vector = holds_vectors(states);
     let motions: Vec<NodeMotion> = states
         .iter()
         .flat_map(|state| nodes.iter().map(|node| state.nodes.get(node).copied().unwrap_or_default()))
         .collect();
-    let mut arrays = Arrays(ZipWriter::new(Cursor::default()));
-    let doubles =
-        |numbers: &mut dyn Iterator<Item = f64>| numbers.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
-    let numbers: Vec<u8> =
-        states.iter().flat_map(|state| state.number.unwrap_or_default().to_le_bytes()).collect();
-    arrays.put("state", "<u8", &[states.len()], &numbers)?;
+    let count = states.len();
+    let numbers = states.iter().map(|state| state.number.unwrap_or_default()).collect();
+    let mut arrays = vec![Array { name: "state", shape: vec![count], items: Items::Counts(numbers) }];
     if states.iter().any(|state| state.time.is_some()) {
-        let mut times = states.iter().map(|state| state.time.unwrap_or_default());
-        arrays.put("time", "<f8", &[states.len()], &doubles(&mut times))?;
+        let times = states.iter().map(|state| state.time.unwrap_or_default()).collect();
+        arrays.push(Array::numbers("time", vec![count], times));
     }
-    // Text of one width, four bytes a character.
-    let labels: Vec<String> = nodes.iter().map(ToString::to_string).collect();
-    let width = labels.iter().map(|label| label.chars().count()).max().unwrap_or_default().max(1);
-    let text = labels.iter().flat_map(|label| label.chars().map(u32::from).chain(repeat(0)).take(width));
-    let text: Vec<u8> = text.flat_map(u32::to_le_bytes).collect();
-    arrays.put("node", &format!("<U{width}"), &[labels.len()], &text)?;
-    let mut of = |name: &str, width: usize, part: &dyn Fn(&NodeMotion) -> Vec<f64>| {
-        let mut all = motions.iter().flat_map(part);
-        let shape = [states.len(), nodes.len(), width];
-        arrays.put(name, "<f8", if width == 1 { &shape[..2] } else { &shape }, &doubles(&mut all))
+    arrays.push(Array::words("node", nodes.iter().map(ToString::to_string).collect()));
+    let of = |name, width: usize, part: &dyn Fn(&NodeMotion) -> Vec<f64>| {
+        let shape = [count, nodes.len(), width];
+        let shape = if width == 1 { &shape[..2] } else { &shape };
+        Array::numbers(name, shape.to_vec(), motions.iter().flat_map(part).collect())
     };
-    of("u", 3, &|motion| motion.displacement.to_vec())?;
     let (name, width) = if is_vector { ("rotation_vector", 3) } else { ("quaternion", 4) };
-    of(name, width, &|motion| rotation_of(motion, is_vector))?;
-    of("flow", 1, &|motion| vec![motion.flow])?;
-    of("velocity", 3, &|motion| motion.velocity.to_vec())?;
-    of("angular_velocity", 3, &|motion| motion.angular_velocity.to_vec())?;
-    of("flow_velocity", 1, &|motion| vec![motion.flow_velocity])?;
-    of("acceleration", 3, &|motion| motion.acceleration.to_vec())?;
-    of("angular_acceleration", 3, &|motion| motion.angular_acceleration.to_vec())?;
-    of("flow_acceleration", 1, &|motion| vec![motion.flow_acceleration])?;
-    Ok(arrays.0.finish()?.into_inner())
+    arrays.extend([
+        of("u", 3, &|motion| motion.displacement.to_vec()),
+        of(name, width, &|motion| rotation_of(motion, is_vector)),
+        of("flow", 1, &|motion| vec![motion.flow]),
+        of("velocity", 3, &|motion| motion.velocity.to_vec()),
+        of("angular_velocity", 3, &|motion| motion.angular_velocity.to_vec()),
+        of("flow_velocity", 1, &|motion| vec![motion.flow_velocity]),
+        of("acceleration", 3, &|motion| motion.acceleration.to_vec()),
+        of("angular_acceleration", 3, &|motion| motion.angular_acceleration.to_vec()),
+        of("flow_acceleration", 1, &|motion| vec![motion.flow_acceleration]),
+    ]);
+    arrays
 }
 
 /// Whether all rotations are vectors, which keep their turns.

@@ -2,7 +2,7 @@
 
 mod checked;
 mod groups;
-mod html;
+pub(crate) mod html;
 mod human;
 mod junit;
 mod markdown;

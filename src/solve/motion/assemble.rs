@@ -72,6 +72,7 @@ impl<R: Number> Mechanism<R> {
             joints: Vec::with_capacity(self.joints.len()),
             masses: self.bodies.iter().map(|body| body.mass).collect(),
             inertias: Vec::with_capacity(count),
+            flows: vec![zero; count],
             applied: vec![zero; DOFS * count],
             powers: [zero; WORKS],
             rates: at.rates.to_vec(),
@@ -109,6 +110,7 @@ impl<R: Number> Mechanism<R> {
             );
             let spin = [rates[3], rates[4], rates[5]];
             let gyroscopic = cross(spin, apply(&inertia, spin));
+            let gyroscopic = if has(Fault::GyroscopicLeftOut) { [zero; 3] } else { gyroscopic };
             let mut force = [zero; 6];
             for (k, drive) in &body.loads {
                 let load = self.load(drive, when, || format!("load on node {}", body.label))?;
@@ -259,6 +261,7 @@ impl<R: Number> Mechanism<R> {
             }
         }
         let when = (at.step, at.time);
+        let is_belt = joint.connector.connection().is_belt();
         for k in (0..6).filter(|k| !modes.has_failed(index, *k)) {
             let why = elastic.unknown[k].filter(|_| !joint.rigid[k]).or(viscous.unknown[k]);
             if let Some(why) = why {
@@ -275,7 +278,14 @@ impl<R: Number> Mechanism<R> {
             }
             all.powers[0] = all.powers[0] + now.load[k] * now.velocity[k];
             all.powers[1] = all.powers[1] + now.viscous[k] * now.velocity[k];
-            all.powers[2] = all.powers[2] + (now.elastic[k] + now.held[k]) * now.velocity[k];
+            // The force of a belt on its flow is not that of a potential: what it takes counts as stored.
+            let rate = match is_belt {
+                true => now.columns[k]
+                    .iter()
+                    .fold(zero, |sum, (dof, entry)| sum + *entry * at.rates[dof / DOFS][dof % DOFS]),
+                false => now.velocity[k],
+            };
+            all.powers[2] = all.powers[2] + (now.elastic[k] + now.held[k]) * rate;
         }
         for k in (0..6).filter(|k| joint.wanted[*k]) {
             let hold = self.hold(modes, index, k);

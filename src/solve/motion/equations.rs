@@ -5,7 +5,7 @@ use crate::motion::dense::{Dense, NoPivot};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
 use crate::motion::mode::{Cause, Does, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
-use crate::motion::slide::{Limit, length, limit};
+use crate::motion::slide::{Limit, belt_limit, length, limit};
 use crate::motion::state::DOFS;
 use crate::number::{Number, is_finite, larger, largest};
 use pintle_kinematics::vector::{apply, dot};
@@ -47,6 +47,7 @@ impl<R: Number> Assembled<R> {
         for (i, dof) in layout.columns.iter().enumerate() {
             let (node, k) = (dof / DOFS, dof % DOFS);
             match k {
+                6 => matrix.add(i, i, self.flows[node]),
                 0..3 => matrix.add(i, i, self.masses[node]),
                 3..6 => {
                     for j in 0..3 {
@@ -151,6 +152,12 @@ impl<R: Number> Assembled<R> {
         let limit_of = |s: usize, pressing: &[R; 6], rate: R, known: bool| {
             let slider = &mechanism.sliders[s];
             let now = &self.joints[slider.joint];
+            if let Some((next, angle)) = slider.ring {
+                let belt = mechanism.belt(slider)?;
+                let tension = |joint: usize| self.joints[joint].elastic[0] + self.joints[joint].viscous[0];
+                let tensions = [tension(slider.joint), tension(next)];
+                return Some(belt_limit(belt, tensions, angle, rate, &Conditions::default()));
+            }
             let friction = mechanism.friction(slider)?;
             let slip = self.slips.get(s).copied().unwrap_or(zero);
             let known = known.then_some(&modes.frictions[s].branches);
@@ -180,7 +187,9 @@ impl<R: Number> Assembled<R> {
                 matrix.add(i, side, self.applied[*dof]);
             }
             for (r, index) in layout.kept.iter().enumerate() {
-                matrix.add(n + r, side, -self.rows[*index].bias);
+                if !has(Fault::BiasLeftOut) {
+                    matrix.add(n + r, side, -self.rows[*index].bias);
+                }
             }
             for (i, (s, _)) in slipping.iter().enumerate() {
                 let slider = &mechanism.sliders[*s];
@@ -258,11 +267,11 @@ impl<R: Number> Assembled<R> {
             solved.total.push(std::array::from_fn(|k| pressing[k] + friction[k]));
             solved.friction.push(friction);
             let rates = &self.joints[joint].velocity;
-            for k in 0..6 {
+            for k in (0..6).filter(|_| !has(Fault::FrictionForgotten)) {
                 solved.sums[1] = solved.sums[1] + slipping_friction[k] * rates[k];
             }
         }
-        for (force, index) in solved.forces.iter().zip(&layout.kept) {
+        for (force, index) in solved.forces.iter().zip(&layout.kept).filter(|_| !has(Fault::DriveForgotten)) {
             let row = &self.rows[*index];
             solved.sums[0] = solved.sums[0] - *force * row.driven;
         }
@@ -287,7 +296,10 @@ impl<R: Number> Assembled<R> {
             let mut push = |cause, value, scale| solved.switches.push(Switch { of: s, cause, value, scale });
             match mode.is_stuck() {
                 true if mechanism.is_idle(modes, slider) => {}
-                true => push(Cause::Breaks, found.value - tangential, larger(found.value, tangential)),
+                true => {
+                    let late = if has(Fault::OnsetLate) { R::from_f64(1e-6) * found.value } else { zero };
+                    push(Cause::Breaks, found.value - tangential + late, larger(found.value, tangential));
+                }
                 false => {
                     push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
                     for (part, [value, scale]) in found.turns.iter().filter(|_| !has(Fault::KinkPassed)) {
@@ -472,7 +484,7 @@ impl<R: Number> Assembled<R> {
         match k {
             0..3 => zero.less(self.masses[node].magnitude()),
             3..6 => self.inertias[node].iter().flatten().any(|x| zero.less(x.magnitude())),
-            _ => false,
+            _ => zero.less(self.flows[node].magnitude()),
         }
     }
 

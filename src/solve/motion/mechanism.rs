@@ -14,7 +14,7 @@ use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector};
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
-use pintle_model::behavior::friction::{Criterion, Friction, Tangential};
+use pintle_model::behavior::friction::{Belt, Criterion, FLOW, Friction, Tangential};
 use pintle_model::behavior::ground::Ground;
 use pintle_model::evaluate::{ElementBehavior, Model};
 use pintle_scene::{Label, PointKind, Scene, Target};
@@ -65,6 +65,8 @@ pub(crate) struct Slider {
     pub(crate) index: usize,
     /// Its components (from 0), with R_k.
     pub(crate) components: Vec<(usize, f64)>,
+    /// Of a belt that runs over a ring: the connector in which it goes on, and the angle of wrap (rad).
+    pub(crate) ring: Option<(usize, f64)>,
 }
 
 /// A stop of a connector: the range of the position of a component.
@@ -281,6 +283,7 @@ impl<R: Number> Mechanism<R> {
         mechanism.weigh(scene, &places)?;
         mechanism.join(model, &places)?;
         mechanism.bind(scene, &on_nodes, &places, step);
+        mechanism.hold_flows(scene, &labels, &places, step)?;
         mechanism.spring(scene, &places)?;
         Ok(mechanism)
     }
@@ -345,14 +348,29 @@ impl<R: Number> Mechanism<R> {
 
     /// Connectors and constraints.
     fn join(&mut self, model: &Model, places: &Places) -> Result<(), Refusal> {
-        for element in &model.connectors {
+        for (number, element) in model.connectors.iter().enumerate() {
             let behavior = &element.behavior.behavior;
             let title = element.title();
             let refused = |what: &str, remedy: &str| Err(Refusal::of(&title, what, remedy));
-            if behavior.friction.belt.is_some() {
-                return refused("friction of a belt is not solved yet", "take it out of its behaviour");
-            }
             let joint = self.joints.len();
+            // Where no belt goes on, nothing rubs.
+            if let (Some(_), Some(ring)) = (&behavior.friction.belt, model.rings.get(&number)) {
+                let Some(next) = ring.next else {
+                    return refused("it ends where another belt ends", "exchange the nodes of one of them");
+                };
+                let Some(angle) = ring.angle else {
+                    let why = "an angle of wrap that follows the nodes is not solved";
+                    return refused(why, "give the contact angle in the data of its section");
+                };
+                if [element, &model.connectors[next]]
+                    .iter()
+                    .any(|of| of.behavior.behavior.elasticity.rigid()[0])
+                {
+                    return refused("a rigid belt with friction is not solved", "give it an elasticity");
+                }
+                let components = vec![(FLOW, 1.0)];
+                self.sliders.push(Slider { joint, index: usize::MAX, components, ring: Some((next, angle)) });
+            }
             let limit = |limit: Option<f64>| limit.map(R::from_f64);
             for (component, stop) in behavior.stops().iter().enumerate() {
                 let Some(stop) = stop else { continue };
@@ -390,7 +408,7 @@ impl<R: Number> Mechanism<R> {
                         "release all of them, or none",
                     );
                 }
-                self.sliders.push(Slider { joint, index, components: components.clone() });
+                self.sliders.push(Slider { joint, index, components: components.clone(), ring: None });
             }
             let definition = element.definition();
             let constrained = behavior.constrained();
@@ -405,7 +423,8 @@ impl<R: Number> Mechanism<R> {
             let wanted = [0, 1, 2, 3, 4, 5].map(|k| {
                 let is_there = element.connector.position_measure(k).is_some();
                 let acts = acting.iter().any(|mask| mask[k]) || driven(k) || slides(k) || limited[k];
-                is_there && (constrained[k] || acts)
+                let flows = k == FLOW && behavior.friction.belt.is_some();
+                is_there && (constrained[k] || acts || flows)
             });
             let initial = &definition.initial;
             let exact = |node: &pintle_kinematics::node::Node<f64>| pintle_kinematics::node::Node {
@@ -436,6 +455,36 @@ impl<R: Number> Mechanism<R> {
         for one in &model.relations {
             let nodes = one.nodes.iter().filter_map(|node| places.of(*node)).collect();
             self.relations.push((one.title(), one.relation.exact(), nodes));
+        }
+        Ok(())
+    }
+
+    /// Boundary conditions of material flow (degree of freedom 10): it is held, or refused.
+    fn hold_flows(
+        &mut self,
+        scene: &Scene,
+        labels: &dyn Fn(&Target) -> Vec<Label>,
+        places: &Places,
+        step: usize,
+    ) -> Result<(), Refusal> {
+        /// The number of material flow.
+        const NUMBER: u8 = 10;
+        let steps = scene.steps.iter().take(step + 1).flat_map(|step| &step.boundaries);
+        for boundary in scene.boundaries.iter().chain(steps) {
+            if !boundary.degrees_of_freedom.contains(&NUMBER) {
+                continue;
+            }
+            for label in labels(&boundary.target.value) {
+                let Some(node) = places.of(label) else { continue };
+                if boundary.magnitude != 0.0 {
+                    return Err(Refusal::of(
+                        &format!("node {label}"),
+                        "a material flow other than zero is prescribed",
+                        "hold it, and move the node",
+                    ));
+                }
+                self.held[DOFS * node + DOFS - 1] = true;
+            }
         }
         Ok(())
     }
@@ -654,6 +703,11 @@ impl<R: Number> Mechanism<R> {
         const NAMES: [&str; DOFS] = ["u1", "u2", "u3", "ur1", "ur2", "ur3", "flow"];
         let label = self.bodies.get(dof / DOFS).map(|body| body.label.to_string()).unwrap_or_default();
         format!("{} of node {label}", NAMES[dof % DOFS])
+    }
+
+    /// The friction of a slider that is a belt.
+    pub(crate) fn belt(&self, slider: &Slider) -> Option<&Belt> {
+        self.joints.get(slider.joint)?.behavior.behavior.friction.belt.as_ref()
     }
 
     /// The friction of a slider.

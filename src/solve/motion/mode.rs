@@ -2,9 +2,10 @@
 
 use crate::number::Number;
 use pintle_kinematics::connector::Mask;
+use serde::{Deserialize, Serialize};
 
 /// What one friction does.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Does<R> {
     /// Its components stand where they are: their positions.
     Sticks([R; 6]),
@@ -15,7 +16,7 @@ pub(crate) enum Does<R> {
 }
 
 /// The branches of a friction's magnitudes, which stay as they are within a step so that its formulas are smooth there.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Branches<R> {
     /// The direction of A f of each magnitude; none where it is zero.
     pub(crate) magnitudes: Vec<Option<Vec<R>>>,
@@ -26,14 +27,14 @@ pub(crate) struct Branches<R> {
 }
 
 /// A friction in a mode.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mode<R> {
     pub(crate) does: Does<R>,
     pub(crate) branches: Branches<R>,
 }
 
 /// An end of a range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Side {
     Lower,
     Upper,
@@ -49,7 +50,7 @@ impl Side {
 }
 
 /// What a stop does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Touch {
     /// Its component is between the limits.
     Open,
@@ -70,7 +71,7 @@ impl Touch {
 }
 
 /// What a mechanism does: all that may be one way or another, and stays so for a while.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Modes<R> {
     /// Frictions.
     pub(crate) frictions: Vec<Mode<R>>,

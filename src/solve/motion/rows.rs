@@ -4,6 +4,7 @@ use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::Number;
 use pintle_kinematics::connector::Branch;
 use pintle_kinematics::vector::{Matrix, Vector};
+use serde::{Deserialize, Serialize};
 
 /// What an equation belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -63,6 +64,8 @@ pub(crate) struct Assembled<R> {
     pub(crate) joints: Vec<Now<R>>,
     pub(crate) masses: Vec<R>,
     pub(crate) inertias: Vec<Matrix<R>>,
+    /// The inertia of flows: none, but for paths of equilibria.
+    pub(crate) flows: Vec<R>,
     /// −h: loads less what springs and rotation take.
     pub(crate) applied: Vec<R>,
     /// The power of loads, of dampers, into springs.
@@ -127,7 +130,7 @@ impl<'a, R: Number> Instant<'a, R> {
 }
 
 /// Displacements of components at the beginnings of steps, of connectors and of boundary conditions.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Beginnings {
     pub(crate) joints: Vec<Vec<[f64; 6]>>,
     pub(crate) nodes: Vec<Vec<[f64; 6]>>,
@@ -144,7 +147,7 @@ impl Beginnings {
 }
 
 /// Which degrees of freedom are unknowns, which equations count, and what stands still.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Layout {
     /// The unknowns, as degrees of freedom.
     pub(crate) columns: Vec<usize>,

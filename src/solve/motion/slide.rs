@@ -3,10 +3,10 @@
 use crate::motion::mechanism::Slider;
 use crate::motion::mode::Branches;
 use crate::number::{Number, larger, largest};
-use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::scalar::elementary::{exp_m1, norm};
 use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_model::behavior::Conditions;
-use pintle_model::behavior::friction::{ContactParts, Context, Friction};
+use pintle_model::behavior::friction::{Belt, ContactParts, Context, Friction};
 
 /// The limit min(μ F_N, τ_max) at some forces.
 #[derive(Clone, Debug)]
@@ -135,6 +135,30 @@ pub(crate) fn limit<R: Number>(
         }
     };
     Limit { value, gradient: gradient.map(|entry| sign * slope * entry), turns, caps, branches, reach }
+}
+
+/// The limit of a belt at its tensions before and after the ring: min(T1, T2) (exp(μ α) − 1). Tensions follow from where things are, so that
+/// no reaction enters it.
+pub(crate) fn belt_limit<R: Number>(
+    belt: &Belt,
+    tensions: [R; 2],
+    angle: f64,
+    rate: R,
+    conditions: &Conditions,
+) -> Limit<R> {
+    let [first, second] = tensions;
+    let least = larger(if second.less(first) { second } else { first }, R::integer(0));
+    let mu = belt.coefficient.at(rate, least, conditions);
+    let value = least * exp_m1(mu * R::from_f64(angle));
+    let value = belt.maximum.map(R::from_f64).filter(|most| most.less(value)).unwrap_or(value);
+    Limit {
+        value,
+        gradient: [R::integer(0); 6],
+        turns: Vec::new(),
+        caps: None,
+        branches: Branches::none(),
+        reach: Vec::new(),
+    }
 }
 
 fn dot<R: Number>(row: &[R; 6], f: &[R; 6]) -> R {

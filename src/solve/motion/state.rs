@@ -1,16 +1,18 @@
 //! Where the nodes of a mechanism are, and how fast.
 
+use crate::fault::{Fault, has};
 use crate::number::Number;
 use pintle_kinematics::connector::Branch;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, add};
+use serde::{Deserialize, Serialize};
 
 /// Degrees of freedom of a node: x, θ, Ψ.
 pub(crate) const DOFS: usize = 7;
 
 /// A node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Pose<R> {
     /// u.
     pub(crate) displacement: Vector<R>,
@@ -37,8 +39,11 @@ impl<R: Number> Pose<R> {
         if turns == [false; 3] {
             return Self { displacement, flow: self.flow + flow, ..*self };
         }
-        let rotation = vector::product(&so3::turn(turn), &self.rotation);
         let told = add(self.vector, turn);
+        let rotation = match has(Fault::RotationAdded) {
+            true => so3::turn(told),
+            false => vector::product(&so3::turn(turn), &self.rotation),
+        };
         let vector = match turns.iter().filter(|turns| **turns).count() {
             1 => told,
             _ if !with_vector => told,
@@ -52,7 +57,7 @@ impl<R: Number> Pose<R> {
 }
 
 /// A mechanism at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct State<R> {
     pub(crate) time: R,
     pub(crate) poses: Vec<Pose<R>>,

@@ -124,8 +124,19 @@ impl<R: Number> Run<'_, R> {
             self.layout = layout;
             self.project()?;
         }
+        if has(Fault::SticksAlways) {
+            self.event(slider, What::Sticks, None);
+            return self.record(true);
+        }
         let open = self.standing();
         self.modes = before;
+        if has(Fault::ReversesAlways)
+            && let Does::Slips(along) = self.modes.frictions[slider].does
+        {
+            self.modes.frictions[slider] = Mode::slips(along.map(|x| -x));
+            self.event(slider, What::Reverses, None);
+            return self.record(true);
+        }
         self.choose(&open)?;
         self.record(true)
     }
@@ -232,10 +243,10 @@ impl<R: Number> Run<'_, R> {
                     "give an elasticity with a potential: symmetric, each force over its own displacement",
                 ));
             };
-            if !self.is_still {
+            if !has(Fault::FailureForgotten) {
                 self.state.sums[1] = self.state.sums[1] + whole - rest;
-                self.state.sums[2] = self.state.sums[2] - whole + rest;
             }
+            self.state.sums[2] = self.state.sums[2] - whole + rest;
             for k in (0..6).filter(|k| affected[*k]) {
                 self.modes.failed[joint][k] = true;
                 self.modes.locked[joint][k] = None;

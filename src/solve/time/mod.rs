@@ -7,13 +7,17 @@
 //! | `happen` | what changes at an event, and which impulses? |
 //! | `choose` | what sticks and what slips after an event? |
 //! | `still` | the path of a static step |
+//! | `work` | and the work along it |
 //! | `run` | from the first time to the last |
+//! | `keep` | where does a run go on? |
 //! | `solution` | what is kept |
 
 pub(crate) mod choose;
 pub(crate) mod happen;
 pub(crate) mod integrate;
+pub(crate) mod keep;
 pub(crate) mod run;
 pub(crate) mod solution;
 pub(crate) mod step;
 pub(crate) mod still;
+pub(crate) mod work;

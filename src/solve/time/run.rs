@@ -1,5 +1,6 @@
 //! From time to time: steps, events, modes.
 
+use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
@@ -8,6 +9,7 @@ use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule};
+use crate::time::keep::{Keeping, Kept};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
 use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::scalar::Wide;
@@ -102,7 +104,13 @@ pub(crate) struct Run<'a, R: Number> {
     /// Whether the step is static.
     pub(crate) is_still: bool,
     /// Whether the velocities at the beginning have been given.
-    is_launched: bool,
+    pub(crate) is_launched: bool,
+    /// When this step of the scene began.
+    pub(crate) began: f64,
+    /// Whether the step goes on in its middle.
+    pub(crate) is_resumed: bool,
+    /// Where the run is kept.
+    pub(crate) keeping: Option<Keeping<'a, R>>,
 }
 
 /// Solves a scene: every step that takes time, from its initial state or the one given.
@@ -110,37 +118,70 @@ pub(crate) struct Run<'a, R: Number> {
 /// # Errors
 /// What is not solved, before it begins; or where it ends early, with the solution so far.
 pub fn solve<R: Solvable>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
-    R::solve(scene, options)
+    R::solve(scene, options, None, None)
+}
+
+/// The same, kept as it goes, and from where it was kept: bit for bit as if it had not been interrupted.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_keeping<R: Solvable>(
+    scene: &Scene,
+    options: &Options,
+    from: Option<Kept<R>>,
+    keeping: Option<Keeping<'_, R>>,
+) -> Result<Solution<R>, Box<Ended<R>>> {
+    R::solve(scene, options, from, keeping)
 }
 
 /// The numbers of which this crate holds the solver's code, so that no crate that calls it compiles it again.
 pub trait Solvable: Number {
-    /// [`solve`] on these numbers.
+    /// [`solve_keeping`] on these numbers.
     ///
     /// # Errors
     /// As of [`solve`].
-    fn solve(scene: &Scene, options: &Options) -> Result<Solution<Self>, Box<Ended<Self>>>;
+    fn solve(
+        scene: &Scene,
+        options: &Options,
+        from: Option<Kept<Self>>,
+        keeping: Option<Keeping<'_, Self>>,
+    ) -> Result<Solution<Self>, Box<Ended<Self>>>;
 }
 
-impl Solvable for f64 {
-    #[inline(never)]
-    fn solve(scene: &Scene, options: &Options) -> Result<Solution<Self>, Box<Ended<Self>>> {
-        solve_on(scene, options)
-    }
+macro_rules! solvable {
+    ($($number:ty),+) => { $(
+        impl Solvable for $number {
+            #[inline(never)]
+            fn solve(
+                scene: &Scene,
+                options: &Options,
+                from: Option<Kept<Self>>,
+                keeping: Option<Keeping<'_, Self>>,
+            ) -> Result<Solution<Self>, Box<Ended<Self>>> {
+                solve_on(scene, options, from, keeping)
+            }
+        }
+    )+ };
 }
 
-impl Solvable for Wide {
-    #[inline(never)]
-    fn solve(scene: &Scene, options: &Options) -> Result<Solution<Self>, Box<Ended<Self>>> {
-        solve_on(scene, options)
-    }
-}
+solvable! { f64, Wide }
 
-fn solve_on<R: Number>(scene: &Scene, options: &Options) -> Result<Solution<R>, Box<Ended<R>>> {
+fn solve_on<R: Number>(
+    scene: &Scene,
+    options: &Options,
+    from: Option<Kept<R>>,
+    keeping: Option<Keeping<'_, R>>,
+) -> Result<Solution<R>, Box<Ended<R>>> {
     let nothing =
         |why: Refusal| Box::new(Ended { solution: Solution::empty(options.method), time: 0.0, why });
     let model = Model::compile(scene).map_err(|error| nothing(error.into()))?;
     let mut run = Run::new(scene, &model, options).map_err(nothing)?;
+    run.keeping = keeping;
+    if let Some(kept) = from
+        && run.resume(kept)
+    {
+        return Ok(run.solution);
+    }
     match run.all() {
         Ok(()) => Ok(run.solution),
         Err(why) => Err(Box::new(Ended { time: run.state.time.to_f64(), solution: run.solution, why })),
@@ -228,6 +269,9 @@ impl<'a, R: Number> Run<'a, R> {
             stretched: Vec::new(),
             is_still: false,
             is_launched: options.from.is_some(),
+            began: 0.0,
+            is_resumed: false,
+            keeping: None,
         };
         if options.from.is_some() {
             run.follow_given();
@@ -248,7 +292,7 @@ impl<'a, R: Number> Run<'a, R> {
         let begin = self.state.time.to_f64();
         for step in 0..self.mechanism.schedule.len() {
             let Some(([from, to], is_dynamic)) = self.mechanism.schedule.span(step) else { break };
-            if to <= begin && to > 0.0 {
+            if step < self.step || to <= begin && to > 0.0 {
                 continue;
             }
             let to = self.options.until.map_or(to, |until| until.min(to));
@@ -256,11 +300,9 @@ impl<'a, R: Number> Run<'a, R> {
                 break;
             }
             if step > 0 {
-                let held = std::mem::take(&mut self.mechanism.held);
                 let stiffness = std::mem::take(&mut self.mechanism.stiffness);
                 self.mechanism = Mechanism::new(self.scene, self.model, step)?;
                 self.mechanism.stiffness = stiffness;
-                drop(held);
             }
             self.step = step;
             self.is_still = !is_dynamic;
@@ -273,6 +315,7 @@ impl<'a, R: Number> Run<'a, R> {
             }
             if is_dynamic { self.one(to)? } else { self.still(to)? }
         }
+        self.keep(true);
         Ok(())
     }
 
@@ -329,7 +372,10 @@ impl<'a, R: Number> Run<'a, R> {
 
     /// One step of the scene, to a time.
     pub(crate) fn one(&mut self, to: f64) -> Result<(), Refusal> {
-        self.begin()?;
+        if !std::mem::take(&mut self.is_resumed) {
+            self.began = self.state.time.to_f64();
+            self.begin()?;
+        }
         let mut stops: Vec<(f64, bool)> = vec![(to, true)];
         stops.extend(self.options.times.iter().map(|time| (*time, true)));
         stops.extend(self.breaks().into_iter().map(|time| (time, false)));
@@ -361,9 +407,24 @@ impl<'a, R: Number> Run<'a, R> {
         let time = self.state.time;
         self.state.time =
             time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
-        self.project()?;
+        self.jump()?;
         let open = self.standing();
         self.choose(&open)
+    }
+
+    /// Brings rates to what is prescribed from now on. All other equations take no work of the impulse, so that its work is the change of
+    /// the kinetic energy.
+    pub(crate) fn jump(&mut self) -> Result<(), Refusal> {
+        let kinetic = |run: &Self| {
+            run.assembled(&run.modes).map(|found| found.kinetic()).map_err(|trouble| run.say(trouble))
+        };
+        let before = kinetic(self)?;
+        self.project()?;
+        if !self.is_still {
+            let gained = kinetic(self)? - before;
+            self.state.sums[0] = self.state.sums[0] + gained;
+        }
+        Ok(())
     }
 
     /// The frictions that stick rigidly.
@@ -374,6 +435,9 @@ impl<'a, R: Number> Run<'a, R> {
 
     /// The times at which something that acts is not smooth.
     pub(crate) fn breaks(&self) -> Vec<f64> {
+        if has(Fault::CornersPassed) {
+            return Vec::new();
+        }
         let mechanism = &self.mechanism;
         let mut found = Vec::new();
         let joints = mechanism.joints.iter().flat_map(|joint| {
@@ -432,8 +496,7 @@ impl<'a, R: Number> Run<'a, R> {
         self.modes.stops = vec![Touch::Open; self.mechanism.stops.len()];
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
-        self.project()?;
-        Ok(())
+        if self.solution.frames.is_empty() { self.project() } else { self.jump() }
     }
 
     /// The rates at the beginning: those given, and of all others the ones of least energy that fit the equations.
@@ -462,11 +525,14 @@ impl<'a, R: Number> Run<'a, R> {
         }
         let layout = Layout::new(&self.mechanism, &found, &self.modes)?;
         let (change, _) = found.correction(&layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
+        let rates = found.rows.iter().filter_map(|row| row.rate);
+        let most = rates.fold(0.0, |most: f64, rate| most.max(rate.to_f64().abs()));
         for row in &found.rows {
             let moved = row.coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
             let gap = (row.rate.unwrap_or(zero) + moved).to_f64().abs();
+            // Rounding alone leaves a part of the largest.
             let size = row.rate.map_or(0.0, |rate| rate.to_f64().abs()).max(moved.to_f64().abs());
-            if row.rate.is_some() && gap > 1e-9 * size {
+            if row.rate.is_some() && gap > 1e-9 * size.max(1e-3 * most) {
                 return Err(Refusal::of(
                     &self.mechanism.named(row.owner),
                     "the velocities given at the beginning do not fit the constraints",
@@ -588,6 +654,14 @@ impl<'a, R: Number> Run<'a, R> {
                 sticks: of
                     .filter(|(slider, _)| slider.joint == index)
                     .map(|(_, mode)| mode.is_stuck())
+                    .collect(),
+                limits: self
+                    .mechanism
+                    .sliders
+                    .iter()
+                    .zip(solved.tangential.iter().zip(&solved.limits))
+                    .filter(|(slider, _)| slider.joint == index)
+                    .map(|(_, (tangential, limit))| [*tangential, limit.value])
                     .collect(),
                 held: [0, 1, 2, 3, 4, 5].map(held),
                 failed: self.modes.failed.get(index).copied().unwrap_or([false; 6]),

@@ -3,11 +3,13 @@
 use crate::number::Number;
 use crate::time::integrate::Method;
 use pintle_kinematics::connector::{Components, Mask, StopStatus};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{product, transpose};
 use pintle_scene::Label;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A node at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct NodeFrame<R> {
     /// u, global components (length).
     pub displacement: [R; 3],
@@ -20,7 +22,7 @@ pub struct NodeFrame<R> {
 }
 
 /// A connector at one time, of components u1 … ur3; 0 where there is none.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ConnectorFrame<R> {
     /// CP of the components that are free or slide.
     pub position: [R; 6],
@@ -36,6 +38,8 @@ pub struct ConnectorFrame<R> {
     pub wanted: [bool; 6],
     /// Whether each of its frictions sticks.
     pub sticks: Vec<bool>,
+    /// P and its limit μ F_N of each of its frictions.
+    pub limits: Vec<[R; 2]>,
     /// CSLST: a stop that holds, or a lock.
     pub held: Components<StopStatus>,
     /// CFAILST.
@@ -43,7 +47,7 @@ pub struct ConnectorFrame<R> {
 }
 
 /// Energies since the beginning.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Energies<R> {
     /// ½ Σ v·M v.
     pub kinetic: R,
@@ -58,7 +62,7 @@ pub struct Energies<R> {
 }
 
 /// A mechanism at one time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Frame<R> {
     /// The time.
     pub time: R,
@@ -73,7 +77,7 @@ pub struct Frame<R> {
 }
 
 /// What happened to a connector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum What {
     /// Stick ended: slip begins.
@@ -108,7 +112,7 @@ impl What {
 }
 
 /// An event.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Event<R> {
     /// When.
     pub time: R,
@@ -177,6 +181,17 @@ impl Difference {
     }
 }
 
+/// How far two rotations are apart (rad): their vectors, or the rotation between them, for the whole turns of a body that turns about axes
+/// that turn depend on the way.
+fn apart<R: Number>(one: &[R; 3], two: &[R; 3]) -> f64 {
+    let of_vectors = one.iter().zip(two).map(|(x, y)| (*x - *y).to_f64().abs()).fold(0.0, f64::max);
+    if of_vectors < 1.0 {
+        return of_vectors;
+    }
+    let between = product(&transpose(&so3::turn(*one)), &so3::turn(*two));
+    so3::log(&between).iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max)
+}
+
 impl<R: Number> Solution<R> {
     /// How far another solution with the same frames is from this one. `length` is the size of the model.
     pub fn difference(&self, other: &Self, length: f64) -> Difference {
@@ -225,7 +240,8 @@ impl<R: Number> Solution<R> {
             for (one, two) in one.nodes.iter().zip(&two.nodes) {
                 let count = &mut found.compared;
                 compare(&mut found.displacement, count, &one.displacement, &two.displacement, length);
-                compare(&mut found.rotation, count, &one.rotation, &two.rotation, 1.0);
+                found.rotation = found.rotation.max(apart(&one.rotation, &two.rotation));
+                *count += 3;
                 compare(&mut found.velocity, count, &one.velocity[..3], &two.velocity[..3], speeds[0]);
                 compare(&mut found.velocity, count, &one.velocity[3..], &two.velocity[3..], speeds[1]);
             }

@@ -71,6 +71,9 @@ impl<R: Number> Run<'_, R> {
                     let all = turning[node].get_or_insert_with(|| {
                         let spin = [rates[node][3], rates[node][4], rates[node][5]];
                         let back = pintle_kinematics::so3::inverse_left_jacobian(turned[node]);
+                        if has(Fault::TurnRateTaken) {
+                            return spin;
+                        }
                         pintle_kinematics::vector::apply(&back, spin)
                     });
                     all[k - 3]
@@ -206,6 +209,7 @@ impl<R: Number> Run<'_, R> {
         let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
         let mut halvings = 0;
         while self.state.time.less(goal) {
+            self.keep(false);
             self.solution.steps += 1;
             if self.solution.steps > self.options.most_steps {
                 return Err(Refusal::of(

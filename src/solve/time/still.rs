@@ -6,7 +6,7 @@
 //! matrix is formed by differences; what decides is the residual.
 //!
 //! *Uniqueness* is lost where Newton's matrix is singular: its determinant changes sign, or no equilibrium follows. Both end the path by name.
-//! Rates are zero on it: dampers take nothing, μ is that of rest. Energies are not counted.
+//! Rates are zero on it: dampers take nothing, μ is that of rest. Energies are the work along it, from its first equilibrium on.
 
 use crate::motion::dense::Dense;
 use crate::motion::equations::Solved;
@@ -24,9 +24,10 @@ use pintle_kinematics::vector::Vector;
 type Moved<R> = (State<R>, Assembled<R>, Solved<R>);
 
 /// An equilibrium.
-struct Found<R: Number> {
-    state: State<R>,
-    solved: Solved<R>,
+#[derive(Clone)]
+pub(crate) struct Found<R: Number> {
+    pub(crate) state: State<R>,
+    pub(crate) solved: Solved<R>,
     /// The sign of the determinant of Newton's matrix, at the beginning of the iterations.
     sign: f64,
 }
@@ -44,6 +45,11 @@ impl<R: Number> Assembled<R> {
                 }
             }
         }
+        for (dof, _) in self.joints.iter().flat_map(|now| now.columns.iter().flatten()) {
+            if dof % DOFS == DOFS - 1 {
+                self.flows[dof / DOFS] = one;
+            }
+        }
         self.rows.iter_mut().for_each(|row| row.bias = zero);
     }
 }
@@ -51,8 +57,18 @@ impl<R: Number> Assembled<R> {
 impl<R: Number> Run<'_, R> {
     /// One static step of the scene, to a time.
     pub(crate) fn still(&mut self, to: f64) -> Result<(), Refusal> {
-        self.state.rates.iter_mut().for_each(|rates| *rates = [R::integer(0); DOFS]);
-        self.begin_still()?;
+        if !std::mem::take(&mut self.is_resumed) {
+            self.began = self.state.time.to_f64();
+            // What moves is brought to rest.
+            self.is_still = false;
+            let moving = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?.kinetic();
+            self.is_still = true;
+            if !self.solution.frames.is_empty() {
+                self.state.sums[1] = self.state.sums[1] + moving;
+            }
+            self.state.rates.iter_mut().for_each(|rates| *rates = [R::integer(0); DOFS]);
+            self.begin_still()?;
+        }
         let breaks = self.breaks();
         let mut stops: Vec<(f64, bool)> = vec![(to, true)];
         stops.extend(self.options.times.iter().map(|time| (*time, true)));
@@ -66,8 +82,9 @@ impl<R: Number> Run<'_, R> {
         }
         // The witness goes another way: other steps, and so other beginnings of Newton's method.
         let parts = if self.options.method == Method::Extrapolation { 50.0 } else { 37.0 };
-        let most = (to - now) / parts;
+        let most = (to - self.began) / parts;
         for (time, is_frame) in stops {
+            self.keep(false);
             self.go(R::from_f64(time), R::from_f64(most))?;
             if is_frame {
                 self.record(false)?;
@@ -128,7 +145,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The equilibrium at a time, next to this state.
-    fn balance(&mut self, time: R) -> Result<Found<R>, Refusal> {
+    pub(crate) fn balance(&mut self, time: R) -> Result<Found<R>, Refusal> {
         const ITERATIONS: usize = 40;
         let zero = R::integer(0);
         let n = self.layout.columns.len();
@@ -288,7 +305,7 @@ impl<R: Number> Run<'_, R> {
             if let Some(index) = crossed {
                 let (time, of, cause) = self.passing(&now, index, length)?;
                 let found = self.balance(time)?;
-                self.state = found.state;
+                self.advance(found)?;
                 self.meets_at_rest(of, cause)?;
                 last_sign = None;
                 continue;
@@ -306,7 +323,7 @@ impl<R: Number> Run<'_, R> {
             }
             last_sign = Some(found.sign);
             events_here = 0;
-            self.state = found.state;
+            self.advance(found)?;
             h = (length + length).lesser(most);
             if let Some(reached) = &self.options.reached {
                 reached.store(time.to_f64().to_bits(), std::sync::atomic::Ordering::Relaxed);
@@ -427,7 +444,7 @@ impl<R: Number> Run<'_, R> {
             }
         }
         let found = self.balance(start + high)?;
-        self.state = found.state;
+        self.advance(found)?;
         self.stick_at_rest(s)
     }
 

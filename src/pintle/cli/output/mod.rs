@@ -1,6 +1,7 @@
 //! What the commands write: to the terminal, to files, and when they fail.
 
 mod failure;
+pub(crate) mod npz;
 mod save;
 mod show;
 pub(crate) mod tell;

@@ -185,7 +185,7 @@ struct DrawingTemplate<'a> {
 
 /// From where a scene is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum View {
+pub(crate) enum View {
     /// 3 up, 1 and 2 to the lower left and right.
     Isometric,
     /// Against this axis (0-based), along which the scene has no extent.
@@ -194,7 +194,7 @@ enum View {
 
 impl View {
     /// A scene whose nodes lie in a plane across an axis, and not in a line, is seen in that plane.
-    fn of(points: impl Iterator<Item = Vector<f64>> + Clone) -> Self {
+    pub(crate) fn of(points: impl Iterator<Item = Vector<f64>> + Clone) -> Self {
         /// What rounding leaves of no extent, of the largest.
         const FLAT: f64 = 1e-9;
         let extent = |axis: usize| {
@@ -213,7 +213,7 @@ impl View {
     }
 
     /// A point or direction on the page.
-    fn projected(self, x: Vector<f64>) -> [f64; 2] {
+    pub(crate) fn projected(self, x: Vector<f64>) -> [f64; 2] {
         let [cos, sin] = [3.0_f64.sqrt() / 2.0, 0.5];
         match self {
             Self::Isometric => [(x[1] - x[0]) * cos, (x[0] + x[1]) * sin - x[2]],

@@ -5,7 +5,7 @@ use askama::Template;
 use pintle_audit::{Comparison, Illustration};
 
 /// The style of figures.
-pub(super) const STYLE: &str = include_str!("templates/figure.css");
+pub(crate) const STYLE: &str = include_str!("templates/figure.css");
 
 /// Where a figure goes: into a page, or into a file of its own, which brings its style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -324,7 +324,7 @@ pub(super) fn lines(text: &str, width: f64) -> Vec<String> {
 }
 
 /// A template with its values in it. Writing to a text does not fail.
-pub(super) fn rendered(template: &impl Template) -> String {
+pub(crate) fn rendered(template: &impl Template) -> String {
     template.render().unwrap_or_default()
 }
 

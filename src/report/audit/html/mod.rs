@@ -2,7 +2,7 @@
 //! Everything from the input is escaped by the templates.
 
 mod cards;
-mod drawing;
+pub(crate) mod drawing;
 pub(crate) mod figure;
 mod found;
 mod labels;

@@ -1,14 +1,21 @@
 //! `pintle solve`.
 
+mod arrays;
+mod kept;
+
+use self::kept::Book;
+use super::output::npz::npz;
+use super::reference::{length, reference, size, told};
 use super::states::csv;
 use super::{Failure, Files, eval, tell};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use pintle_kinematics::scalar::Wide;
+use pintle_model::evaluate::Model;
 use pintle_report::solve as report;
-use pintle_scene::{ElementForces, GALLERY, NodeMotion, Rotation, Scene, State, StateFile};
+use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State, StateFile};
 use pintle_solve::{
-    Difference, Ended, Frame, Method, Number, Options, REFERENCES, Refusal, Solution, Solvable, Stick, solve,
+    Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Solvable, Stick, solve_keeping,
 };
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
@@ -35,16 +42,21 @@ are the only ones that fit.
 
 States go to a file that pintle eval, audit and solve --from read.
 
+A run of --keep FILE writes where it is to FILE, twice a second. What was killed
+goes on with --resume FILE and the same options, to the same digits.
+
 Examples:
   pintle solve gallery:drawer
   pintle solve drawer.inp --every 0.01 -o run.csv
   pintle solve drawer.inp --digits 30 --until 0.5
-  pintle solve drawer.inp --from run.csv";
+  pintle solve drawer.inp --from run.csv
+  pintle solve drawer.inp --html drawer.html
+  pintle solve drawer.inp --digits 60 --keep drawer.run";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
 pub(crate) struct Solve {
-    /// A scene (.inp, .toml, .json) or gallery:NAME, also of references/
+    /// A scene (.inp, .toml, .json), gallery:NAME, or references/NAME
     #[arg(value_name = "SCENE")]
     scene: String,
     /// When to end [default: the end of the last step]
@@ -68,9 +80,18 @@ pub(crate) struct Solve {
     /// Begin at the last state of this file (.csv or .json)
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
-    /// A file for the states: .csv, or .json with the forces
+    /// A file for the states: .csv, .json with the forces, or .npz with all arrays
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// A page with the motion, forces, energies and events; 240 times are recorded for it, unless others are given
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Keep the run in this file as it goes
+    #[arg(long, value_name = "FILE", conflicts_with = "resume")]
+    keep: Option<PathBuf>,
+    /// Go on with the run that this file keeps, and keep it there
+    #[arg(long, value_name = "FILE", conflicts_with = "from")]
+    resume: Option<PathBuf>,
     /// How to write the results
     #[arg(long, value_enum, default_value_t)]
     format: super::PageFormat,
@@ -101,7 +122,7 @@ const MOST_TIMES: f64 = 1e6;
 
 /// Solves a scene and writes the results.
 pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
-    files.check(&arguments.output)?;
+    files.check(arguments.output.iter().chain(&arguments.html).chain(&arguments.keep))?;
     let scene = scene(&arguments.scene)?;
     let from = match &arguments.from {
         None => None,
@@ -122,8 +143,12 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
         },
         ..Options::default()
     };
+    let end = arguments.until.unwrap_or_else(|| length(&scene));
+    if arguments.html.is_some() && arguments.every.is_none() && arguments.times.is_empty() {
+        const FRAMES: u32 = 240;
+        options.times.extend((1..FRAMES).map(|i| end * f64::from(i) / f64::from(FRAMES)));
+    }
     if let Some(every) = arguments.every {
-        let end = arguments.until.unwrap_or_else(|| length(&scene));
         if !(every > 0.0 && end / every <= MOST_TIMES) {
             let message = format!("--every {every} is not positive, or gives more than {MOST_TIMES:e} times");
             return Err(Failure::Usage(message));
@@ -141,12 +166,8 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
 
 /// The scene of a file, of the gallery, or of `references/`.
 fn scene(name: &str) -> Result<Scene, Failure> {
-    let of_references = name.strip_prefix("gallery:").and_then(|name| {
-        let is_known = GALLERY.iter().any(|example| example.name == name);
-        REFERENCES.iter().find(|(known, _)| *known == name && !is_known)
-    });
-    match of_references {
-        Some((name, deck)) => Ok(Scene::parse(&format!("{name}.inp"), deck)?),
+    match reference(name) {
+        Some(scene) => scene,
         None => Ok(eval::read(eval::source(name)?, None)?.0),
     }
 }
@@ -202,13 +223,6 @@ impl Drop for Bar {
     }
 }
 
-/// The time at which the steps of a scene end, as far as it is known.
-fn length(scene: &Scene) -> f64 {
-    let schedule = pintle_model::behavior::drive::Schedule::new(scene);
-    let last = schedule.len().checked_sub(1).and_then(|last| schedule.span(last));
-    last.map_or(0.0, |([_, end], _)| end)
-}
-
 fn solved<R: Solvable>(
     arguments: &Solve,
     files: Files,
@@ -219,14 +233,23 @@ fn solved<R: Solvable>(
     let options = &Options { reached: Some(Arc::clone(&reached)), ..options.clone() };
     let bar = Bar::new(&scene.name, reached, options.until.unwrap_or_else(|| length(scene)));
     let witness = Options { method: Method::Collocation, ..options.clone() };
+    let path = arguments.keep.as_ref().or(arguments.resume.as_ref());
+    let is_there = arguments.resume.is_some();
+    let book = path.map(|path| Book::open(path, is_there, scene, options)).transpose()?;
+    let from = |method: usize| book.as_ref().map_or(Ok(None), |book| book.from(method));
+    let (first, second) = (from(0)?, from(1)?);
+    let run = |options: &Options, from, method| {
+        solve_keeping::<R>(scene, options, from, book.as_ref().map(|book| book.keeping(method)))
+    };
     let (one, other) = match arguments.method {
         Which::Both => {
-            let (one, other) = rayon::join(|| solve::<R>(scene, options), || solve::<R>(scene, &witness));
+            let (one, other) = rayon::join(|| run(options, first, 0), || run(&witness, second, 1));
             (one, Some(other))
         }
-        Which::Extrapolation | Which::Collocation => (solve::<R>(scene, options), None),
+        Which::Extrapolation | Which::Collocation => (run(options, first, 0), None),
     };
     drop(bar);
+    book.map_or(Ok(()), Book::close)?;
     let (solution, ended) = match one {
         Ok(solution) => (solution, None),
         Err(ended) => {
@@ -267,13 +290,19 @@ fn solved<R: Solvable>(
     if let Some(file) = &arguments.output {
         let states: Vec<State> =
             solution.frames.iter().enumerate().map(|(n, frame)| state(n, frame, &solution)).collect();
-        let is_json = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
-        let text = if is_json {
-            StateFile { states }.to_json().map_err(io::Error::from)? + "\n"
+        let ends_in = |word| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(word));
+        if ends_in("npz") {
+            let arrays = arrays::arrays(&solution);
+            files.write(file, |out| npz(out, &arrays))?;
+        } else if ends_in("json") {
+            files.text(file, StateFile { states }.to_json().map_err(io::Error::from)? + "\n")?;
         } else {
-            csv(&states)
-        };
-        files.text(file, text)?;
+            files.text(file, csv(&states))?;
+        }
+    }
+    if let Some(file) = &arguments.html {
+        let model = Model::compile(scene)?;
+        files.write(file, |out| report::html(out, &solution, (scene, &model), facts))?;
     }
     if let Some(difference) = &difference
         && !difference.same_events
@@ -285,18 +314,6 @@ fn solved<R: Solvable>(
         None => Ok(()),
         Some(_) => Err(Failure::Undecided),
     }
-}
-
-fn told(why: &Refusal) -> String {
-    match why {
-        Refusal::Scene(diagnostic) => diagnostic.to_string(),
-        Refusal::Of { what, why, remedy } => format!("{what}: {why}\n  help: {remedy}"),
-    }
-}
-
-/// The size of lengths.
-fn size(scene: &Scene) -> f64 {
-    pintle_model::evaluate::Model::compile(scene).map_or(1.0, |model| model.length)
 }
 
 /// A frame as a state.

@@ -1,4 +1,10 @@
-//! `pintle solve`: events, the last state with its digits, energies, and how far two methods are apart.
+//! `pintle solve`: events, the last state with its digits, energies, and how far two methods are apart; the motion as a page.
+
+mod motion;
+mod page;
+mod plot;
+
+pub use page::{html, picture};
 
 use crate::layout;
 use pintle_kinematics::catalog::COMPONENT;

@@ -1,0 +1,58 @@
+//! A solution as arrays: frames first, then nodes or connectors, then components.
+
+use crate::cli::output::npz::Array;
+use pintle_solve::{ConnectorFrame, Frame, NodeFrame, Number, Solution};
+
+pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
+    let Solution { frames, events, nodes, connectors, .. } = solution;
+    let doubles = |all: Vec<R>| -> Vec<f64> { all.into_iter().map(Number::to_f64).collect() };
+    let each = |of: &dyn Fn(&Frame<R>) -> Vec<R>| doubles(frames.iter().flat_map(of).collect());
+    let of_nodes = |name, of: &dyn Fn(&NodeFrame<R>) -> Vec<R>| {
+        let numbers = each(&|frame| frame.nodes.iter().flat_map(of).collect());
+        Array::numbers(name, vec![frames.len(), nodes.len(), 3], numbers)
+    };
+    let of_connectors = |name, of: &dyn Fn(&ConnectorFrame<R>) -> [R; 6]| {
+        let numbers = each(&|frame| frame.connectors.iter().flat_map(of).collect());
+        Array::numbers(name, vec![frames.len(), connectors.len(), 6], numbers)
+    };
+    let sticks = |frame: &Frame<R>| -> Vec<f64> {
+        let stuck = |of: &ConnectorFrame<R>| !of.sticks.is_empty() && of.sticks.iter().all(|sticks| *sticks);
+        frame.connectors.iter().map(|of| f64::from(stuck(of))).collect()
+    };
+    let energies = each(&|frame| {
+        let of = &frame.energies;
+        vec![of.kinetic, of.stored, of.dissipated, of.external]
+    });
+    let count = frames.len();
+    vec![
+        Array::numbers("time", vec![count], each(&|frame| vec![frame.time])),
+        Array::words("node", nodes.iter().map(ToString::to_string).collect()),
+        of_nodes("U", &|node| node.displacement.to_vec()),
+        of_nodes("UR", &|node| node.rotation.to_vec()),
+        of_nodes("V", &|node| node.velocity[..3].to_vec()),
+        of_nodes("VR", &|node| node.velocity[3..].to_vec()),
+        of_nodes("A", &|node| node.acceleration[..3].to_vec()),
+        of_nodes("AR", &|node| node.acceleration[3..].to_vec()),
+        Array::words("element", connectors.iter().map(|(label, _)| label.to_string()).collect()),
+        of_connectors("CU", &|of| of.displacement),
+        of_connectors("CV", &|of| of.velocity),
+        of_connectors("CTF", &|of| of.total),
+        of_connectors("CSF", &|of| of.friction),
+        Array::numbers("sticks", vec![count, connectors.len()], frames.iter().flat_map(sticks).collect()),
+        Array::numbers("energies", vec![count, 4], energies),
+        Array::numbers(
+            "event_time",
+            vec![events.len()],
+            doubles(events.iter().map(|event| event.time).collect()),
+        ),
+        Array::words("event", events.iter().map(|event| event.what.in_words().to_string()).collect()),
+        Array::words(
+            "event_element",
+            events
+                .iter()
+                .filter_map(|event| connectors.get(event.connector))
+                .map(|(label, _)| label.to_string())
+                .collect(),
+        ),
+    ]
+}
