@@ -38,7 +38,7 @@ rotation_difference other-parameters
 rotation_global global-axes
 rotation_half other-parameters
 rotation_sine other-parameters
-rotation_acos digits-lost
+rotation_acos digits-lost not-a-number
 align_skew other-parameters
 align_global global-axes
 flexion_acos digits-lost
@@ -58,7 +58,7 @@ axial_a_forgotten node-left-out
 slot_exchanged_rows components-swapped
 plane_lever_doubled geometric-term-doubled
 join_lever_at_b lever-at-b
-join_lever_of_initial linearised
+join_lever_of_initial linearised motion-ignored
 thrust_lever_missing geometric-term-missing
 planar_lever_reversed geometric-term-reversed
 revolute_same_sign sign-of-a
