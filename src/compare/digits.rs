@@ -104,7 +104,9 @@ impl Run {
         let mut run = Self::default();
         results.each(|frame| {
             let Some(time) = frame.time else {
-                return Err("the run has no times: name a column time, or say in a map which it is".to_string());
+                return Err(
+                    "the run has no times: name a column time, or say in a map which it is".to_string()
+                );
             };
             let mut entries = Vec::new();
             for (node, motions) in &frame.nodes {
@@ -181,7 +183,8 @@ fn count(difference: f64, scale: f64) -> f64 {
 pub fn digits<R: Number>(solution: &Solution<R>, run: &Run, events: Option<&[Given]>) -> Digits {
     let mut found = Digits::default();
     // What is asked for has a frame of its own time; what an event has is not meant.
-    let frames: Vec<(f64, &Frame<R>)> = solution.frames.iter().map(|frame| (frame.time.to_f64(), frame)).collect();
+    let frames: Vec<(f64, &Frame<R>)> =
+        solution.frames.iter().map(|frame| (frame.time.to_f64(), frame)).collect();
     let mut pairs: BTreeMap<Key, Vec<[f64; 3]>> = BTreeMap::new();
     let mut creep: BTreeMap<(String, usize), (f64, usize)> = BTreeMap::new();
     let mut left_out: BTreeMap<String, usize> = BTreeMap::new();

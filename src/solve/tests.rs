@@ -333,7 +333,11 @@ fn obeys(name: &str, allowed: f64, expected: usize, seen: &mut Seen) {
                 // Φ ≤ 0, and Φ = 0 in slip.
                 let allowed = 1e-12 * limit.max(1.0);
                 assert!(tangential - limit <= allowed, "{name} at {}: {tangential} {limit}", frame.time);
-                assert!(*sticks || limit - tangential <= allowed, "{name} at {}: {tangential} {limit}", frame.time);
+                assert!(
+                    *sticks || limit - tangential <= allowed,
+                    "{name} at {}: {tangential} {limit}",
+                    frame.time
+                );
                 seen.criteria += 1;
             }
             if !connector.sticks.is_empty() && connector.sticks.iter().all(|sticks| *sticks) {
@@ -355,9 +359,14 @@ fn references_obey_their_laws() {
         obeys(name, allowed, expected, &mut seen);
     }
     let Seen { frames, stuck, events, numbers, closed, criteria } = seen;
-    println!("{frames} frames, {stuck} stuck, {events} events, {numbers} numbers, {closed} closed forms, {criteria} criteria");
+    println!(
+        "{frames} frames, {stuck} stuck, {events} events, {numbers} numbers, {closed} closed forms, {criteria} criteria"
+    );
     assert!(frames > 100 && stuck > 20 && events > 70, "{frames} frames, {stuck} stuck, {events} events");
-    assert!(numbers >= 140 && closed >= 30 && criteria > 50, "{numbers} numbers, {closed} problems in closed form");
+    assert!(
+        numbers >= 140 && closed >= 30 && criteria > 50,
+        "{numbers} numbers, {closed} problems in closed form"
+    );
 }
 
 /// A decimal number, on 237 bits.
@@ -525,7 +534,9 @@ fn the_squeezing_mechanism_is_the_published_one() {
     assert!((last.nodes[node("13")].velocity[5] / spin - 1.0).abs() < 1e-9, "{:?}", last.nodes[node("13")]);
     let middle = &last.nodes[node("11")].velocity;
     let radius = 0.000_92;
-    for (found, wanted) in [(middle[0], -radius * angle.sin() * spin), (middle[1], radius * angle.cos() * spin)] {
+    for (found, wanted) in
+        [(middle[0], -radius * angle.sin() * spin), (middle[1], radius * angle.cos() * spin)]
+    {
         assert!((found - wanted).abs() < 5e-9 * radius * spin, "{found} {wanted}");
     }
 }

@@ -9,7 +9,8 @@ use pintle_solve::{Difference, Method, Options, REFERENCES, Refusal, Solution, s
 pub(super) fn reference(name: &str) -> Option<Result<Scene, Failure>> {
     let of_gallery = name.strip_prefix("gallery:");
     let of_gallery = of_gallery.filter(|name| !GALLERY.iter().any(|example| example.name == *name));
-    let name = of_gallery.or_else(|| name.strip_prefix("references/").map(|name| name.trim_end_matches('/')))?;
+    let name =
+        of_gallery.or_else(|| name.strip_prefix("references/").map(|name| name.trim_end_matches('/')))?;
     let (name, deck) = REFERENCES.iter().find(|(known, _)| *known == name)?;
     Some(Scene::parse(&format!("{name}.inp"), deck).map_err(Failure::from))
 }

@@ -169,7 +169,8 @@ fn drawn<R: Number>(
     };
     let frames: Vec<Vec<[f64; 2]>> = spatial.iter().map(|all| all.iter().map(on_page).collect()).collect();
     let traces = nodes.iter().filter(|dot| dot.moves).map(|Dot { point, .. }| {
-        let mut path: Vec<String> = frames.iter().map(|all| format!("{},{}", all[*point][0], all[*point][1])).collect();
+        let mut path: Vec<String> =
+            frames.iter().map(|all| format!("{},{}", all[*point][0], all[*point][1])).collect();
         path.dedup();
         path.join(" ")
     });

@@ -98,9 +98,8 @@ impl<'a, R: Number> Drawn<'a, R> {
         }
         if plots.is_empty() {
             for (n, label) in self.solution.nodes.iter().enumerate() {
-                let curves = (0..3).map(|k| {
-                    self.curve(format!("u{}", k + 1), |frame| frame.nodes[n].displacement[k])
-                });
+                let curves =
+                    (0..3).map(|k| self.curve(format!("u{}", k + 1), |frame| frame.nodes[n].displacement[k]));
                 plots.extend(self.plot(format!("node {label} (length)"), curves, None));
             }
         }
@@ -131,8 +130,9 @@ impl<'a, R: Number> Drawn<'a, R> {
         curves: impl Iterator<Item = Curve>,
         connector: Option<usize>,
     ) -> Option<Plot> {
-        let most =
-            |curve: &Curve| curve.points.iter().map(|[_, y]| y.abs()).filter(|y| y.is_finite()).fold(0.0, f64::max);
+        let most = |curve: &Curve| {
+            curve.points.iter().map(|[_, y]| y.abs()).filter(|y| y.is_finite()).fold(0.0, f64::max)
+        };
         let all: Vec<Curve> = curves.collect();
         let largest = all.iter().map(most).fold(0.0, f64::max);
         let shown: Vec<Curve> =
@@ -162,7 +162,8 @@ impl<'a, R: Number> Drawn<'a, R> {
 /// What rubs is shown first, else what moves most.
 pub fn picture<R: Number>(solution: &Solution<R>, title: &str) -> String {
     let drawn = Drawn::of(solution);
-    let rubs = |plot: &Plot| !plot.shaded.is_empty() || plot.curves.iter().any(|of| of.name.starts_with("CSF"));
+    let rubs =
+        |plot: &Plot| !plot.shaded.is_empty() || plot.curves.iter().any(|of| of.name.starts_with("CSF"));
     let first = |mut plots: Vec<Plot>| {
         plots.sort_by_key(|plot| !rubs(plot));
         plots.into_iter().next()
@@ -186,7 +187,12 @@ pub fn html<R: Number>(
     let digits = facts.digits::<R>();
     let motion = Motion::of(scene, model, solution);
     let all = [
-        ("positions", "Positions", "Of components that move. Shaded while the friction sticks; dotted lines are events.", drawn.motions()),
+        (
+            "positions",
+            "Positions",
+            "Of components that move. Shaded while the friction sticks; dotted lines are events.",
+            drawn.motions(),
+        ),
         (
             "forces",
             "Forces and friction",
@@ -240,7 +246,8 @@ pub fn html<R: Number>(
             format!("Solved from {} to {} by one method alone.", drawn.span[0], drawn.span[1])
         }
     };
-    let balance = solution.frames.iter().map(|frame| frame.energies.balance.to_f64().abs()).fold(0.0, f64::max);
+    let balance =
+        solution.frames.iter().map(|frame| frame.energies.balance.to_f64().abs()).fold(0.0, f64::max);
     let told = vec![
         ("steps", solution.steps.to_string()),
         ("events", solution.events.len().to_string()),
@@ -282,5 +289,6 @@ fn data<R: Number>(solution: &Solution<R>, motion: &Motion) -> String {
     };
     let points: Vec<Vec<f64>> = motion.frames.iter().map(|all| all.concat()).collect();
     let sticks: Vec<Vec<usize>> = solution.frames.iter().map(sticks).collect();
-    serde_json::json!({ "times": times, "across": Plot::ACROSS, "points": points, "sticks": sticks }).to_string()
+    serde_json::json!({ "times": times, "across": Plot::ACROSS, "points": points, "sticks": sticks })
+        .to_string()
 }

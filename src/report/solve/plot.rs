@@ -124,8 +124,7 @@ impl Plot {
             let every = curve.points.len().div_ceil(most).max(1);
             let last = curve.points.len().saturating_sub(1);
             let kept = curve.points.iter().enumerate().filter(|(n, _)| n % every == 0 || *n == last);
-            let points: Vec<String> =
-                kept.map(|(_, [t, y])| format!("{},{}", across(*t), up(*y))).collect();
+            let points: Vec<String> = kept.map(|(_, [t, y])| format!("{},{}", across(*t), up(*y))).collect();
             Line { colour: i % 6 + 1, points: points.join(" ") }
         });
         let tick = |(x, name): (f64, String), place: &dyn Fn(f64) -> f64| Tick { at: place(x), name };

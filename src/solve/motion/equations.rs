@@ -5,7 +5,7 @@ use crate::motion::dense::{Dense, NoPivot};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
 use crate::motion::mode::{Cause, Does, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
-use crate::motion::slide::{belt_limit, Limit, length, limit};
+use crate::motion::slide::{Limit, belt_limit, length, limit};
 use crate::motion::state::DOFS;
 use crate::number::{Number, is_finite, larger, largest};
 use pintle_kinematics::vector::{apply, dot};

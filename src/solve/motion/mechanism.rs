@@ -14,7 +14,7 @@ use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector};
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
-use pintle_model::behavior::friction::{Belt, FLOW, Criterion, Friction, Tangential};
+use pintle_model::behavior::friction::{Belt, Criterion, FLOW, Friction, Tangential};
 use pintle_model::behavior::ground::Ground;
 use pintle_model::evaluate::{ElementBehavior, Model};
 use pintle_scene::{Label, PointKind, Scene, Target};
@@ -362,7 +362,10 @@ impl<R: Number> Mechanism<R> {
                     let why = "an angle of wrap that follows the nodes is not solved";
                     return refused(why, "give the contact angle in the data of its section");
                 };
-                if [element, &model.connectors[next]].iter().any(|of| of.behavior.behavior.elasticity.rigid()[0]) {
+                if [element, &model.connectors[next]]
+                    .iter()
+                    .any(|of| of.behavior.behavior.elasticity.rigid()[0])
+                {
                     return refused("a rigid belt with friction is not solved", "give it an elasticity");
                 }
                 let components = vec![(FLOW, 1.0)];

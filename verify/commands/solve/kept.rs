@@ -39,7 +39,10 @@ fn a_run_that_is_killed_goes_on_to_the_same_digits() {
             std::thread::sleep(Duration::from_millis(5));
         }
         std::thread::sleep(Duration::from_millis(40));
-        assert!(child.try_wait().unwrap().is_none(), "it ended before it could be killed: ask for more digits");
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "it ended before it could be killed: ask for more digits"
+        );
         child.kill().unwrap();
         let output = child.wait_with_output().unwrap();
         assert!(output.stdout.is_empty(), "results are printed at the end");
@@ -58,7 +61,8 @@ fn a_run_that_is_killed_goes_on_to_the_same_digits() {
     assert_eq!(stdout(&done), whole);
     assert!(begin.elapsed() < Duration::from_secs(5));
     // Not of other options, and not over another's file.
-    let other = pintle(&["solve", "references/limit_cycle", "--digits", "30", "--resume", kept]).assert().code(6);
+    let other =
+        pintle(&["solve", "references/limit_cycle", "--digits", "30", "--resume", kept]).assert().code(6);
     assert!(stderr(&other).contains("other options"), "{}", stderr(&other));
     let other = pintle(&["solve", "references/block", "--keep", kept]).assert().code(7);
     assert!(stderr(&other).contains("not overwritten"), "{}", stderr(&other));
@@ -83,7 +87,8 @@ fn every_kept_state_goes_on_to_the_same_bits() {
         (two_steps, Stick::Rigid),
         (elastic, Stick::Elastic),
     ];
-    let told = |solution: &Solution<f64>| format!("{:?} {:?} {}", solution.frames, solution.events, solution.steps);
+    let told =
+        |solution: &Solution<f64>| format!("{:?} {:?} {}", solution.frames, solution.events, solution.steps);
     let mut compared = 0;
     for (deck, stick) in decks {
         let scene = Scene::parse("deck.inp", &deck).unwrap();
@@ -140,10 +145,15 @@ fn the_page_shows_motion_forces_and_energies() {
     let path = folder("page").join("drawer.html");
     pintle(&["solve", "references/drawer", "--html", path.to_str().unwrap()]).assert().success();
     let text = fs::read_to_string(&path).unwrap();
-    for word in ["id=\"motion\"", "id=\"forces\"", "id=\"energies\"", "class=\"stuck\"", "class=\"trace\"", "CSF u1"] {
+    for word in
+        ["id=\"motion\"", "id=\"forces\"", "id=\"energies\"", "class=\"stuck\"", "class=\"trace\"", "CSF u1"]
+    {
         assert!(text.contains(word), "{word}");
     }
-    assert!(!text.contains("http://") || text.matches("http://").count() == text.matches("http://www.w3.org/2000/svg").count());
+    assert!(
+        !text.contains("http://")
+            || text.matches("http://").count() == text.matches("http://www.w3.org/2000/svg").count()
+    );
     let data = text.split_once("id=\"frames\">").unwrap().1.split_once("</script>").unwrap().0;
     let data: serde_json::Value = serde_json::from_str(data).unwrap();
     let count = data["times"].as_array().unwrap().len();

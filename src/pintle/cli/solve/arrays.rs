@@ -38,11 +38,7 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         of_connectors("CV", &|of| of.velocity),
         of_connectors("CTF", &|of| of.total),
         of_connectors("CSF", &|of| of.friction),
-        Array::numbers(
-            "sticks",
-            vec![count, connectors.len()],
-            frames.iter().flat_map(sticks).collect(),
-        ),
+        Array::numbers("sticks", vec![count, connectors.len()], frames.iter().flat_map(sticks).collect()),
         Array::numbers("energies", vec![count, 4], energies),
         Array::numbers(
             "event_time",
@@ -52,7 +48,11 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         Array::words("event", events.iter().map(|event| event.what.in_words().to_string()).collect()),
         Array::words(
             "event_element",
-            events.iter().filter_map(|event| connectors.get(event.connector)).map(|(label, _)| label.to_string()).collect(),
+            events
+                .iter()
+                .filter_map(|event| connectors.get(event.connector))
+                .map(|(label, _)| label.to_string())
+                .collect(),
         ),
     ]
 }

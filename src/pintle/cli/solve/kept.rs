@@ -108,8 +108,7 @@ fn fingerprint(scene: &Scene, options: &Options) -> String {
     let Options { digits, until, times, from, stick, .. } = options;
     let asked = format!("{digits} {until:?} {times:?} {from:?} {stick:?}");
     let all = text.bytes().chain(asked.bytes());
-    let hash = all.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
-    });
+    let hash = all
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
     format!("{hash:016x}")
 }

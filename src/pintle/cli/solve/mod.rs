@@ -14,7 +14,9 @@ use pintle_kinematics::scalar::Wide;
 use pintle_model::evaluate::Model;
 use pintle_report::solve as report;
 use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State, StateFile};
-use pintle_solve::{Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Stick, solve_keeping};
+use pintle_solve::{
+    Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Stick, solve_keeping,
+};
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
