@@ -59,7 +59,7 @@ def run(function, steps):
 
 def order(rows, name):
     """The slope of the error between the two smallest steps above rounding."""
-    kept = [(row["step"], row[name]) for row in rows if 1e-11 < row[name] < 1e-1]
+    kept = [(row["step"], row[name]) for row in rows if 1e-13 < row[name] < 1e-1]
     if len(kept) < 2:
         return math.nan
     (h, e), (k, d) = kept[-2:]

@@ -1,7 +1,7 @@
 //! The stored solutions and the pages of `references/`: what is written there is what is solved.
 //!
-//! `PINTLE_UPDATE=1` writes pages and pictures, `PINTLE_UPDATE=solutions` the solutions on 237 bits besides; `PINTLE_REFERENCE=NAME` takes one
-//! problem alone.
+//! `PINTLE_UPDATE=1` writes pages and pictures, `PINTLE_UPDATE=solutions` the solutions on 237 bits besides (`doubles`: on doubles, where
+//! that takes too long); `PINTLE_REFERENCE=NAME` takes one problem alone.
 
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::scalar::Wide;
@@ -110,21 +110,25 @@ fn kind(name: &str) -> String {
     }
 }
 
+/// What is smaller in units of the decks counts as rounding of this size.
+const NOTHING: f64 = 1e-3;
+
 fn scale_of(all: &[(String, Vec<f64>)], of: &str) -> f64 {
     let same = all.iter().filter(|(name, _)| kind(name) == kind(of));
-    same.flat_map(|(_, column)| column).fold(0.0, |most: f64, x| most.max(x.abs()))
+    same.flat_map(|(_, column)| column).fold(NOTHING, |most: f64, x| most.max(x.abs()))
 }
 
 /// The solution as it is stored: numbers as texts, a line for each column.
-fn stored(one: &Solution<Wide>, error: f64) -> String {
+fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
+    let is_wide = R::ROUNDING < f64::EPSILON / 4.0;
     let digits = if error > 0.0 { (-error.log10()).floor() as usize } else { DIGITS };
     let digits = digits.min(DIGITS);
-    assert!(digits >= 13, "an error of {error:e}");
+    assert!(digits >= if is_wide { 13 } else { 11 }, "an error of {error:e}");
     let table = table(one, 1);
     let doubles: Vec<(String, Vec<f64>)> =
         table.iter().map(|(name, all)| (name.clone(), all.iter().map(|x| x.to_f64()).collect())).collect();
     // Digits beyond the error are not printed: a number is known to that of the largest of its kind.
-    let number = |x: Wide, scale: f64| {
+    let number = |x: R, scale: f64| {
         let size = x.to_f64().abs();
         let known = digits as f64 + (size / scale).log10().ceil();
         if size == 0.0 || known < 1.0 { "0".to_string() } else { x.digits(known as usize) }
@@ -133,7 +137,9 @@ fn stored(one: &Solution<Wide>, error: f64) -> String {
         |words: Vec<String>| words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
     let mut text = String::from("{\n");
     let _ = writeln!(text, " \"schema\": \"pintle-reference/1\",");
-    let _ = writeln!(text, " \"is\": \"reproduced: extrapolation and Gauss collocation on 237 bits\",");
+    let is =
+        if is_wide { "reproduced: two methods on 237 bits" } else { "estimated: two methods on doubles" };
+    let _ = writeln!(text, " \"is\": \"{is}\",");
     let _ = writeln!(
         text,
         " \"error\": {error:.0e},\n \"digits\": {digits},\n \"lipschitz\": {:.6},",
@@ -155,7 +161,7 @@ fn stored(one: &Solution<Wide>, error: f64) -> String {
         );
     }
     let _ = writeln!(text, " ],\n \"columns\": {{");
-    let kept: Vec<&(String, Vec<Wide>)> = table
+    let kept: Vec<&(String, Vec<R>)> = table
         .iter()
         .filter(|(name, all)| {
             let scale = scale_of(&doubles, name);
@@ -172,6 +178,13 @@ fn stored(one: &Solution<Wide>, error: f64) -> String {
     text
 }
 
+/// By two methods, with their difference as the error.
+fn written<R: Number>(scene: &Scene, [options, witness]: [&Options; 2], length: f64) -> String {
+    let (one, other): (Solution<R>, Solution<R>) =
+        rayon::join(|| solved(scene, options), || solved(scene, witness));
+    stored(&one, one.difference(&other, length).largest())
+}
+
 /// The page of a problem.
 fn page(name: &str, scene: &Scene, stored: &Value) -> String {
     let sentence = scene.heading.trim();
@@ -184,7 +197,8 @@ fn page(name: &str, scene: &Scene, stored: &Value) -> String {
     let error = stored["error"].as_f64().unwrap();
     let _ = writeln!(
         text,
-        "| solution | [solution.json](solution.json): two methods on 237 bits differ by {error:.0e} at most |"
+        "| solution | [solution.json](solution.json), {}: they differ by {error:.0e} at most |",
+        stored["is"].as_str().unwrap()
     );
     if let Some(closed) = &closed {
         let form = closed["form"].as_str().unwrap_or_default().replace('|', "\\|");
@@ -245,7 +259,8 @@ fn differs(path: &Path, text: &str) -> Option<String> {
 
 #[test]
 fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
-    let is_writing = std::env::var("PINTLE_UPDATE").is_ok_and(|what| what == "solutions");
+    let what = std::env::var("PINTLE_UPDATE").unwrap_or_default();
+    let is_writing = ["solutions", "doubles"].contains(&what.as_str());
     let only = std::env::var("PINTLE_REFERENCE").ok();
     let (mut numbers, mut events, mut pages) = (0, 0, 0);
     let mut stale = Vec::new();
@@ -257,12 +272,14 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
             let begin = std::time::Instant::now();
             let options = Options { digits: DIGITS + 1, times: times(&scene, STORED), ..Options::default() };
             let witness = Options { method: Method::Collocation, ..options.clone() };
-            let (one, other): (Solution<Wide>, Solution<Wide>) =
-                rayon::join(|| solved(&scene, &options), || solved(&scene, &witness));
             let length = pintle_model::evaluate::Model::compile(&scene).unwrap().length;
-            let apart = one.difference(&other, length);
-            println!("{name}: {apart:?} {:?}", begin.elapsed());
-            fs::write(&path, stored(&one, apart.largest())).unwrap();
+            let text = if what == "doubles" {
+                written::<f64>(&scene, [&options, &witness], length)
+            } else {
+                written::<Wide>(&scene, [&options, &witness], length)
+            };
+            println!("{name}: {:?}", begin.elapsed());
+            fs::write(&path, text).unwrap();
         }
         let text = fs::read_to_string(&path).unwrap();
         let wanted: Value = serde_json::from_str(&text).unwrap();
@@ -270,6 +287,10 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
         let solution: Solution<f64> = solved(&scene, &options);
         let found = table(&solution, DRAWN / STORED);
         let columns = wanted["columns"].as_object().unwrap();
+        let at_event = |i: usize| {
+            let time = end(&scene) * i as f64 / STORED as f64;
+            solution.events.iter().any(|event| (event.time - time).abs() < 1e-9 * end(&scene))
+        };
         for (of, column) in &found {
             let scale = scale_of(&found, of).max(1e-300);
             let stored: Vec<f64> = match columns.get(of) {
@@ -280,6 +301,10 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
             };
             assert_eq!(column.len(), stored.len(), "{name}: {of}");
             for (i, (x, want)) in column.iter().zip(&stored).enumerate() {
+                // At an event forces jump, and rounding decides on which side a frame is.
+                if at_event(i) {
+                    continue;
+                }
                 assert!((x - want).abs() <= ALLOWED * scale, "{name}: {of}, frame {i}: {x:e}, not {want:e}");
                 numbers += 1;
             }
