@@ -89,14 +89,25 @@ pub(crate) struct Numbers {
     pub(crate) values: BTreeMap<(Output, usize), f64>,
 }
 
+/// The forces of one connector at a node.
+#[derive(Clone, Debug)]
+struct Part {
+    element: String,
+    forces: [f64; 6],
+    /// The way from its other node.
+    way: Vector<f64>,
+    /// The axes of its nodes.
+    axes: [Matrix<f64>; 2],
+}
+
 /// The forces of all connectors at one node, residual-side.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AtNode {
     pub(crate) sum: [f64; 6],
     /// What the digits of forces that the files give change.
     digits: [f64; 6],
-    /// Of each connector: its element, its forces, the way from its other node, its axes.
-    parts: Vec<(String, [f64; 6], Vector<f64>, [Matrix<f64>; 2])>,
+    /// Of each connector.
+    parts: Vec<Part>,
     /// The force that is not known.
     missing: Option<String>,
 }
@@ -300,7 +311,7 @@ impl<'a> Evaluator<'a> {
                 at.digits[i] += digits[7 * end + i];
             }
             let way = scale(separation, if end == 0 { -1.0 } else { 1.0 });
-            at.parts.push((label.to_string(), own, way, axes));
+            at.parts.push(Part { element: label.to_string(), forces: own, way, axes });
             if let Err(why) = &forces {
                 at.missing.get_or_insert_with(|| why.clone());
             }
@@ -421,7 +432,7 @@ impl<'a> Evaluator<'a> {
         let moved = state.nodes.get(label).map_or([0.0; 3], |motion| motion.displacement);
         let place = add(self.places.get(label).copied().unwrap_or_default(), moved);
         let about = |way: Vector<f64>| add(moment, cross(way, force));
-        for (element, _, way, _) in &at.parts {
+        for Part { element, way, .. } in &at.parts {
             put(format!("it is a moment about the other node of {element}: M + r × F"), 3, about(*way));
             put(
                 format!("it is a moment about the middle of {element}: M + r × F"),
@@ -431,7 +442,7 @@ impl<'a> Evaluator<'a> {
         }
         put("it is a moment about the origin: M + r × F".into(), 3, about(place));
         put("it is a moment about the initial place of the node: M + r × F".into(), 3, about(moved));
-        for (element, own, _, axes) in &at.parts {
+        for Part { element, forces: own, axes, .. } in &at.parts {
             for first in [0, 3] {
                 if at.parts.len() > 1 {
                     put(format!("it is that of element {element} alone"), first, part(own, first));

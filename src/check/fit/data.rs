@@ -283,9 +283,6 @@ impl Expected {
             hinges: any(PHI..DOFS),
             turns: any(3..6) || any(10..13),
         };
-        if reading != Reading::Right && said.rotations == [false; 2] {
-            return None;
-        }
         let at = cases.iter().map(|case| Self::at_case(&read_case(case, reading), rows.len())).collect();
         Some(Self { lines, said, at })
     }
