@@ -99,6 +99,22 @@ def test_a_convention_is_undone():
     assert report.ok, report
 
 
+def test_own_states_are_asked_alone(tmp_path):
+    states = tmp_path / "run.csv"
+    states.write_text("state,node,u1,ur1,ur3\n1,1,0,0.1,0\n1,2,0.2,0,0.1\n2,1,0,0.2,0\n2,2,0.4,0,0.3\n")
+    asked = []
+
+    def counted(state, connector):
+        asked.append(float(state["b"]["u"][0]))
+        return routines.without_arm(state, connector)
+
+    report = pintle.check(counted, "CARTESIAN", offers=["rows"], at=states)
+    assert report.codes == {"diagnosis::geometric-term-missing"} and "run.csv" in report.repeat
+    assert set(asked) == {0.2, 0.4} and report.compared == 2 * 3 * 14, (asked, report.compared)
+    with pytest.raises(ValueError, match="forces that are drawn"):
+        pintle.check(counted, "FRICTION HINGE", offers=["criterion"], at=states)
+
+
 def test_batches_give_the_same_numbers():
     report = pintle.check(routines.stacked, "CARTESIAN", batch=True, **QUICK)
     assert report.ok, report
