@@ -3,7 +3,7 @@
 The first run, before any cause was changed for this corpus: 148 of 148 found, of 123 (83 %) the cause named. Of the others 17 were
 formulas, levers and stiffnesses that no cause knew or another cause was told of, 8 frictions. What is not named now is in UNNAMED.
 
-So much was known before: the codes of the sample in verify/commands/doors.rs, 13 of them. Six routines were exchanged after a first
+So much was known before: the codes of the sample in verify/commands/doors.rs, 13 of them. Five routines were exchanged after a first
 look, because they were right or wrong in two ways; one was mended. A code stands here where its sentence says the mistake, or makes
 the same numbers: of a row, the lever of the initial state is that of displacements left out.
 """
