@@ -270,7 +270,11 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
         let path = folder(name).join("solution.json");
         if is_writing {
             let begin = std::time::Instant::now();
-            let options = Options { digits: DIGITS + 1, times: times(&scene, STORED), ..Options::default() };
+            let options = Options {
+                digits: if what == "doubles" { 14 } else { DIGITS + 1 },
+                times: times(&scene, STORED),
+                ..Options::default()
+            };
             let witness = Options { method: Method::Collocation, ..options.clone() };
             let length = pintle_model::evaluate::Model::compile(&scene).unwrap().length;
             let text = if what == "doubles" {
