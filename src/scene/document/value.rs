@@ -61,7 +61,6 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
 }
 
 #[cfg(feature = "schema")]
-
 impl<T: JsonSchema> JsonSchema for Entries<T> {
     fn inline_schema() -> bool {
         true
@@ -102,7 +101,6 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Spanned<T> {
 }
 
 #[cfg(feature = "schema")]
-
 impl<T: JsonSchema> JsonSchema for Spanned<T> {
     fn inline_schema() -> bool {
         T::inline_schema()
@@ -359,7 +357,6 @@ impl<'de> Deserialize<'de> for OneOrMany {
 }
 
 #[cfg(feature = "schema")]
-
 impl JsonSchema for OneOrMany {
     fn inline_schema() -> bool {
         true
@@ -421,7 +418,6 @@ impl<'de> Deserialize<'de> for Member {
 }
 
 #[cfg(feature = "schema")]
-
 impl JsonSchema for Member {
     fn inline_schema() -> bool {
         true
@@ -483,7 +479,6 @@ impl<'de> Deserialize<'de> for Row {
 }
 
 #[cfg(feature = "schema")]
-
 impl JsonSchema for Row {
     fn schema_name() -> Cow<'static, str> {
         "Row".into()
