@@ -224,10 +224,10 @@ fn included_files_are_found_from_the_deck() {
     write("a/b/from_file.inp", "*NODE\n22, 2., 0., 0.\n");
     write("a/mesh.inp", "*INCLUDE, INPUT=a/b/from_deck.inp\n*INCLUDE, INPUT=b/from_file.inp\n");
     write("deck.inp", &format!("{HINGE}*INCLUDE, INPUT=a/mesh.inp\n"));
-    let scene = Scene::read(&folder.join("deck.inp")).unwrap();
+    let scene = Scene::read(folder.join("deck.inp")).unwrap();
     assert_eq!((scene.nodes.len(), scene.files.len()), (4, 4));
     write("a/mesh.inp", "*INCLUDE, INPUT=b/not_there.inp\n");
-    assert_eq!(Scene::read(&folder.join("deck.inp")).unwrap_err().code(), Code::IncludeUnreadable);
+    assert_eq!(Scene::read(folder.join("deck.inp")).unwrap_err().code(), Code::IncludeUnreadable);
 }
 
 /// Where nothing is left to evaluate, what was not read is named; what is skipped of a keyword is said by `eval`, too.

@@ -94,8 +94,7 @@ impl Motion {
             }
         };
         for mpc in &scene.mpcs {
-            let nodes: Vec<Label> = mpc.nodes.iter().copied().collect();
-            if let [one, two, ..] = nodes[..] {
+            if let [one, two, ..] = mpc.nodes[..] {
                 pair("v-unseen mpc", "constraint".into(), one, two);
             }
         }
@@ -129,6 +128,9 @@ impl Motion {
     }
 }
 
+/// Where a point is, and the direction of its arm.
+type Placed = (Vector<f64>, Option<Vector<f64>>);
+
 fn drawn<R: Number>(
     points: &[Point],
     mut links: Vec<Link>,
@@ -136,8 +138,7 @@ fn drawn<R: Number>(
     solution: &Solution<R>,
 ) -> Motion {
     let three = |of: &[R; 3]| of.map(Number::to_f64);
-    // Each point's place, and the direction of its arm.
-    let spatial: Vec<Vec<(Vector<f64>, Option<Vector<f64>>)>> = solution
+    let spatial: Vec<Vec<Placed>> = solution
         .frames
         .iter()
         .map(|frame| {
@@ -161,7 +162,7 @@ fn drawn<R: Number>(
     let fit = if fit.is_finite() { fit } else { 1.0 };
     let height = ((bottom - top) * fit + 2.0 * MARGIN).max(180.0);
     let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
-    let on_page = |(at, arm): &(Vector<f64>, Option<Vector<f64>>)| {
+    let on_page = |(at, arm): &Placed| {
         let at = arm.map_or(*at, |arm| add(*at, scale(arm, ARM / fit)));
         let p = view.projected(at);
         [WIDTH / 2.0 + (p[0] - middle[0]) * fit, height / 2.0 + (p[1] - middle[1]) * fit]

@@ -7,7 +7,7 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::scalar::Wide;
 use pintle_report::solve::picture;
 use pintle_scene::Scene;
-use pintle_solve::{ConnectorFrame, Frame, Method, Number, Options, REFERENCES, Solution, solve};
+use pintle_solve::{ConnectorFrame, Frame, Method, Number, Options, REFERENCES, Solution, Solvable, solve};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
@@ -37,9 +37,12 @@ fn times(scene: &Scene, count: usize) -> Vec<f64> {
     (1..count).map(|i| end(scene) * (i * DRAWN / count) as f64 / DRAWN as f64).collect()
 }
 
-fn solved<R: Number>(scene: &Scene, options: &Options) -> Solution<R> {
+fn solved<R: Solvable>(scene: &Scene, options: &Options) -> Solution<R> {
     solve(scene, options).unwrap_or_else(|ended| panic!("{} at {}: {}", scene.name, ended.time, ended.why))
 }
+
+/// An output of a connector.
+type Six<R> = fn(&ConnectorFrame<R>) -> [R; 6];
 
 /// What is stored of a frame: names and numbers, the same ones for each frame.
 fn columns<R: Number>(solution: &Solution<R>, frame: &Frame<R>) -> Vec<(String, R)> {
@@ -57,7 +60,7 @@ fn columns<R: Number>(solution: &Solution<R>, frame: &Frame<R>) -> Vec<(String, 
         }
     }
     for ((_, title), of) in solution.connectors.iter().zip(&frame.connectors) {
-        let parts: [(&str, fn(&ConnectorFrame<R>) -> [R; 6]); 4] = [
+        let parts: [(&str, Six<R>); 4] = [
             ("CU", |of| of.displacement),
             ("CV", |of| of.velocity),
             ("CTF", |of| of.total),
@@ -179,7 +182,7 @@ fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
 }
 
 /// By two methods, with their difference as the error.
-fn written<R: Number>(scene: &Scene, [options, witness]: [&Options; 2], length: f64) -> String {
+fn written<R: Solvable>(scene: &Scene, [options, witness]: [&Options; 2], length: f64) -> String {
     let (one, other): (Solution<R>, Solution<R>) =
         rayon::join(|| solved(scene, options), || solved(scene, witness));
     stored(&one, one.difference(&other, length).largest())

@@ -69,7 +69,7 @@ pub(crate) fn npz(out: &mut dyn Write, arrays: &[Array]) -> io::Result<()> {
     let written = || -> Result<(), rawzip::Error> {
         let mut archive = ZipArchiveWriter::new(out);
         for array in arrays {
-            let (mut entry, stored) = archive.new_file(&format!("{}.npy", array.name)).start()?;
+            let (mut entry, stored) = archive.new_file(format!("{}.npy", array.name)).start()?;
             let mut writer = stored.wrap(&mut entry);
             writer.write_all(&array.npy())?;
             let (_, descriptor) = writer.finish()?;

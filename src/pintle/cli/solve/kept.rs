@@ -24,12 +24,14 @@ struct Document {
     methods: [Option<Box<RawValue>>; 2],
 }
 
+/// What is kept of each method, and the first failure.
+type Now = ([Option<Box<RawValue>>; 2], Option<Failure>);
+
 /// A run that is kept.
 pub(super) struct Book<'a> {
     path: &'a Path,
     of: String,
-    /// What is kept of each method, and the first failure.
-    now: Mutex<([Option<Box<RawValue>>; 2], Option<Failure>)>,
+    now: Mutex<Now>,
 }
 
 impl<'a> Book<'a> {
@@ -60,7 +62,7 @@ impl<'a> Book<'a> {
         Ok(Self { path, of, now: Mutex::new((methods, None)) })
     }
 
-    fn now(&self) -> MutexGuard<'_, ([Option<Box<RawValue>>; 2], Option<Failure>)> {
+    fn now(&self) -> MutexGuard<'_, Now> {
         self.now.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
