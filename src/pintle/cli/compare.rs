@@ -18,8 +18,8 @@ The motion is in the files, too: U and UR of the nodes (or q0 to q3), and V, VR
 where rates are compared. Files given together are one run, joined by time. Tables
 (.csv), records (.json, .jsonl), arrays (.npy, .npz) and what Abaqus and CalculiX
 print (.dat) are read by their standard headings; a map in TOML says what others
-mean. A matrix (.mtx, .npy, .npz) is the constraint Jacobian, as pintle eval
---jacobian writes it, or the stiffness, at the last state.
+mean. A matrix (.mtx, .npy, .npz) is the constraint Jacobian, as written by pintle
+eval --jacobian, or the stiffness, at the last state.
 
 A number stands for all that round to it: a difference within half a unit of its
 last digit, and within what the digits of the motion allow, is none.
