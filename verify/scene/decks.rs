@@ -36,6 +36,11 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         ),
         ("*STEP\n*BOUNDARY, SUBMODEL, STEP=1\nFAR, 1, 3\n*END STEP\n", "*BOUNDARY, SUBMODEL"),
         ("*STEP\n*BOUNDARY, MASS FLOW\n11, 1, 1, 2.\n*END STEP\n", "*BOUNDARY, MASS FLOW"),
+        (
+            "*EQUATION\n2\n11, 1, 1., 12, 1, -3.\n*STEP\n*BOUNDARY, MASS FLOW\n11, 1, 1, 2.\n*END STEP\n",
+            "*BOUNDARY, MASS FLOW",
+        ),
+        ("*NSET, NSET=SLAVES, FREQUENCY=100\n11\n", "*NSET, FREQUENCY"),
         ("*STEP\n*CLOAD, SECTOR=3\n11, 1, 2.\n*END STEP\n", "*CLOAD, SECTOR"),
         ("*STEP\n*DLOAD, SECTOR=3\nBARS, P1, 2.\n*END STEP\n", "*DLOAD, SECTOR"),
         ("*JOINT, ELSET=BARS\nOZ,\n*SPRING\n1, 1\n2.\n*DASHPOT\n1, 1\n2.\n*SPRING\n2, 2\n3.\n", "JOINT"),
@@ -62,7 +67,7 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         assert!(scene.orientation_errors().is_empty() && scene.connectors.len() == 1, "{lines}");
         counted += 1;
     }
-    assert_eq!(counted, 26);
+    assert_eq!(counted, 28);
 }
 
 /// What acts on a node of a connector is an error, or read.

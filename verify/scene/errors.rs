@@ -98,6 +98,20 @@ fn commands_show_every_error_once() {
     }
 }
 
+/// All that is wrong with one constraint is told.
+#[test]
+fn every_fault_of_a_constraint_is_told() {
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n";
+    for (lines, faults) in [
+        ("*RIGID BODY, REF NODE=55, TIE NSET=NOPE, PIN NSET=NONE\n", 3),
+        ("*RIGID BODY, REF NODE=55, ELSET=NOPE\n", 2),
+        ("*COUPLING, REF NODE=55, SURFACE=NOPE, CONSTRAINT NAME=C\n*KINEMATIC\n", 2),
+    ] {
+        let error = Scene::parse("deck.inp", &format!("{nodes}{lines}")).unwrap_err();
+        assert_eq!(codes(&error).len(), faults, "{lines}: {:?}", codes(&error));
+    }
+}
+
 /// What breaks the rules of a connection type is told beside what cannot be read.
 #[test]
 fn rules_are_told_beside_errors_of_reading() {

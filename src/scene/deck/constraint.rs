@@ -580,15 +580,23 @@ fn all_meet(scene: &Scene, tie: &Tie) -> bool {
 }
 
 fn body(deck: &mut Deck<'_>, body: RawBody) -> Result<()> {
-    let reference = one_node(&deck.scene, &body.reference)?;
-    // What is known of the body is read, and that it is not all is said.
-    let mut lacks = false;
-    for name in [&body.pin_set, &body.tie_set].into_iter().flatten() {
-        lacks |= node_set(&deck.scene, name)?.unmodelled > 0;
+    let scene = &deck.scene;
+    let reference = one_node(scene, &body.reference);
+    let node_sets: Vec<_> =
+        [&body.pin_set, &body.tie_set].into_iter().flatten().map(|name| node_set(scene, name)).collect();
+    let elements = body.element_set.as_ref().map(|name| element_set(scene, name)).transpose();
+    let faults = node_sets.iter().filter_map(|set| set.as_ref().err());
+    let faults: Vec<Diagnostic> =
+        reference.as_ref().err().into_iter().chain(faults).chain(elements.as_ref().err()).cloned().collect();
+    if let Some(faults) = Diagnostic::joined(faults) {
+        return Err(faults);
     }
+    let reference = reference?;
+    // What is known of the body is read, and that it is not all is said.
+    let mut lacks = node_sets.iter().flatten().any(|set| set.unmodelled > 0);
     let mut others = Vec::new();
-    if let Some(name) = &body.element_set {
-        let ranges = &element_set(&deck.scene, name)?.others;
+    if let Some(set) = elements? {
+        let ranges = &set.others;
         if !ranges.is_empty() {
             // The rest of a rigid mesh bears on nothing.
             let used = used_nodes(&deck.scene);
@@ -632,9 +640,15 @@ fn resolved_coupling(
     coupling: RawCoupling,
     has: &impl Fn(&Spanned<String>) -> Result<SurfaceKind>,
 ) -> Result<bool> {
-    let reference = one_node(&deck.scene, &coupling.reference)?;
+    let reference = one_node(&deck.scene, &coupling.reference);
+    let surface = has(&coupling.surface);
+    let faults = reference.as_ref().err().into_iter().chain(surface.as_ref().err()).cloned();
+    if let Some(faults) = Diagnostic::joined(faults) {
+        return Err(faults);
+    }
+    let (reference, surface) = (reference?, surface?);
     // Faces weigh the nodes of a mean by their areas.
-    let serves = match has(&coupling.surface)? {
+    let serves = match surface {
         SurfaceKind::Nodes => true,
         SurfaceKind::Faces => matches!(coupling.kind, Some(CouplingKind::Kinematic(_))),
         SurfaceKind::Unread => false,

@@ -202,7 +202,8 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "each line lists nodes or node sets; with GENERATE: first, last, increment",
         mesh::node_set,
-    ),
+    )
+    .with_strange(Strange::Unlike),
     rule(
         "ELSET",
         Model,
@@ -215,7 +216,8 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "each line lists elements or element sets; with GENERATE: first, last, increment",
         mesh::element_set,
-    ),
+    )
+    .with_strange(Strange::Unlike),
     rule(
         "ELEMENT",
         Model,

@@ -129,9 +129,12 @@ fn named<'a>(scene: &'a Scene, target: &'a Target, among: impl Fn(&Label) -> boo
 
 /// The nodes of connectors and constraints.
 pub(super) fn bearing(scene: &Scene) -> LabelSet {
-    let ends = scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten();
     let of_mpcs = scene.mpcs.iter().flat_map(|mpc| &mpc.nodes).copied();
-    ends.chain(of_mpcs).chain(constraint::nodes(scene)).collect()
+    ends(scene).chain(of_mpcs).chain(constraint::nodes(scene)).collect()
+}
+
+fn ends(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
+    scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten()
 }
 
 /// Tells which of what was passed over bears on connectors and constraints. The sets and constraints must be resolved.
@@ -139,7 +142,10 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     let Unread { lines, amplitudes, changes, warnings, is_elsewhere } = std::mem::take(&mut deck.unread);
     deck.unread.is_elsewhere = is_elsewhere;
     let scene = &mut deck.scene;
+    let ends: LabelSet = ends(scene).collect();
     for OnNodes { what, targets, remedy } in lines {
+        // Equations also join nodes of a network of fluids, whose degree of freedom 1 is no displacement.
+        let bearing = if what.ends_with("MASS FLOW") { &ends } else { bearing };
         for target in targets {
             if let Some(label) = named(scene, &target.value, |label| bearing.contains(label)) {
                 let message =
