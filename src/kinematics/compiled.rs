@@ -266,7 +266,7 @@ impl<R: Differentiable> Connector<R> {
     /// Rows hold the nodal forces of both ends, also of a ground node: those are the reactions of the ground. Degrees of freedom that a
     /// two-dimensional connector does not have are zero.
     ///
-    /// At singular points ([`Measure::singular_set`], which [`Connector::margins`] finds) rows are those of the minimal-norm
+    /// At singular points ([`Measure::singular_set`](crate::measure::Measure::singular_set), which [`Connector::margins`] finds) rows are those of the minimal-norm
     /// derivatives, or zero: finite, and flagged.
     pub fn force_rows(
         &self,
