@@ -188,9 +188,9 @@ def main():
         f"({min(creeps, key=creeps.get)}) to {short(max(creeps.values()))} ({max(creeps, key=creeps.get)}); pintle's is "
         f"{short(results['pintle'][-1]['creep'])}, bit for bit ({time.strftime('%Y-%m-%d')}, {platform.machine()}, {platform.python_version()})."
     )
-    block = "\n".join(["<!-- measured: solve-peers -->", *table(results, versions), "", summary, "<!-- end: solve-peers -->"])
+    block = "\n".join(["<!-- table: solve-peers -->", *table(results, versions), "", summary, "<!-- table ends: solve-peers -->"])
     text = PAGE.read_text()
-    PAGE.write_text(re.sub(r"<!-- measured: solve-peers -->.*?<!-- end: solve-peers -->", lambda _: block, text, flags=re.S))
+    PAGE.write_text(re.sub(r"<!-- table: solve-peers -->.*?<!-- table ends: solve-peers -->", lambda _: block, text, flags=re.S))
 
 
 if __name__ == "__main__":
