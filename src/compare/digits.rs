@@ -5,6 +5,7 @@ use crate::evaluate::Of;
 use crate::read::Results;
 use pintle_kinematics::connector::Output;
 use pintle_report::{table, wrap};
+use pintle_scene::Label;
 use pintle_solve::{Frame, Number, Solution};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -162,8 +163,9 @@ pub fn given(path: &Path) -> Result<Vec<Given>, String> {
         let record = record.map_err(|error| format!("{file}: {error}"))?;
         let line = record.position().map_or(0, csv::Position::line);
         let cell = |place: usize| record.get(place).unwrap_or_default();
-        let time = cell(time).parse::<f64>().ok().filter(|time| time.is_finite());
-        let time = time.ok_or_else(|| format!("{file}:{line}: the time is {:?}, not a number", cell(0)))?;
+        let text = cell(time);
+        let time = text.parse::<f64>().ok().filter(|time| time.is_finite());
+        let time = time.ok_or_else(|| format!("{file}:{line}: the time is {text:?}, not a number"))?;
         all.push(Given {
             time,
             connector: cell(connector).to_ascii_uppercase(),
@@ -182,6 +184,7 @@ fn count(difference: f64, scale: f64) -> f64 {
 /// What a run has of a solution at its times.
 pub fn digits<R: Number>(solution: &Solution<R>, run: &Run, events: Option<&[Given]>) -> Digits {
     let mut found = Digits::default();
+    let places = Places::of(solution);
     // What is asked for has a frame of its own time; what an event has is not meant.
     let frames: Vec<(f64, &Frame<R>)> =
         solution.frames.iter().map(|frame| (frame.time.to_f64(), frame)).collect();
@@ -196,13 +199,13 @@ pub fn digits<R: Number>(solution: &Solution<R>, run: &Run, events: Option<&[Giv
             continue;
         };
         for (key, got) in entries {
-            let Some(want) = wanted(solution, frame, key) else {
+            let Some(want) = places.wanted(frame, key) else {
                 *left_out.entry(key.to_string()).or_default() += 1;
                 continue;
             };
             pairs.entry(key.clone()).or_default().push([*time, *got, want]);
             if let Key::Connector(label, Output::CV, k) = key
-                && is_held(solution, frame, label, *k)
+                && places.is_held(frame, label, *k)
             {
                 let most = creep.entry((label.clone(), *k)).or_default();
                 *most = (most.0.max(got.abs()), most.1 + 1);
@@ -254,10 +257,13 @@ fn of_events<R: Number>(solution: &Solution<R>, given: &[Given]) -> Events {
     let mut left: Vec<&Given> = given.iter().collect();
     left.sort_by(|one, two| one.time.total_cmp(&two.time));
     for event in &solution.events {
-        let label = solution.connectors.get(event.connector).map(|(label, _)| label.to_string());
+        let label =
+            solution.connectors.get(event.connector).map(|(label, _)| label.to_string().to_ascii_uppercase());
         let word = event.what.in_words();
         let is_same = |given: &&Given| {
-            let title = label.as_ref().is_some_and(|label| given.connector.rsplit(' ').next() == Some(label));
+            let title = label.as_ref().is_some_and(|label| {
+                given.connector == *label || given.connector.ends_with(&format!(" {label}"))
+            });
             title && (given.what == word || word.strip_prefix("stop ") == Some(given.what.as_str()))
         };
         let Some(place) = left.iter().position(is_same) else { continue };
@@ -283,7 +289,7 @@ impl Key {
             Self::Node(label, motion) => (format!("node {label}"), name(*motion)),
             Self::Connector(label, output, k) => {
                 let mut all = solution.connectors.iter();
-                let title = all.find(|(known, _)| known.to_string() == *label);
+                let title = all.find(|(known, _)| known.to_string().eq_ignore_ascii_case(label));
                 (
                     title.map_or_else(|| label.clone(), |(_, title)| title.clone()),
                     Of::Output(*output, *k).name(),
@@ -318,48 +324,63 @@ fn name(motion: Motion) -> String {
     }
 }
 
-/// The number of the reference.
-fn wanted<R: Number>(solution: &Solution<R>, frame: &Frame<R>, key: &Key) -> Option<f64> {
-    let found = match key {
-        Key::Node(label, motion) => {
-            let node = solution.nodes.iter().position(|known| known.to_string() == *label)?;
-            let of = &frame.nodes[node];
-            match *motion {
-                Motion::Displacement(k) => of.displacement[k],
-                Motion::Rotation(k) => of.rotation[k],
-                Motion::Velocity(k) => of.velocity[k],
-                Motion::AngularVelocity(k) => of.velocity[3 + k],
-                Motion::Acceleration(k) => of.acceleration[k],
-                Motion::AngularAcceleration(k) => of.acceleration[3 + k],
-                Motion::Quaternion(_) | Motion::Flow => return None,
-            }
-        }
-        Key::Connector(label, output, k) => {
-            let place = solution.connectors.iter().position(|(known, _)| known.to_string() == *label)?;
-            let of = &frame.connectors[place];
-            if !of.wanted[*k] {
-                return None;
-            }
-            match output {
-                Output::CP => of.position[*k],
-                Output::CU => of.displacement[*k],
-                Output::CV => of.velocity[*k],
-                Output::CTF => of.total[*k],
-                Output::CSF => of.friction[*k],
-                _ => return None,
-            }
-        }
-    };
-    Some(found.to_f64())
+/// The places of nodes and connectors in frames, by the names that files have.
+struct Places {
+    nodes: BTreeMap<String, usize>,
+    connectors: BTreeMap<String, usize>,
 }
 
-/// Whether component k sticks: it rests where all frictions of its connector stick.
-fn is_held<R: Number>(solution: &Solution<R>, frame: &Frame<R>, label: &str, k: usize) -> bool {
-    let place = solution.connectors.iter().position(|(known, _)| known.to_string() == label);
-    place.map(|place| &frame.connectors[place]).is_some_and(|of| {
-        let sticks = !of.sticks.is_empty() && of.sticks.iter().all(|sticks| *sticks);
-        sticks && of.friction[k].to_f64() != 0.0
-    })
+impl Places {
+    fn of<R>(solution: &Solution<R>) -> Self {
+        let named = |labels: &mut dyn Iterator<Item = &Label>| {
+            labels.enumerate().map(|(place, label)| (label.to_string().to_ascii_uppercase(), place)).collect()
+        };
+        Self {
+            nodes: named(&mut solution.nodes.iter()),
+            connectors: named(&mut solution.connectors.iter().map(|(label, _)| label)),
+        }
+    }
+
+    /// The number of the reference.
+    fn wanted<R: Number>(&self, frame: &Frame<R>, key: &Key) -> Option<f64> {
+        let found = match key {
+            Key::Node(label, motion) => {
+                let of = &frame.nodes[*self.nodes.get(label)?];
+                match *motion {
+                    Motion::Displacement(k) => of.displacement[k],
+                    Motion::Rotation(k) => of.rotation[k],
+                    Motion::Velocity(k) => of.velocity[k],
+                    Motion::AngularVelocity(k) => of.velocity[3 + k],
+                    Motion::Acceleration(k) => of.acceleration[k],
+                    Motion::AngularAcceleration(k) => of.acceleration[3 + k],
+                    Motion::Quaternion(_) | Motion::Flow => return None,
+                }
+            }
+            Key::Connector(label, output, k) => {
+                let of = &frame.connectors[*self.connectors.get(label)?];
+                if !of.wanted[*k] {
+                    return None;
+                }
+                match output {
+                    Output::CP => of.position[*k],
+                    Output::CU => of.displacement[*k],
+                    Output::CV => of.velocity[*k],
+                    Output::CTF => of.total[*k],
+                    Output::CSF => of.friction[*k],
+                    _ => return None,
+                }
+            }
+        };
+        Some(found.to_f64())
+    }
+
+    /// Whether component k sticks: it rests where all frictions of its connector stick.
+    fn is_held<R: Number>(&self, frame: &Frame<R>, label: &str, k: usize) -> bool {
+        self.connectors.get(label).map(|place| &frame.connectors[*place]).is_some_and(|of| {
+            let sticks = !of.sticks.is_empty() && of.sticks.iter().all(|sticks| *sticks);
+            sticks && of.friction[k].to_f64() != 0.0
+        })
+    }
 }
 
 impl Digits {

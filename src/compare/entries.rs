@@ -2,7 +2,7 @@
 
 use crate::column::{Map, MatrixKind, Motion};
 use crate::evaluate::Evaluator;
-use crate::judge::{Point, Series};
+use crate::judge::{Point, ROUNDINGS, Series};
 use crate::matrix::{self, Entries};
 use crate::motion::{Motions, shift};
 use crate::read::{Frame, Results};
@@ -10,17 +10,13 @@ use pintle_check::{Angle, Variation};
 use pintle_kinematics::connector::Output;
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::mpc::Kind;
-use pintle_kinematics::so3;
 use pintle_kinematics::vector::Matrix;
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{Fixed, Freedom, Item, Jacobian, Model, Plan, Selection, Sequence, Source};
-use pintle_scene::{ElementForces, Label, NodeMotion, Rotation, Scene, State};
+use pintle_scene::{ElementForces, Label, Scene, State};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::path::PathBuf;
-
-/// Roundings that a program may spend on an entry, relative to the largest of its row.
-const ROUNDINGS: f64 = 1e-13;
 
 /// So many entries are compared as they are alone.
 const LARGE: usize = 100_000;
@@ -93,53 +89,51 @@ impl Order {
     }
 }
 
+/// Each of some departures with each choice.
+fn spread<T: Copy>(found: &mut Vec<Departure>, choices: &[T], set: impl Fn(&mut Departure, T)) {
+    let with = |one: &Departure, choice: T| {
+        let mut one = *one;
+        set(&mut one, choice);
+        one
+    };
+    *found = found.iter().flat_map(|one| choices.iter().map(|choice| with(one, *choice))).collect();
+}
+
 const LENGTHS: [(f64, &str); 3] = [(1.0, ""), (1e3, "mm of a scene in m"), (1e-3, "m of a scene in mm")];
 
 impl Departure {
     /// All, the simplest first.
     fn all(kind: MatrixKind) -> Vec<Self> {
         let degree = Angle::Degree.size();
-        let mut found = Vec::new();
-        for is_transposed in [false, true] {
-            for (n, (order, _)) in Order::ALL.into_iter().enumerate() {
-                for (m, variation) in Variation::ALL.into_iter().enumerate() {
-                    if kind == MatrixKind::Stiffness && m > 0 {
-                        continue;
-                    }
-                    for (is_own, sign) in [(false, 1.0), (false, -1.0), (true, 1.0), (true, -1.0)] {
-                        if is_own && kind == MatrixKind::Stiffness {
-                            continue;
-                        }
-                        for (row, _) in LENGTHS {
-                            for (column, _) in LENGTHS {
-                                for angle in [1.0, 1.0 / degree] {
-                                    for by in [1.0, degree] {
-                                        let is = |other: bool| usize::from(other);
-                                        found.push(Self {
-                                            is_transposed,
-                                            order,
-                                            variation,
-                                            is_own,
-                                            sign,
-                                            factors: [row, 1.0 / column, angle, by],
-                                            cost: is(is_transposed)
-                                                + n
-                                                + m.min(2)
-                                                + is(is_own)
-                                                + is(sign < 0.0)
-                                                + is(row != 1.0)
-                                                + is(column != 1.0)
-                                                + is(row != column)
-                                                + is(angle != 1.0)
-                                                + is(by != 1.0),
-                                        });
-                                    }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
+        let is_jacobian = kind == MatrixKind::Jacobian;
+        let only = |count: usize| if is_jacobian { count } else { 1 };
+        let none = Self {
+            is_transposed: false,
+            order: Order::Node,
+            variation: Variation::Spatial,
+            is_own: false,
+            sign: 1.0,
+            factors: [1.0; 4],
+            cost: 0,
+        };
+        let lengths = LENGTHS.map(|(factor, _)| factor);
+        let mut found = vec![none];
+        spread(&mut found, &[false, true], |one, is| one.is_transposed = is);
+        spread(&mut found, &Order::ALL.map(|(order, _)| order), |one, order| one.order = order);
+        spread(&mut found, &Variation::ALL[..only(Variation::ALL.len())], |one, of| one.variation = of);
+        spread(&mut found, &[false, true][..only(2)], |one, is| one.is_own = is);
+        spread(&mut found, &[1.0, -1.0], |one, sign| one.sign = sign);
+        spread(&mut found, &lengths, |one, row| one.factors[0] = row);
+        spread(&mut found, &lengths, |one, column| one.factors[1] = 1.0 / column);
+        spread(&mut found, &[1.0, 1.0 / degree], |one, angle| one.factors[2] = angle);
+        spread(&mut found, &[1.0, degree], |one, by| one.factors[3] = by);
+        for one in &mut found {
+            let order = Order::ALL.iter().position(|(order, _)| *order == one.order).unwrap_or(0);
+            let variation = Variation::ALL.iter().position(|of| *of == one.variation).unwrap_or(0);
+            let [row, column, ..] = one.factors;
+            let changed = [one.is_transposed, one.is_own, one.sign < 0.0, row * column != 1.0];
+            let changed = changed.into_iter().chain(one.factors.map(|factor| factor != 1.0));
+            one.cost = order + variation.min(2) + changed.filter(|is| *is).count();
         }
         found.sort_by_key(|one| one.cost);
         found
@@ -469,11 +463,7 @@ impl Comparing<'_> {
 
 /// How nodes are turned at a state.
 fn turned(state: &State) -> Turned {
-    let rotation = |motion: &NodeMotion| match motion.rotation {
-        Rotation::Vector(vector) => so3::turn(vector),
-        Rotation::Quaternion(quaternion) => so3::matrix(quaternion),
-    };
-    state.nodes.iter().map(|(label, motion)| (*label, rotation(motion))).collect()
+    state.nodes.iter().map(|(label, motion)| (*label, motion.rotation.matrix())).collect()
 }
 
 /// What is wrong in a matrix, and why.

@@ -1,7 +1,7 @@
 //! What the connectors give at one state: the numbers of files, and what else those may be.
 
 use crate::column::{Map, Nodal};
-use crate::motion::{Motions, shift};
+use crate::motion::{Motions, labels, shift};
 use crate::printed::Printed;
 use crate::read::Frame;
 use pintle_check::is_vector;
@@ -186,7 +186,7 @@ impl<'a> Evaluator<'a> {
             map,
             request: Request::new(&OUTPUTS, [true; 6], 0),
             ends,
-            labels: scene.nodes.keys().map(|label| (upper(label), *label)).collect(),
+            labels: labels(scene),
             places: scene.nodes.iter().map(|(label, node)| (*label, node.coordinates)).collect(),
             held,
             others,

@@ -4,6 +4,9 @@ use crate::evaluate::{Key, Of};
 use pintle_kinematics::connector::Output;
 use serde::Serialize;
 
+/// Roundings that a program may spend on a number: relative to the largest of its kind at the state, of a matrix to that of its row.
+pub(crate) const ROUNDINGS: f64 = 1e-13;
+
 /// One number of the file beside what it must be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {

@@ -16,11 +16,14 @@ pub(crate) struct Motions {
     turned: BTreeMap<Label, Matrix<f64>>,
 }
 
+/// The nodes of a scene by the names that files have.
+pub(crate) fn labels(scene: &Scene) -> BTreeMap<String, Label> {
+    scene.nodes.keys().map(|label| (label.to_string().to_ascii_uppercase(), *label)).collect()
+}
+
 impl Motions {
     pub(crate) fn new(scene: &Scene, map: &Map) -> Self {
-        let labels =
-            scene.nodes.keys().map(|label| (label.to_string().to_ascii_uppercase(), *label)).collect();
-        Self { labels, map: map.clone(), turned: BTreeMap::new() }
+        Self { labels: labels(scene), map: map.clone(), turned: BTreeMap::new() }
     }
 
     /// The state of a frame.
@@ -31,12 +34,8 @@ impl Motions {
             let Some(label) = self.labels.get(node) else { continue };
             let mut motion = of_node(motions)?;
             if self.map.rotations == Rotations::Incremental {
-                let by = match motion.rotation {
-                    Rotation::Vector(vector) => so3::turn(vector),
-                    Rotation::Quaternion(quaternion) => so3::matrix(quaternion),
-                };
                 let before = self.turned.get(label).copied().unwrap_or_else(identity);
-                let now = product(&by, &before);
+                let now = product(&motion.rotation.matrix(), &before);
                 self.turned.insert(*label, now);
                 motion.rotation = Rotation::Quaternion(so3::quaternion(&now));
             }

@@ -4,7 +4,7 @@ use crate::cause::{Alternatives, explain};
 use crate::column::{Map, Motion, Nodal, Rotations};
 use crate::entries::compare_matrices;
 use crate::evaluate::{Evaluator, Key, Known, Of, unit_of};
-use crate::judge::{Comparison, Gap, Point, Series, Unjudged};
+use crate::judge::{Comparison, Gap, Point, ROUNDINGS, Series, Unjudged};
 use crate::motion::Motions;
 use crate::read::{Frame, Results};
 use pintle_check::Angle;
@@ -13,9 +13,6 @@ use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
 use pintle_scene::{Scene, State};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Roundings that a program may spend on a number, relative to the largest number of its kind at the state.
-const ROUNDINGS: f64 = 1e-13;
 
 /// Why rates are not compared.
 const NO_RATES: &str = "the files have no such rates of nodes";

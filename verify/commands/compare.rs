@@ -259,8 +259,8 @@ fn table_of(motion: &[Moved]) -> String {
     text
 }
 
-/// Nodal forces on node 2 and 1 by the balance of each spring alone: a force of three springs along the axes of its first node, and the
-/// torque of three along its rotation vector, whose moment is J⁻ᵀ of it.
+/// Nodal forces on node 2 and 1 by the balance of each spring alone. The force is that of three springs along the axes of its first node.
+/// The torque of three along its rotation vector has the moment J⁻ᵀ of it.
 fn balance(motion: &Moved) -> BTreeMap<u32, [[f64; 3]; 2]> {
     use pintle_kinematics::so3;
     use pintle_kinematics::vector::{add, apply, apply_transposed, cross, product, sub, transpose};

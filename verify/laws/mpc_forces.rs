@@ -28,8 +28,8 @@ fn on_slave(case: &Case, draw: &mut Draw) -> Dofs<f64> {
     forces
 }
 
-/// For given forces and moments on S: M_M = −M_S, M_J = −M_S·a = M_M·a, F_M = −F_S, a BEAM in balance about any point, a LINK along
-/// itself; and what is put on S is what was given.
+/// For given forces and moments on S: M_M = −M_S, M_J = −M_S·a = M_M·a, F_M = −F_S. A BEAM is in balance about any point, a LINK along
+/// itself. What is put on S is what was given.
 #[test]
 fn forces_are_in_balance() {
     let mut check = Check::of("mpc, forces");
@@ -264,8 +264,8 @@ fn solved(case: &Case, state: &State<Wide>, dependent: &[bool; DOFS], by: &Dofs<
     after
 }
 
-/// The first and second derivatives of the energy of what is left are Tᵀ F and Tᵀ (K + Σ λ ∂²g) T, of the energy as it is along
-/// motions of the independent degrees of freedom with S following exactly, on 237-bit numbers.
+/// The first and second derivatives of the energy of what is left are Tᵀ F and Tᵀ (K + Σ λ ∂²g) T. The energy is that along motions
+/// of the independent degrees of freedom, S following exactly, on 237-bit numbers.
 #[test]
 fn elimination_is_exact() {
     let mut check = Check::of("mpc, elimination");

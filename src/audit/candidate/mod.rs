@@ -668,8 +668,8 @@ mod tests {
     use pintle_kinematics::vector::{Matrix, Vector, column, identity};
     use std::f64::consts::TAU;
 
-    /// Q = AᵀB, by the columns of both after Gram and Schmidt have made the third of b orthogonal to its first two, and these to each other,
-    /// half of what they lack each: Newton's step towards the nearest rotation, twice.
+    /// Q = AᵀB, by the columns of both. The third of b is made orthogonal to its first two, and these to each other, half of what they
+    /// lack each: Newton's step towards the nearest rotation, twice.
     fn relative(pair: &Pair<f64>) -> Matrix<f64> {
         let dot = |v: Vector<f64>, w: Vector<f64>| v[0] * w[0] + v[1] * w[1] + v[2] * w[2];
         let mut b = [0, 1, 2].map(|j| column(&pair.b.triad, j));

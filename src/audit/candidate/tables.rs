@@ -13,9 +13,6 @@ use crate::settings::Settings;
 use crate::share::spread;
 use rayon::prelude::*;
 
-/// By how much more than the formulas here another formula may round: a matrix taken three times in place of a quaternion does.
-const OTHER_FORMULAS: f64 = 4.0;
-
 /// Checks, and the tables of what is wrong.
 #[derive(Default)]
 pub(super) struct Tables {
@@ -56,9 +53,6 @@ impl Tables {
         (state, proves): (&str, bool),
         explain: impl FnOnce(&mut ResultTable),
     ) {
-        for entry in &mut table.entries {
-            entry.scale *= OTHER_FORMULAS;
-        }
         let mut check = table.check(proves, state, None);
         if matches!(check.verdict, Verdict::Wrong | Verdict::Invalid) {
             explain(&mut table);

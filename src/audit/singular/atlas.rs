@@ -80,8 +80,8 @@ fn largest(of: &[f64]) -> f64 {
     of.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// The relative error from which on the largest of some first derivatives, each with its conditioned scale, is beyond what it may be off on a rung, [`C`]
-/// units u of that scale, whatever it is off by already.
+/// The relative error of the largest of some first derivatives, each with its conditioned scale, that a rung would notice: beyond what it may
+/// be off, [`C`] units u of that scale, whatever it is off by already.
 fn detectable(first: impl Iterator<Item = (f64, f64)>) -> f64 {
     let largest = first.max_by(|x, y| x.0.abs().total_cmp(&y.0.abs()));
     let least = largest.map_or(f64::INFINITY, |(first, scale)| 2.0 * C * U * scale / first.abs());

@@ -49,6 +49,20 @@ pub(super) struct Row {
 }
 
 impl Row {
+    /// From the entries by the degrees of freedom of both nodes, and those by the angles of hinges.
+    fn of(entry: &dyn Fn(usize) -> Number, hinges: [Number; 2], turned: &[Turned; 2]) -> Self {
+        let block = |at: usize| [0, 1, 2].map(|i| entry(at + i));
+        let displacements =
+            |end: usize| Frame::ALL.map(|frame| times(&frame.axes(end, turned), block(7 * end)));
+        let rotations =
+            |end: usize| Variation::ALL.map(|of| times(&of.jacobian(&turned[end]), block(7 * end + 3)));
+        Self {
+            displacements: [0, 1].map(displacements),
+            rotations: [0, 1].map(rotations),
+            single: [entry(6), entry(13), hinges[0], hinges[1]],
+        }
+    }
+
     /// By a degree of freedom that has no others beside it.
     pub(super) fn by(&self, place: usize) -> Number {
         match place {
@@ -215,15 +229,7 @@ impl Expected {
             let slope = cosine.map_or(1.0, |c| 1.0 / (1.0 - c * c).sqrt());
             let scaled = |number: Number| Number { x: number.x * slope, off: number.off * slope };
             let entry = |j: usize| scaled(resolved(Quantity::FirstDerivatives, k, j).unwrap_or_default());
-            let block = |at: usize| [0, 1, 2].map(|i| entry(at + i));
-            let row = Row {
-                displacements: [0, 1]
-                    .map(|end| Frame::ALL.map(|frame| times(&frame.axes(end, &turned), block(7 * end)))),
-                rotations: [0, 1].map(|end| {
-                    Variation::ALL.map(|of| times(&of.jacobian(&turned[end]), block(7 * end + 3)))
-                }),
-                single: [entry(6), entry(13), Number::default(), Number::default()],
-            };
+            let row = Row::of(&entry, [Number::default(); 2], &turned);
             let values = [0, 1, 2].map(|n| {
                 let value = value?;
                 let x = cosine.map_or(value.x, f64::asin);
@@ -301,15 +307,7 @@ impl Expected {
         };
         let found = (0..rows).map(|n| {
             let entry = |j: usize| number(Quantity::FirstDerivatives, n, j).unwrap_or_default();
-            let block = |at: usize| [0, 1, 2].map(|i| entry(at + i));
-            let row = Row {
-                displacements: [0, 1]
-                    .map(|end| Frame::ALL.map(|frame| times(&frame.axes(end, &turned), block(7 * end)))),
-                rotations: [0, 1].map(|end| {
-                    Variation::ALL.map(|of| times(&of.jacobian(&turned[end]), block(7 * end + 3)))
-                }),
-                single: [entry(6), entry(13), entry(PHI), entry(PHI + 1)],
-            };
+            let row = Row::of(&entry, [entry(PHI), entry(PHI + 1)], &turned);
             let values = [number(Quantity::Value, n, 0), None, None];
             Right1 { row, values, rate: number(Quantity::Rate, n, 0) }
         });

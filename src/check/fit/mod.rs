@@ -199,17 +199,17 @@ fn find(
     })
 }
 
+/// Settings that draw so many states, away from singular sets.
+fn drawing(seed: &str, states: usize) -> Settings {
+    let seed = seed.to_string();
+    Settings { states, seed, near_singular_states: 0, atlas: false, ..Settings::default() }
+}
+
 /// General states of a connector: both nodes turned, where they turn, and clear of singular sets.
 pub fn generic_states(definition: &Definition, seed: &str, count: usize) -> Vec<State<f64>> {
     const DRAWN: usize = 12;
     const CLEAR: f64 = 0.1;
-    let settings = Settings {
-        states: DRAWN * (count + 1),
-        seed: seed.to_string(),
-        near_singular_states: 0,
-        atlas: false,
-        ..Settings::default()
-    };
+    let settings = drawing(seed, DRAWN * (count + 1));
     let drawn = Candidate::new("general states", definition).settings(settings).drawn();
     let is_general = |case: &&Case| {
         let turned = case.last().map(|step| Turned::of(definition, &step.state));
@@ -232,13 +232,7 @@ pub fn generic_states(definition: &Definition, seed: &str, count: usize) -> Vec<
 /// General states of a constraint: both nodes turned, the constraint violated, and clear of singular sets.
 pub fn generic_cases(constraint: &Constraint<f64>, seed: &str, count: usize) -> Vec<MpcCase> {
     const DRAWN: usize = 16;
-    let settings = Settings {
-        states: DRAWN * (count + 1),
-        seed: seed.to_string(),
-        near_singular_states: 0,
-        atlas: false,
-        ..Settings::default()
-    };
+    let settings = drawing(seed, DRAWN * (count + 1));
     let drawn = ConstraintCandidate::new("general states", constraint).settings(settings).drawn();
     let is_general = |(n, case): &(usize, MpcCase)| {
         let bodies = [&case.state.slave, &case.state.master];

@@ -63,8 +63,8 @@ impl<R: Duals> Constraint<R> {
     /// The principal angles of the hinges that C_Mᵀ C_S implies; zero for hinges that there are not.
     ///
     /// One hinge: 2 atan(v·a0 / w) of the quaternion (w, v), the rotation about a that comes nearest. Two: the first and the
-    /// last of C(φ_1 a1₀) C(β n) C(φ_2 a2₀) with n along a2₀ × a1₀, into which every rotation can be taken apart (for orthogonal
-    /// axes: Cardan angles); β is the violation.
+    /// last of C(φ_1 a1₀) C(β n) C(φ_2 a2₀) with n along a2₀ × a1₀. Every rotation can be taken apart so, for orthogonal axes into
+    /// Cardan angles. β is the violation.
     pub(super) fn implied_angles<S: Scalar<Real = R>>(
         &self,
         state: &State<R>,

@@ -11,7 +11,7 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, Vector, cross, product, transpose};
 use pintle_report::wrap;
-use pintle_scene::{Label, NodeMotion, Rotation, Scene, StateFile};
+use pintle_scene::{Label, NodeMotion, Scene, StateFile};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
@@ -92,17 +92,13 @@ fn state_of(subject: &Subject, state: &pintle_scene::State) -> State<f64> {
         let motion =
             subject.nodes[end].and_then(|label| state.nodes.get(&label)).copied().unwrap_or_default();
         let NodeMotion { displacement, rotation, flow, .. } = motion;
-        let turned = match rotation {
-            Rotation::Vector(vector) => so3::turn(vector),
-            Rotation::Quaternion(quaternion) => so3::matrix(quaternion),
-        };
         for i in 0..3 {
             let at = 7 * end + i;
             [rates[0][at], rates[0][at + 3]] = [motion.velocity[i], motion.angular_velocity[i]];
             [rates[1][at], rates[1][at + 3]] = [motion.acceleration[i], motion.angular_acceleration[i]];
         }
         [rates[0][7 * end + 6], rates[1][7 * end + 6]] = [motion.flow_velocity, motion.flow_acceleration];
-        Node { displacement, triad: product(&turned, &first.triad), flow }
+        Node { displacement, triad: product(&rotation.matrix(), &first.triad), flow }
     });
     let [velocity, acceleration] = rates;
     State { pair: Pair { a, b, ..*initial }, velocity, acceleration }

@@ -2,6 +2,8 @@
 
 use crate::label::Label;
 use crate::span::Span;
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::Matrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -15,6 +17,15 @@ pub enum Rotation {
 }
 
 impl Rotation {
+    /// R, by which the axes of a node have turned.
+    #[must_use]
+    pub fn matrix(&self) -> Matrix<f64> {
+        match *self {
+            Self::Vector(vector) => so3::turn(vector),
+            Self::Quaternion(quaternion) => so3::matrix(so3::normalize(quaternion)),
+        }
+    }
+
     /// Whether it is one at all.
     #[must_use]
     pub fn turns(&self) -> bool {

@@ -21,8 +21,8 @@ fn gradients<R: Differentiable>(axis: usize, cosine: f64, sine: f64) -> [[[R; 3]
     frame.map(|row| row.map(|entry| entry.gradient()))
 }
 
-/// Where b is turned about e1a or e2a to within δ of π, derivatives of the mid frame are as large as 1/δ; those of the components
-/// of e1 and e2 along the axis, and along e3a, are not, and keep all their digits.
+/// Where b is turned about e1a or e2a to within δ of π, derivatives of the mid frame are as large as 1/δ. Those of the components
+/// of e1 and e2 along the axis, and along e3a, are not. They keep all their digits.
 #[test]
 fn what_is_finite_at_opposite_directions_keeps_its_digits() {
     let (mut worst, mut largest) = (0.0f64, 0.0f64);
