@@ -56,7 +56,8 @@ def test_right_formulas_raise_no_alarm(name):
     near = 0 if rotations == "projection" else FEW["near_singular_states"]
     report = pintle.check(connectors.right(name), name, offers=offers, **{**FEW, "near_singular_states": near})
     assert report.ok, report
-    assert report.compared > 300, report.compared
+    # A flow converter has ten numbers at a state.
+    assert report.compared > (300 if name == "FLOW-CONVERTER" else 500), report.compared
 
 
 @pytest.mark.parametrize("kind", ["BEAM", "LINK", "PIN", "REVOLUTE", "TIE", "UNIVERSAL"])
