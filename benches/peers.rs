@@ -18,7 +18,9 @@ use hand::peer::{numbers, serve};
 use hand::types::TYPES;
 use pintle_audit::case::exact_state;
 use pintle_bench::worse;
-use pintle_kinematics::batch::{Batch, History, Row, Section, Tile};
+use pintle_kinematics::batch::{
+    Array, Batch, Columns, History, Nodes, Orientation, Row, Section, States, Tile,
+};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle_kinematics::draw::Draw;
@@ -134,108 +136,79 @@ impl Lanes {
     }
 }
 
-/// Batches from rows of 27 numbers, as all others read them: tiles are made in the call, for as many states as stay in the first cache.
-struct FromRows {
-    tiles: Vec<Tile>,
-    sections: Vec<Section>,
-    histories: Vec<History>,
-    rows: Vec<Row>,
-    /// Value and columns of each row of each state, as all others write them.
-    dense: Vec<[f64; 13]>,
-    is_dense: bool,
+/// Arrays of states in C order, into arrays of values and rows, as all others read and write them.
+struct Arrays {
+    reference: Vec<f64>,
+    displacement: [Vec<f64>; 2],
+    triad: [Vec<f64>; 2],
+    sections: [Section; 1],
+    histories: [History; 1],
+    values: Vec<f64>,
+    rows: Vec<f64>,
 }
 
-impl FromRows {
-    const STATES: usize = 32;
-
-    fn new(case: &Case, count: usize, is_dense: bool) -> Self {
-        let (tiles, n) = (Self::STATES / 4, case.batch.rows());
-        let still = Pair {
-            reference: [0.0; 3],
-            a: Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 },
-            b: Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 },
+impl Arrays {
+    fn new(case: &Case, flat: &[[f64; 27]], count: usize) -> Self {
+        let of = |first: usize, width: usize| -> Vec<f64> {
+            (0..count).flat_map(|i| flat[i % flat.len()][first..first + width].iter().copied()).collect()
         };
-        let rows = if is_dense { Self::STATES / 4 } else { count / 4 };
+        let n = case.batch.rows();
         Self {
-            tiles: vec![Tile::new(&[still; 4]); tiles],
-            sections: vec![Section::new(&[&case.connector; 4]); tiles],
-            histories: vec![History::new(&[case.connector.initial_branch(); 4]); tiles],
-            rows: vec![Row::default(); rows * n],
-            dense: vec![[0.0; 13]; if is_dense { count * n } else { 0 }],
-            is_dense,
+            reference: of(0, 3),
+            displacement: [of(3, 3), of(6, 3)],
+            triad: [of(9, 9), of(18, 9)],
+            sections: [Section::new(&[&case.connector; 4])],
+            histories: [History::new(&[case.connector.initial_branch(); 4])],
+            values: vec![0.0; count * n],
+            rows: vec![0.0; count * n * 12],
         }
     }
 
-    fn run(&mut self, case: &Case, states: &[f64]) {
-        let Self { tiles, sections, histories, rows, dense, is_dense } = self;
-        let n = case.batch.rows();
-        let blocks = black_box(states).chunks(27 * Self::STATES);
-        for (block, states) in blocks.enumerate() {
-            let count = states.len() / (4 * 27);
-            for (tile, four) in tiles.iter_mut().zip(states.chunks_exact(4 * 27)) {
-                fill(tile, four);
-            }
-            let (tiles, sections, histories) = (&tiles[..count], &sections[..count], &histories[..count]);
-            if *is_dense {
-                case.batch.rows_of(tiles, sections, histories, &mut rows[..n * count]).unwrap();
-                let dense = &mut dense[4 * n * tiles_before(block)..][..4 * n * count];
-                for (dense, rows) in dense.chunks_exact_mut(4 * n).zip(rows.chunks_exact(n)) {
-                    spread(rows, dense);
-                }
-            } else {
-                let rows = &mut rows[n * tiles_before(block)..][..n * count];
-                case.batch.rows_of(tiles, sections, histories, rows).unwrap();
-            }
-        }
-        black_box((rows, dense));
+    fn run(&mut self, case: &Case) {
+        let Self { reference, displacement, triad, sections, histories, values, rows } = self;
+        let node = |end: usize| Nodes {
+            displacement: Array::new(&displacement[end], 3),
+            orientation: Orientation::Triad(Array::new(&triad[end], 9)),
+        };
+        let states = States {
+            count: reference.len() / 3,
+            reference: Array::new(reference, 3),
+            nodes: [node(0), node(1)],
+            sections,
+            histories,
+        };
+        case.batch.spread(black_box(&states), Columns::Twelve, black_box(values), black_box(rows)).unwrap();
     }
 
     /// The entries of a row of a state.
     fn entry(&self, n: usize, i: usize, r: usize) -> Entry {
-        if self.is_dense {
-            let [value, columns @ ..] = self.dense[n * i + r];
-            return (value, columns);
-        }
-        let row = &self.rows[i / 4 * n + r];
-        (row.value[i % 4], row.columns.map(|four| four[i % 4]))
+        let at = n * i + r;
+        (self.values[at], std::array::from_fn(|j| self.rows[12 * at + j]))
+    }
+
+    /// A loop that reads what is read, and writes as much as is written.
+    fn moved(&mut self) {
+        let Self { reference, displacement: [x_a, x_b], triad: [a, b], values, rows, .. } = black_box(self);
+        let sum: f64 = [&*reference, x_a, x_b, a, b].into_iter().map(|all| total(all)).sum();
+        values.fill(sum);
+        rows.fill(sum);
+        black_box(rows);
     }
 }
 
-fn tiles_before(block: usize) -> usize {
-    block * FromRows::STATES / 4
-}
-
-/// Four states, number by number.
-fn fill(tile: &mut Tile, four: &[f64]) {
-    let (states, _) = four.as_chunks::<27>();
-    let [s0, s1, s2, s3] = states else { return };
-    let at = |k: usize| [s0[k], s1[k], s2[k], s3[k]];
-    for i in 0..3 {
-        tile.reference[i] = at(i);
-        tile.displacement[0][i] = at(3 + i);
-        tile.displacement[1][i] = at(6 + i);
-        for j in 0..3 {
-            tile.triad[0][i][j] = at(9 + 3 * i + j);
-            tile.triad[1][i][j] = at(18 + 3 * i + j);
+/// A sum by eight, which vectors add.
+fn total(of: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    for eight in of.as_chunks::<8>().0 {
+        for (sum, x) in sums.iter_mut().zip(eight) {
+            *sum += x;
         }
     }
-}
-
-/// The rows of four states, state by state.
-fn spread(rows: &[Row], dense: &mut [[f64; 13]]) {
-    for (r, row) in rows.iter().enumerate() {
-        for lane in 0..4 {
-            let to = &mut dense[lane * rows.len() + r];
-            to[0] = row.value[lane];
-            for (to, four) in to[1..].iter_mut().zip(&row.columns) {
-                *to = four[lane];
-            }
-        }
-    }
+    sums.iter().sum()
 }
 
 /// The variants, in the order in which they are measured.
-const VARIANTS: [&str; 3] = ["pintle", "pintle, from rows", "pintle, rows to rows"];
+const VARIANTS: [&str; 3] = ["pintle", "pintle, tiles", "the same bytes, moved"];
 
 struct Bench {
     states: Vec<Pair<f64>>,
@@ -268,21 +241,18 @@ impl Bench {
     /// Errors by variant and type; panics where one is not small.
     fn errors(&self) -> Value {
         let mut errors = VARIANTS.map(|_| Map::new());
-        let states = self.flat.concat();
         for case in &self.cases {
             let mut lanes = Lanes::new(case, &self.states, STATES);
             lanes.run(case);
             let n = case.batch.rows();
-            let ours = case.error(|i, r| {
+            let tiles = case.error(|i, r| {
                 let row = &lanes.rows[i / 4 * n + r];
                 (row.value[i % 4], row.columns.map(|four| four[i % 4]))
             });
-            let from_rows = [false, true].map(|is_dense| {
-                let mut from_rows = FromRows::new(case, STATES, is_dense);
-                from_rows.run(case, &states);
-                case.error(|i, r| from_rows.entry(n, i, r))
-            });
-            let found = [ours, from_rows[0], from_rows[1]];
+            let mut arrays = Arrays::new(case, &self.flat, STATES);
+            arrays.run(case);
+            // Nothing is computed where bytes are moved.
+            let found = [case.error(|i, r| arrays.entry(n, i, r)), tiles, 0.0];
             for (at, error) in found.into_iter().enumerate() {
                 assert!(error < BOUND, "{}: {error:e} where {BOUND:e} is allowed", case.name);
                 errors[at].insert(case.name.to_owned(), json!(error));
@@ -296,16 +266,14 @@ impl Bench {
         let mut times = VARIANTS.map(|_| Map::new());
         for count in BATCHES {
             let mut of = VARIANTS.map(|_| Map::new());
-            let states: Vec<f64> = (0..count).flat_map(|i| self.flat[i % STATES].iter().copied()).collect();
             for case in &self.cases {
                 let mut lanes = Lanes::new(case, &self.states, count);
-                let ours = time(count, || lanes.run(case)) / count as f64;
+                let tiles = time(count, || lanes.run(case)) / count as f64;
                 drop(lanes);
-                let from_rows = [false, true].map(|is_dense| {
-                    let mut from_rows = FromRows::new(case, count, is_dense);
-                    time(count, || from_rows.run(case, &states)) / count as f64
-                });
-                for (of, ns) in of.iter_mut().zip([ours, from_rows[0], from_rows[1]]) {
+                let mut arrays = Arrays::new(case, &self.flat, count);
+                let rows = time(count, || arrays.run(case)) / count as f64;
+                let moved = time(count, || arrays.moved()) / count as f64;
+                for (of, ns) in of.iter_mut().zip([rows, tiles, moved]) {
                     of.insert(case.name.to_owned(), json!(ns));
                 }
             }

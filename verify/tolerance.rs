@@ -182,6 +182,10 @@ pub(crate) const GOLDEN_MPC: f64 = 2e-13;
 /// roundings of each state, which stick carries on to the next.
 pub(crate) const FRICTION_HISTORY: f64 = 1e-13;
 
+/// Rows of turned triads against those of the triads themselves, over the square of what is larger than one: an angle beside a lock
+/// grows by 1/cos β, its row by the square.
+pub(crate) const ROWS_OF_TURNS: f64 = 1e-13;
+
 /// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
 pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];
 

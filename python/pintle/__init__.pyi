@@ -87,5 +87,13 @@ def check(
     batch: bool = False,
 ) -> Report: ...
 def rows(
-    of: str, x_a: _Array, triad_a: _Array, x_b: _Array, triad_b: _Array, *, out: tuple[_Array, _Array] | None = None
+    of: str,
+    x_a: _Array,
+    triad_a: _Array,
+    x_b: _Array,
+    triad_b: _Array,
+    *,
+    columns: Literal[14, 12, 9, "sparse"] | Sequence[int] | None = None,
+    out: tuple[_Array, _Array] | None = None,
 ) -> tuple[_Array, _Array]: ...
+def pattern(of: str) -> tuple[_Array, _Array]: ...

@@ -13,25 +13,67 @@ def compiled(of):
     return _pintle.Rows(of)
 
 
-def rows(of, x_a, triad_a, x_b, triad_b, *, out=None):
+def pattern(of):
+    """The columns (of the twelve x_a, θ_a, x_b, θ_b) of each row that may differ from zero, as (indptr, indices)."""
+    rows = compiled(of).pattern
+    indptr = numpy.cumsum([0, *(len(row) for row in rows)])
+    return indptr, numpy.array([j for row in rows for j in row], dtype=int)
+
+
+def rows(of, x_a, triad_a, x_b, triad_b, *, columns=None, out=None):
     """Values (n, 6) and rows (n, 6, 14) of a connection type at n states, float64.
 
-    `x_a` and `x_b` are positions (n, 3), global axes; `triad_a` and `triad_b` (n, 3, 3), of which
-    `triad_a[s, i]` is the direction e(i+1) of node a. `of` is as in `check`. Values are the residual of a
+    `x_a` and `x_b` are positions (n, 3), global axes. `triad_a` and `triad_b` are, by their shapes,
+
+    - (n, 3, 3): local directions, of which `triad_a[s, i]` is e(i+1) of node a
+    - (n, 4): turns since the initial state as quaternions w, x, y, z
+    - (n, 3): the same as rotation vectors, in rad
+
+    An array of one state holds for all n. `of` is as in `check`. Values are the residual of a
     constrained component and the position of any other, angles principal, in rad. The columns of a row are
     x_a, θ_a, Ψ_a, x_b, θ_b, Ψ_b; rotations vary spatially. Components that the type has not are NaN.
 
-    Arrays are read as they lie, without a copy: read-only, strided or empty. `out` is a pair of arrays that
-    take the numbers. Raises TypeError for another dtype, ValueError for another shape, and for types with
-    columns of material flow.
+    With `columns` there are the m components that the type has and no others, values (n, m):
+
+    - 14 or 12: rows (n, m, 14) or (n, m, 12), without material flow
+    - 9: rows (n, m, 9) of θ_a, x_b, θ_b: x_a is the opposite of x_b
+    - a list of places among the twelve: rows (n, m, len(list))
+    - "sparse": rows (n, k), the values of a sparse matrix by rows, in the order of `pattern(of)`
+
+    Arrays in C order are read where they lie; others are copied, a thousand states at a time. `out` is a
+    pair of arrays that take the numbers; with `columns` in C order. Raises TypeError for another dtype,
+    ValueError for another shape, and for types with columns of material flow.
     """
     one = compiled(of)
-    if out is None:
-        count = len(x_a)
-        out = numpy.empty((count, 6)), numpy.empty((count, 6, 14))
-    values, rows = out
-    for name, array in (("out[0]", values), ("out[1]", rows)):
-        if array.dtype != numpy.float64:
-            raise TypeError(f"{name} has dtype {array.dtype}, and float64 is needed")
-    one.fill_into(x_a, triad_a, x_b, triad_b, values, rows)
-    return values, rows
+    given = [x_a, triad_a, x_b, triad_b]
+    n = one.count(given)
+    has = one.components
+    asked = 14 if columns is None else columns
+    width = one.width(asked)
+    if out is not None:
+        for name, array in zip(("out[0]", "out[1]"), out):
+            if array.dtype != numpy.float64:
+                raise TypeError(f"{name} has dtype {array.dtype}, and float64 is needed")
+    shape = (n, width) if columns == "sparse" else (n, len(has), width // max(len(has), 1))
+    if columns is not None:
+        found = (numpy.empty((n, len(has))), numpy.empty(shape)) if out is None else out
+        for name, array, wanted in zip(("out[0]", "out[1]"), found, ((n, len(has)), shape)):
+            if array.shape != wanted or not array.flags.c_contiguous:
+                raise ValueError(f"{name} has shape {array.shape}, not {wanted} in C order")
+        one.fill_into(given, asked, *found)
+        return tuple(found)
+    found = (numpy.empty((n, 6)), numpy.empty((n, 6, 14))) if out is None else out
+    for name, array, wanted in zip(("out[0]", "out[1]"), found, ((n, 6), (n, 6, 14))):
+        if array.shape != wanted:
+            raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
+        if not array.flags.writeable:
+            raise ValueError(f"out cannot be written: {name} is read-only")
+    if len(has) == 6 and all(array.flags.c_contiguous for array in found):
+        one.fill_into(given, asked, *found)
+        return tuple(found)
+    values, rows = numpy.empty((n, len(has))), numpy.empty(shape)
+    one.fill_into(given, asked, values, rows)
+    for array, numbers in zip(found, (values, rows)):
+        array[...] = numpy.nan
+        array[:, has] = numbers
+    return tuple(found)

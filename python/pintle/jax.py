@@ -18,14 +18,12 @@ def rows(of):
     δθ = ½ Σ e_i × δe_i. First derivatives only, forwards and backwards. It needs `jax_enable_x64`.
     """
     has = numpy.array(compiled(of).components)
-    columns = numpy.r_[0:6, 7:13]
 
     def both(*state):
         batch = state[0].shape[:-1]
         flat = [numpy.asarray(x).reshape(-1, *shape) for x, shape in zip(state, ((3,), (3, 3), (3,), (3, 3)))]
-        value, row = _rows(of, *flat)
-        row = row[:, has][:, :, columns]
-        return value[:, has].reshape(*batch, len(has)), row.reshape(*batch, len(has), 12)
+        value, row = _rows(of, *flat, columns=12)
+        return value.reshape(*batch, len(has)), row.reshape(*batch, len(has), 12)
 
     def called(*state):
         if any(jnp.asarray(x).dtype != jnp.float64 for x in state):

@@ -1,37 +1,33 @@
 //! Rows of one connection type, many states at a time.
 
 use crate::work;
-use numpy::ndarray::{ArrayView, ArrayViewMut2, ArrayViewMut3, Ix2, Ix3};
+use numpy::ndarray::{ArrayViewD, Axis, Slice};
 use numpy::{
-    PyArray, PyArray2, PyArray3, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
+    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods,
 };
-use pintle::batch::{Batch, History, Row, Section, Tile, advance};
+use pintle::batch::{Array, Batch, COMPACT, Columns, History, Nodes, Orientation, Section, States, advance};
 use pintle::connector::{Connector, Increment, State};
-use pintle::node::{Node, Pair};
-use pintle_kinematics::batch::{COLUMNS, LANES};
+use pintle::node::{DOFS, Pair};
+use pintle_kinematics::batch::LANES;
+use pintle_kinematics::measure::Measure;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use std::ops::Range;
 
-/// States that are computed at a time: what they need stays in the second cache, whatever the number of states.
-const AT_ONCE: usize = 128;
+/// States that are computed at a time: what has to be copied for them stays in the second cache.
+const AT_ONCE: usize = 1024;
 
 /// A connection type at an initial state, for rows in batches.
 #[pyclass(frozen, module = "pintle._pintle")]
 pub(crate) struct Rows {
     connector: Connector<f64>,
     batch: Batch,
-    /// The initial state, of which components of lengths are not less: x_b, and the triads of a and b, a direction a row.
-    #[pyo3(get)]
-    initial: ([f64; 3], [[f64; 3]; 3], [[f64; 3]; 3]),
+    initial: Pair<f64>,
 }
 
-/// An array of doubles with so many dimensions, the last of which are `shape`.
-fn doubles<'py, D: numpy::ndarray::Dimension + 'py>(
-    name: &str,
-    given: &Bound<'py, PyAny>,
-    shape: &[usize],
-) -> PyResult<PyReadonlyArray<'py, f64, D>> {
+/// An array of doubles.
+fn doubles<'py>(name: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     let array = given.cast::<PyUntypedArray>().map_err(|_| {
         PyTypeError::new_err(format!(
             "{name} is no NumPy array: numpy.asarray({name}, dtype=float) makes one"
@@ -43,82 +39,159 @@ fn doubles<'py, D: numpy::ndarray::Dimension + 'py>(
             "{name} has dtype {dtype}, and float64 is needed: {name}.astype(numpy.float64) converts it"
         )));
     }
-    let found = array.shape();
-    if found.len() != shape.len() + 1 || found.get(1..) != Some(shape) {
-        let wanted: Vec<String> = shape.iter().map(ToString::to_string).collect();
-        return Err(PyValueError::new_err(format!(
-            "{name} has shape {found:?}, not (n, {})",
-            wanted.join(", ")
-        )));
-    }
-    let array = given.cast::<PyArray<f64, D>>()?;
+    let array = given.cast::<PyArrayDyn<f64>>()?;
     array.try_readonly().map_err(|error| PyValueError::new_err(format!("{name} cannot be read: {error}")))
 }
 
-/// The arrays of states, as they lie.
-struct States<'a> {
-    x: [ArrayView<'a, f64, Ix2>; 2],
-    triad: [ArrayView<'a, f64, Ix3>; 2],
+/// An array of states, or of a single one that holds for all.
+struct Given<'a> {
+    view: ArrayViewD<'a, f64>,
+    /// The shape of a state.
+    one: &'static [usize],
+    count: usize,
+    copied: Vec<f64>,
 }
 
-impl States<'_> {
-    fn pair(&self, s: usize) -> Pair<f64> {
-        let node = |end: usize| Node {
-            displacement: [0, 1, 2].map(|i| self.x[end][[s, i]]),
-            // The directions are the columns.
-            triad: [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.triad[end][[s, j, i]])),
-            flow: 0.0,
+impl<'a> Given<'a> {
+    fn new(name: &str, view: ArrayViewD<'a, f64>, forms: &[&'static [usize]]) -> PyResult<Self> {
+        let shape = view.shape().to_vec();
+        if let [count, rest @ ..] = shape.as_slice()
+            && let Some(one) = forms.iter().find(|one| **one == rest)
+        {
+            return Ok(Self { view, one, count: *count, copied: Vec::new() });
+        }
+        let told = |one: &&[usize]| {
+            let sizes: Vec<String> = one.iter().map(ToString::to_string).collect();
+            format!("(n, {})", sizes.join(", "))
         };
-        Pair { reference: [0.0; 3], a: node(0), b: node(1) }
+        let wanted: Vec<String> = forms.iter().map(told).collect();
+        Err(PyValueError::new_err(format!("{name} has shape {shape:?}, not {}", wanted.join(" or "))))
+    }
+
+    /// Some states, as they lie in memory or copied.
+    fn array(&mut self, range: &Range<usize>) -> Array<'_> {
+        let Self { view, one, count, copied } = self;
+        let width: usize = one.iter().product();
+        let (stride, range) = if *count == 1 { (0, 0..1) } else { (width, range.clone()) };
+        if let Some(all) = view.as_slice() {
+            return Array::new(all.get(range.start * width..range.end * width).unwrap_or_default(), stride);
+        }
+        copied.clear();
+        copied.extend(view.slice_axis(Axis(0), Slice::from(range)).iter());
+        Array::new(copied, stride)
+    }
+
+    /// The same as the orientation of a node that has the initial triad T₀.
+    fn orientation(&mut self, range: &Range<usize>, initial: [[f64; 3]; 3]) -> Orientation<'_> {
+        let one = self.one;
+        let array = self.array(range);
+        match one {
+            [3, 3] => Orientation::Directions(array),
+            [4] => Orientation::Quaternion(array, initial),
+            _ => Orientation::RotationVector(array, initial),
+        }
+    }
+}
+
+/// The columns asked for.
+enum Wanted {
+    Fourteen,
+    Twelve,
+    Sparse,
+    Chosen(Vec<usize>),
+}
+
+impl Wanted {
+    fn new(given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = given.extract::<usize>() {
+            return match number {
+                14 => Ok(Self::Fourteen),
+                12 => Ok(Self::Twelve),
+                9 => Ok(Self::Chosen(COMPACT.to_vec())),
+                other => Err(PyValueError::new_err(format!(
+                    "columns are 14, 12, 9, \"sparse\" or places, not {other}"
+                ))),
+            };
+        }
+        if let Ok(word) = given.extract::<String>() {
+            return if word == "sparse" {
+                Ok(Self::Sparse)
+            } else {
+                Err(PyValueError::new_err(format!(
+                    "columns are 14, 12, 9, \"sparse\" or places, not {word:?}"
+                )))
+            };
+        }
+        Ok(Self::Chosen(given.extract()?))
+    }
+
+    fn columns(&self) -> Columns<'_> {
+        match self {
+            Self::Fourteen => Columns::Fourteen,
+            Self::Twelve => Columns::Twelve,
+            Self::Sparse => Columns::Sparse,
+            Self::Chosen(places) => Columns::Chosen(places),
+        }
     }
 }
 
 impl Rows {
+    /// Whether the sheet on which a value lies is decided at the state itself: by Euler angles and by turns of torsion.
+    fn needs_history(&self) -> bool {
+        self.batch.measures().iter().any(|(_, of)| of.counts_torsion() || matches!(of, Measure::Euler(_)))
+    }
+
+    /// What the initial state decides at some states.
+    fn histories(&self, states: &States<'_>) -> Vec<History> {
+        let connectors = [&self.connector; LANES];
+        let initial = [self.connector.initial_branch(); LANES];
+        if !self.needs_history() {
+            return vec![History::new(&initial)];
+        }
+        let still = [Increment::none(); LANES];
+        let at = |s: usize| State {
+            pair: states.pair(s.min(states.count.saturating_sub(1))),
+            velocity: [0.0; DOFS],
+            acceleration: [0.0; DOFS],
+        };
+        let of = |s: usize| {
+            let states = [at(s), at(s + 1), at(s + 2), at(s + 3)];
+            History::new(&advance(&connectors, &states, &still, &initial))
+        };
+        (0..states.count).step_by(LANES).map(of).collect()
+    }
+
+    /// Values and rows of some states.
     fn fill(
         &self,
-        states: &States<'_>,
-        mut values: ArrayViewMut2<'_, f64>,
-        mut rows: ArrayViewMut3<'_, f64>,
+        given: &mut [Given<'_>; 4],
+        range: &Range<usize>,
+        wanted: &Wanted,
+        out: [&mut [f64]; 2],
     ) -> Result<(), String> {
-        let (connectors, count) = ([&self.connector; LANES], values.nrows());
-        let section = Section::new(&connectors);
-        let each = self.batch.rows();
-        values.fill(f64::NAN);
-        rows.fill(f64::NAN);
-        let mut found = vec![Row::default(); each * AT_ONCE / LANES];
-        for first in (0..count).step_by(AT_ONCE) {
-            let here = (count - first).min(AT_ONCE);
-            let (mut tiles, mut histories) = (Vec::new(), Vec::new());
-            for start in (first..first + here).step_by(LANES) {
-                // Beyond the last state stands the last one again.
-                let pairs: [Pair<f64>; LANES] =
-                    std::array::from_fn(|i| states.pair((start + i).min(count - 1)));
-                let at = pairs.map(|pair| State { pair, velocity: [0.0; 14], acceleration: [0.0; 14] });
-                let branches = advance(
-                    &connectors,
-                    &at,
-                    &[Increment::none(); LANES],
-                    &[self.connector.initial_branch(); LANES],
-                );
-                tiles.push(Tile::new(&pairs));
-                histories.push(History::new(&branches));
-            }
-            let sections = vec![section; tiles.len()];
-            let Some(found) = found.get_mut(..each * tiles.len()) else { continue };
-            self.batch.rows_of(&tiles, &sections, &histories, found).map_err(|error| error.to_string())?;
-            for (n, row) in found.iter().enumerate() {
-                let (tile, (k, _)) = (n / each, self.batch.measures()[n % each]);
-                for lane in 0..LANES.min(here - tile * LANES) {
-                    let s = first + tile * LANES + lane;
-                    values[[s, k]] = row.value[lane];
-                    (rows[[s, k, 6]], rows[[s, k, 13]]) = (0.0, 0.0);
-                    for (j, column) in COLUMNS.into_iter().zip(&row.columns) {
-                        rows[[s, k, j]] = column[lane];
-                    }
-                }
-            }
-        }
-        Ok(())
+        let sections = [Section::new(&[&self.connector; LANES])];
+        let [x_a, triad_a, x_b, triad_b] = given;
+        let initial = &self.initial;
+        let mut states = States {
+            count: range.len(),
+            reference: Array::shared(&[0.0; 3]),
+            nodes: [
+                Nodes {
+                    displacement: x_a.array(range),
+                    orientation: triad_a.orientation(range, initial.a.triad),
+                },
+                Nodes {
+                    displacement: x_b.array(range),
+                    orientation: triad_b.orientation(range, initial.b.triad),
+                },
+            ],
+            sections: &sections,
+            histories: &[],
+        };
+        let histories = self.histories(&states);
+        states.histories = &histories;
+        let [values, rows] = out;
+        self.batch.spread(&states, wanted.columns(), values, rows).map_err(|error| error.to_string())
     }
 }
 
@@ -133,10 +206,20 @@ impl Rows {
         let connector = Connector::new(&definition);
         let batch =
             Batch::new(&connector, [true; 6]).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let initial = &definition.initial;
+        Ok(Self { connector, batch, initial: definition.initial })
+    }
+
+    /// The initial state, of which components of lengths are not less: x_b, and the triads of a and b, a direction a row.
+    #[getter]
+    fn initial(&self) -> ([f64; 3], [[f64; 3]; 3], [[f64; 3]; 3]) {
         let directions = |triad: &[[f64; 3]; 3]| [0, 1, 2].map(|i| [0, 1, 2].map(|j| triad[j][i]));
-        let initial = (initial.reference, directions(&initial.a.triad), directions(&initial.b.triad));
-        Ok(Self { connector, batch, initial })
+        (self.initial.reference, directions(&self.initial.a.triad), directions(&self.initial.b.triad))
+    }
+
+    /// The columns (of twelve) of each row that may differ from zero.
+    #[getter]
+    fn pattern(&self) -> Vec<Vec<usize>> {
+        self.batch.pattern()
     }
 
     /// The components that the type has, by their places, 0 to 5.
@@ -145,45 +228,92 @@ impl Rows {
         self.batch.measures().iter().map(|(k, _)| *k).collect()
     }
 
-    /// Writes values (n, 6) and rows (n, 6, 14) of n states into arrays.
-    #[expect(clippy::too_many_arguments, reason = "an array each")]
+    /// How many numbers the rows of a state have.
+    fn width(&self, columns: &Bound<'_, PyAny>) -> PyResult<usize> {
+        Ok(self.batch.width(Wanted::new(columns)?.columns()))
+    }
+
+    /// How many states arrays hold.
+    #[staticmethod]
+    fn count(arrays: Vec<Bound<'_, PyAny>>) -> PyResult<usize> {
+        count(&given(&readonly(&arrays)?)?)
+    }
+
+    /// Writes values (n, m) and rows (n, width) of n states, of the m components that the type has, into arrays in C order.
     fn fill_into(
         &self,
         py: Python<'_>,
-        x_a: &Bound<'_, PyAny>,
-        triad_a: &Bound<'_, PyAny>,
-        x_b: &Bound<'_, PyAny>,
-        triad_b: &Bound<'_, PyAny>,
-        values: &Bound<'_, PyArray2<f64>>,
-        rows: &Bound<'_, PyArray3<f64>>,
+        arrays: Vec<Bound<'_, PyAny>>,
+        columns: &Bound<'_, PyAny>,
+        values: &Bound<'_, PyArrayDyn<f64>>,
+        rows: &Bound<'_, PyArrayDyn<f64>>,
     ) -> PyResult<()> {
-        let x = [doubles::<Ix2>("x_a", x_a, &[3])?, doubles::<Ix2>("x_b", x_b, &[3])?];
-        let triad =
-            [doubles::<Ix3>("triad_a", triad_a, &[3, 3])?, doubles::<Ix3>("triad_b", triad_b, &[3, 3])?];
-        let states = States {
-            x: [x[0].as_array(), x[1].as_array()],
-            triad: [triad[0].as_array(), triad[1].as_array()],
+        let read = readonly(&arrays)?;
+        let mut given = given(&read)?;
+        let wanted = Wanted::new(columns)?;
+        let refused =
+            |error: &dyn std::fmt::Display| PyValueError::new_err(format!("out cannot be written: {error}"));
+        let mut values = values.try_readwrite().map_err(|error| refused(&error))?;
+        let mut rows = rows.try_readwrite().map_err(|error| refused(&error))?;
+        let values = values.as_slice_mut().map_err(|error| refused(&error))?;
+        let rows = rows.as_slice_mut().map_err(|error| refused(&error))?;
+        let count = count(&given)?;
+        let (each, width) = (self.batch.rows(), self.batch.width(wanted.columns()));
+        if values.len() != count * each || rows.len() != count * width {
+            let (v, r) = (values.len(), rows.len());
+            return Err(PyValueError::new_err(format!(
+                "out has {v} values and {r} numbers of rows, not {count} × {each} and {count} × {width}"
+            )));
+        }
+        let work = || -> Result<(), String> {
+            for first in (0..count).step_by(AT_ONCE) {
+                let range = first..count.min(first + AT_ONCE);
+                let value = values.get_mut(range.start * each..range.end * each);
+                let row = rows.get_mut(range.start * width..range.end * width);
+                let (Some(value), Some(row)) = (value, row) else { break };
+                self.fill(&mut given, &range, &wanted, [value, row])?;
+            }
+            Ok(())
         };
-        let refused = |error| PyValueError::new_err(format!("out cannot be written: {error}"));
-        let mut values = values.try_readwrite().map_err(refused)?;
-        let mut rows = rows.try_readwrite().map_err(refused)?;
-        let (values, rows) = (values.as_array_mut(), rows.as_array_mut());
-        let count = states.x[0].nrows();
-        let counts = [states.x[1].nrows(), states.triad[0].shape()[0], states.triad[1].shape()[0]];
-        if counts != [count; 3] {
-            return Err(PyValueError::new_err(format!(
-                "x_a has {count} states, x_b, triad_a and triad_b have {counts:?}"
-            )));
-        }
-        if values.shape() != [count, 6] || rows.shape() != [count, 6, 14] {
-            let (v, r) = (values.shape(), rows.shape());
-            return Err(PyValueError::new_err(format!(
-                "out has shapes {v:?} and {r:?}, not [{count}, 6] and [{count}, 6, 14]"
-            )));
-        }
         // Loops that are not optimised need more of a stack than the caller may have.
-        let work = || self.fill(&states, values, rows);
         let done = if cfg!(debug_assertions) { work::apart(py, work)? } else { py.detach(work) };
         done.map_err(PyValueError::new_err)
     }
+}
+
+/// How many states there are: one of an array holds for all.
+fn count(given: &[Given<'_>; 4]) -> PyResult<usize> {
+    let counts = given.each_ref().map(|one| one.count);
+    let count = counts.into_iter().find(|count| *count != 1).unwrap_or(1);
+    if counts.iter().all(|one| *one == count || *one == 1) {
+        return Ok(count);
+    }
+    let told: Vec<String> = NAMES.iter().zip(counts).map(|(name, count)| format!("{name} {count}")).collect();
+    Err(PyValueError::new_err(format!("states: {}; one, or as many in each array", told.join(", "))))
+}
+
+const NAMES: [&str; 4] = ["x_a", "triad_a", "x_b", "triad_b"];
+
+fn readonly<'py>(arrays: &[Bound<'py, PyAny>]) -> PyResult<[PyReadonlyArrayDyn<'py, f64>; 4]> {
+    let [x_a, triad_a, x_b, triad_b] = arrays else {
+        return Err(PyValueError::new_err(format!("{} arrays where 4 are needed", arrays.len())));
+    };
+    Ok([
+        doubles(NAMES[0], x_a)?,
+        doubles(NAMES[1], triad_a)?,
+        doubles(NAMES[2], x_b)?,
+        doubles(NAMES[3], triad_b)?,
+    ])
+}
+
+fn given<'a>(of: &'a [PyReadonlyArrayDyn<'_, f64>; 4]) -> PyResult<[Given<'a>; 4]> {
+    const X: &[&[usize]] = &[&[3]];
+    const TRIAD: &[&[usize]] = &[&[3, 3], &[4], &[3]];
+    let [x_a, triad_a, x_b, triad_b] = of;
+    Ok([
+        Given::new(NAMES[0], x_a.as_array(), X)?,
+        Given::new(NAMES[1], triad_a.as_array(), TRIAD)?,
+        Given::new(NAMES[2], x_b.as_array(), X)?,
+        Given::new(NAMES[3], triad_b.as_array(), TRIAD)?,
+    ])
 }

@@ -107,18 +107,64 @@ def test_every_kind_of_array_gives_the_same():
         assert alone[0].tobytes() == values[s].tobytes()
 
 
+def turned(q):
+    w, x, y, z = q.T
+    return numpy.array(
+        [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+    ).transpose(2, 0, 1)
+
+
+@pytest.mark.parametrize("name", ["REVOLUTE", "CARTESIAN CARDAN", "ROTATION", "EULER", "SLIDE-PLANE"])
+def test_rotations_and_columns_of_every_form(name):
+    random = numpy.random.default_rng(5)
+    n, compared = 70, 0
+    phi = random.normal(size=(n, 3)) / 2
+    angle = numpy.linalg.norm(phi, axis=1)[:, None]
+    q = numpy.concatenate([numpy.cos(angle / 2), numpy.sin(angle / 2) / angle * phi], axis=1)
+    # The initial directions of a type are those of the axes.
+    directions = turned(q).transpose(0, 2, 1)
+    x_a, x_b = random.normal(size=(1, 3)), random.normal(size=(n, 3))
+    still = numpy.eye(3)[None]
+    values, rows = pintle.rows(name, x_a, still, x_b, directions)
+    has = numpy.flatnonzero(numpy.isfinite(values[0]))
+    m, twelve = len(has), numpy.r_[0:6, 7:13]
+    expected = rows[:, has][:, :, twelve]
+    indptr, indices = pintle.pattern(name)
+    sparse = numpy.concatenate([expected[:, i, indices[indptr[i] : indptr[i + 1]]] for i in range(m)], axis=1)
+    forms = {
+        14: rows[:, has], 12: expected, 9: expected[:, :, 3:], "sparse": sparse, (11, 0): expected[:, :, [11, 0]],
+    }
+    for given in (directions, q, 3 * q, phi):
+        for columns, wanted in forms.items():
+            asked = list(columns) if isinstance(columns, tuple) else columns
+            found = pintle.rows(name, x_a, still, x_b, given, columns=asked)
+            numpy.testing.assert_allclose(found[0], values[:, has], rtol=0, atol=1e-12)
+            numpy.testing.assert_allclose(found[1], wanted, rtol=1e-11, atol=1e-11)
+            compared += found[1].size
+    assert compared > 10_000
+    assert numpy.count_nonzero(expected) <= sparse.size
+    with pytest.raises(ValueError, match="columns are 14"):
+        pintle.rows(name, x_a, still, x_b, q, columns=13)
+    with pytest.raises(ValueError, match="none of the twelve"):
+        pintle.rows(name, x_a, still, x_b, q, columns=[12])
+
+
 def test_what_is_no_such_array():
     x_a, triad_a, x_b, triad_b = some(4)
     cases = [
         ((x_a.astype(numpy.float32), triad_a, x_b, triad_b), TypeError, r"x_a has dtype float32.*astype\(numpy.float64\)"),
-        ((x_a, triad_a[:, 0], x_b, triad_b), ValueError, r"triad_a has shape \[4, 3\], not \(n, 3, 3\)"),
-        ((x_a, triad_a, x_b[:3], triad_b), ValueError, "x_a has 4 states"),
+        ((x_a, triad_a[:, :2], x_b, triad_b), ValueError, r"triad_a has shape \[4, 2, 3\], not \(n, 3, 3\) or \(n, 4\)"),
+        ((x_a, triad_a, x_b[:3], triad_b), ValueError, "states: x_a 4, triad_a 4, x_b 3, triad_b 4"),
         (([[0, 0, 0]], triad_a, x_b, triad_b), TypeError, "x_a is no NumPy array"),
     ]
     for given, error, says in cases:
         with pytest.raises(error, match=says):
             pintle.rows("CARTESIAN", *given)
-    with pytest.raises(ValueError, match="out has shapes"):
+    with pytest.raises(ValueError, match=r"out\[0\] has shape \(3, 6\), not \(4, 6\)"):
         pintle.rows("CARTESIAN", x_a, triad_a, x_b, triad_b, out=(numpy.zeros((3, 6)), numpy.zeros((4, 6, 14))))
     still = numpy.zeros((4, 6))
     still.flags.writeable = False
@@ -126,7 +172,7 @@ def test_what_is_no_such_array():
         pintle.rows("CARTESIAN", x_a, triad_a, x_b, triad_b, out=(still, numpy.zeros((4, 6, 14))))
     both = numpy.zeros((4, 6, 14))
     with pytest.raises(ValueError, match="cannot be written"):
-        pintle.rows("CARTESIAN", both[:, 0, :3], triad_a, x_b, triad_b, out=(numpy.zeros((4, 6)), both))
+        pintle.rows("CARTESIAN CARDAN", both[:, 0, :3], triad_a, x_b, triad_b, out=(numpy.zeros((4, 6)), both))
     with pytest.raises(ValueError, match="evaluate it by itself"):
         pintle.rows("SLIPRING", x_a, triad_a, x_b, triad_b)
 

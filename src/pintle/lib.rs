@@ -108,7 +108,8 @@ pub mod relation {
 /// Many connectors of one type.
 pub mod batch {
     pub use pintle_kinematics::batch::{
-        Batch, BatchError, CompactRow, HessianRow, History, Row, Section, Tile, advance,
+        Array, Batch, BatchError, COMPACT, Columns, CompactRow, HessianRow, History, Nodes, Orientation, Row,
+        Section, States, Tile, advance,
     };
 }
 

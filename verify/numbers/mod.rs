@@ -6,3 +6,5 @@ pub(crate) mod manual; // the manual's summary tables, transcribed apart
 pub(crate) mod numerics; // how exact the elementary functions and the rotations are
 pub(crate) mod properties; // what holds of random motions, readable by itself
 pub(crate) mod wide; // the 237-bit scalar against mpmath
+
+mod rows; // whether arrays of states and of rows, in any form, hold the numbers of tiles

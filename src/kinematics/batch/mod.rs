@@ -50,8 +50,10 @@
 mod advance;
 mod kernel;
 mod layout;
+mod rows;
 mod single;
 mod tile;
+mod unit;
 
 use crate::connector::{Connector, Mask};
 use crate::measure::Measure;
@@ -63,6 +65,7 @@ pub use crate::scalar::lanes::LANES;
 pub use advance::advance;
 pub use kernel::Layout;
 pub use layout::{CompactRow, HessianRow, Row};
+pub use rows::{Array, COMPACT, Columns, Nodes, Orientation, States};
 pub use tile::{Four, History, Section, Tile};
 
 /// Why connectors cannot be evaluated as a batch.
@@ -71,6 +74,9 @@ pub enum BatchError {
     /// A component has no function of the two nodes, or one that depends on material flow.
     #[error("the row of {0} has columns that a batch does not: evaluate it by itself")]
     NotBatched(&'static str),
+    /// A column that a row has not.
+    #[error("column {0} is none of the twelve, which are numbered from 0")]
+    Column(usize),
     /// The slices do not have one entry for each tile, or for each row of each tile.
     #[error("{what}: {found} where {expected} are needed")]
     Length {

@@ -1,0 +1,592 @@
+//! Rows to rows: states from arrays as users have them, values and rows into arrays that they give.
+
+use crate::batch::layout::CompactRow;
+use crate::batch::tile::Four;
+use crate::batch::unit::{Any, Unit};
+use crate::batch::{Batch, BatchError, COLUMNS, History, Section, Tile, same_length};
+use crate::measure::Measure;
+use crate::node::{DOFS, Dependence, Node, Pair};
+use crate::scalar::lanes::{LANES, Lanes};
+use crate::so3;
+use crate::vector::{Matrix, identity, product};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Numbers of many states, where they lie: those of state s begin at number s · stride.
+#[derive(Clone, Copy, Debug)]
+pub struct Array<'a> {
+    numbers: &'a [f64],
+    stride: usize,
+}
+
+impl<'a> Array<'a> {
+    /// Numbers whose states begin `stride` numbers apart: 3 for positions that stand one after the other.
+    pub const fn new(numbers: &'a [f64], stride: usize) -> Self {
+        Self { numbers, stride }
+    }
+
+    /// Numbers that all states share.
+    pub const fn shared(numbers: &'a [f64]) -> Self {
+        Self { numbers, stride: 0 }
+    }
+
+    /// The first N numbers of a state.
+    fn at<const N: usize>(self, state: usize) -> Option<&'a [f64; N]> {
+        self.numbers.get(state * self.stride..)?.first_chunk::<N>()
+    }
+
+    /// The first N numbers of four states.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn four<const N: usize>(self, [a, b, c, d]: [usize; LANES]) -> [[f64; N]; LANES] {
+        let none = &[f64::NAN; N];
+        [
+            *self.at(a).unwrap_or(none),
+            *self.at(b).unwrap_or(none),
+            *self.at(c).unwrap_or(none),
+            *self.at(d).unwrap_or(none),
+        ]
+    }
+
+    /// The states named, in whole tiles: where they lie, if they stand one after the other, else copied into `room`. Beyond the
+    /// last stands the last again.
+    fn taken<'b, const N: usize>(self, states: &Range<usize>, room: &'b mut Vec<[f64; N]>) -> &'b [[f64; N]]
+    where
+        'a: 'b,
+    {
+        if self.stride == N
+            && states.len() % LANES == 0
+            && let Some(numbers) = self.numbers.get(states.start * N..states.end * N)
+        {
+            return numbers.as_chunks::<N>().0;
+        }
+        let at = |s: usize| self.at(s.min(states.end - 1)).copied().unwrap_or([f64::NAN; N]);
+        room.clear();
+        room.extend((states.start..states.start + states.len().next_multiple_of(LANES)).map(at));
+        room
+    }
+
+    /// Whether there are `width` numbers for each of `count` states.
+    fn check(self, what: &'static str, count: usize, width: usize) -> Result<(), BatchError> {
+        let expected = match count.checked_sub(1) {
+            None => 0,
+            Some(last) => last.saturating_mul(self.stride).saturating_add(width),
+        };
+        let found = self.numbers.len();
+        if found >= expected { Ok(()) } else { Err(BatchError::Length { what, found, expected }) }
+    }
+}
+
+/// How the directions of a node are given.
+#[derive(Clone, Copy, Debug)]
+pub enum Orientation<'a> {
+    /// The triad T: nine numbers, row by row, a local direction a column.
+    Triad(Array<'a>),
+    /// The local directions one after the other: nine numbers, the rows of Tᵀ.
+    Directions(Array<'a>),
+    /// The turn since the initial state as a quaternion w, x, y, z of any length, and the initial triad T₀: T = R(q/‖q‖) T₀.
+    Quaternion(Array<'a>, Matrix<f64>),
+    /// The turn as a rotation vector (rad), and the initial triad T₀: T = exp(φ^) T₀.
+    RotationVector(Array<'a>, Matrix<f64>),
+}
+
+impl<'a> Orientation<'a> {
+    /// The numbers given, and how many there are of a state.
+    const fn array(self) -> (Array<'a>, usize) {
+        match self {
+            Self::Triad(array) | Self::Directions(array) => (array, 9),
+            Self::Quaternion(array, _) => (array, 4),
+            Self::RotationVector(array, _) => (array, 3),
+        }
+    }
+}
+
+/// One node in many states.
+#[derive(Clone, Copy, Debug)]
+pub struct Nodes<'a> {
+    /// u, or the position x where the reference is zero (length), three numbers.
+    pub displacement: Array<'a>,
+    /// The local directions.
+    pub orientation: Orientation<'a>,
+}
+
+/// Many states of one connector, or of connectors that share a [`Batch`].
+#[derive(Clone, Copy, Debug)]
+pub struct States<'a> {
+    /// How many.
+    pub count: usize,
+    /// X_b − X_a (length), three numbers.
+    pub reference: Array<'a>,
+    /// a and b.
+    pub nodes: [Nodes<'a>; 2],
+    /// The connectors' data: one for all states, or one for each four.
+    pub sections: &'a [Section],
+    /// What the past decides: one for all states, or one for each four.
+    pub histories: &'a [History],
+}
+
+impl States<'_> {
+    /// The nodes of a state; NaN where an array ends before it.
+    pub fn pair(&self, state: usize) -> Pair<f64> {
+        let three = |array: Array<'_>| array.at(state).copied().unwrap_or([f64::NAN; 3]);
+        let triads = self.nodes.map(|node| {
+            let mut room = Vec::new();
+            let of = node.orientation.triads(Arch::Scalar, &(state..state + 1), &mut room);
+            of.first()
+                .map_or([[f64::NAN; 3]; 3], |m| [[m[0], m[1], m[2]], [m[3], m[4], m[5]], [m[6], m[7], m[8]]])
+        });
+        let node = |end: usize| Node {
+            displacement: three(self.nodes[end].displacement),
+            triad: triads[end],
+            flow: 0.0,
+        };
+        Pair { reference: three(self.reference), a: node(0), b: node(1) }
+    }
+}
+
+/// Which columns of a row are written.
+#[derive(Clone, Copy, Debug)]
+pub enum Columns<'a> {
+    /// x_a, θ_a, x_b, θ_b.
+    Twelve,
+    /// All of [`crate::node::DOF`]: those of material flow are zero.
+    Fourteen,
+    /// Those that may differ from zero, row after row, as the values of a sparse matrix by rows: [`Batch::pattern`] names them.
+    Sparse,
+    /// Those whose places among the twelve are named, in this order. [`COMPACT`] leaves out x_a, the opposite of x_b.
+    Chosen(&'a [usize]),
+}
+
+/// The columns θ_a, x_b, θ_b.
+pub const COMPACT: [usize; 9] = [3, 4, 5, 6, 7, 8, 9, 10, 11];
+
+/// How many states are computed at a time: they stay in the first cache with up to three rows.
+const AT_ONCE: usize = 64;
+
+/// Twelve columns.
+type Dense = [f64; 12];
+
+impl Batch {
+    /// The columns (of twelve) that may differ from zero, row by row.
+    pub fn pattern(&self) -> Vec<Vec<usize>> {
+        let of = |measure: &Measure| {
+            let needed = measure.dependence();
+            let turning = measure.turns_with_a();
+            let is_there = [needed.translation, turning, needed.translation, needed.rotation];
+            (0..12).filter(|j| is_there[j / 3]).collect()
+        };
+        self.measures().iter().map(|(_, measure)| of(measure)).collect()
+    }
+
+    /// How many numbers of rows a state has.
+    pub fn width(&self, columns: Columns<'_>) -> usize {
+        match columns {
+            Columns::Twelve => 12 * self.rows(),
+            Columns::Fourteen => DOFS * self.rows(),
+            Columns::Chosen(places) => places.len() * self.rows(),
+            Columns::Sparse => self.pattern().iter().map(Vec::len).sum(),
+        }
+    }
+
+    /// Values and rows of many states, into memory of the caller: `values` (count, [`Batch::rows`]) and `rows`
+    /// (count, [`Batch::width`]), in C order. Angles are principal but for what the histories say; derivatives by spatial
+    /// variations of rotations. Numbers are those of [`Batch::rows_of`], bit by bit, where triads are given.
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] where an array is too short, or `values` or `rows` have another length; [`BatchError::Column`] for a
+    /// place beyond the twelve.
+    pub fn spread(
+        &self,
+        states: &States<'_>,
+        columns: Columns<'_>,
+        values: &mut [f64],
+        rows: &mut [f64],
+    ) -> Result<(), BatchError> {
+        let (count, each) = (states.count, self.rows());
+        let tiles = count.div_ceil(LANES);
+        states.reference.check("numbers of the reference", count, 3)?;
+        for Nodes { displacement, orientation } in states.nodes {
+            displacement.check("numbers of displacements", count, 3)?;
+            let (array, width) = orientation.array();
+            array.check("numbers of rotations", count, width)?;
+        }
+        for (what, found) in [("sections", states.sections.len()), ("histories", states.histories.len())] {
+            if found != 1 {
+                same_length(what, found, tiles)?;
+            }
+        }
+        if let Columns::Chosen(places) = columns
+            && let Some(place) = places.iter().find(|place| **place >= 12)
+        {
+            return Err(BatchError::Column(*place));
+        }
+        let width = self.width(columns);
+        same_length("values", values.len(), count.saturating_mul(each))?;
+        same_length("rows", rows.len(), count.saturating_mul(width))?;
+        if count == 0 || each == 0 {
+            return Ok(());
+        }
+        let work = &mut Work::new(self, states);
+        let is_dense = matches!(columns, Columns::Twelve);
+        let pattern = if is_dense { Vec::new() } else { self.pattern() };
+        let at_once = if each > 3 { AT_ONCE / 2 } else { AT_ONCE };
+        for first in (0..count).step_by(at_once) {
+            let these = first..count.min(first + at_once);
+            let value = values.get_mut(these.start * each..these.end * each);
+            let (Some(value), Some(row)) = (value, rows.get_mut(these.start * width..these.end * width))
+            else {
+                break;
+            };
+            work.evaluate(self, states, &these)?;
+            if is_dense && these.len() % LANES == 0 {
+                work.spread(self, value, row.as_chunks_mut::<12>().0);
+                continue;
+            }
+            work.spread_apart(self);
+            value.iter_mut().zip(&work.values).for_each(|(to, from)| *to = *from);
+            columns.copy(work.dense.get(..these.len() * each).unwrap_or_default(), &pattern, row);
+        }
+        Ok(())
+    }
+}
+
+impl Columns<'_> {
+    /// Some columns of dense rows, of which `pattern` names those of each row of a state that may differ from zero.
+    fn copy(self, from: &[Dense], pattern: &[Vec<usize>], to: &mut [f64]) {
+        match self {
+            Self::Twelve => to.iter_mut().zip(from.as_flattened()).for_each(|(to, from)| *to = *from),
+            Self::Fourteen => {
+                let (to, _) = to.as_chunks_mut::<DOFS>();
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = [0.0; DOFS];
+                    for (j, x) in COLUMNS.iter().zip(from) {
+                        to[*j] = *x;
+                    }
+                }
+            }
+            Self::Chosen(places) => {
+                for (to, from) in to.chunks_exact_mut(places.len().max(1)).zip(from) {
+                    for (to, place) in to.iter_mut().zip(places) {
+                        *to = from.get(*place).copied().unwrap_or(f64::NAN);
+                    }
+                }
+            }
+            Self::Sparse => {
+                let names = from.iter().zip(pattern.iter().cycle());
+                let numbers = names.flat_map(|(row, places)| places.iter().map(|place| row[*place]));
+                to.iter_mut().zip(numbers).for_each(|(to, from)| *to = from);
+            }
+        }
+    }
+}
+
+/// Room for a block of states, and for their rows.
+struct Work {
+    reference: Vec<[f64; 3]>,
+    displacement: [Vec<[f64; 3]>; 2],
+    triad: [Vec<[f64; 9]>; 2],
+    /// x_b − x_a.
+    separation: Vec<[f64; 3]>,
+    needed: Dependence,
+    tiles: Vec<Tile>,
+    sections: Vec<Section>,
+    histories: Vec<History>,
+    /// The rows of the tiles that there are now.
+    found: Vec<CompactRow>,
+    values: Vec<f64>,
+    dense: Vec<Dense>,
+}
+
+impl Work {
+    fn new(batch: &Batch, states: &States<'_>) -> Self {
+        let tiles = states.count.min(AT_ONCE).div_ceil(LANES);
+        let still = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+        let still = Tile::new(&[Pair { reference: [0.0; 3], a: still, b: still }; LANES]);
+        let needed = batch.measures().iter().map(|(_, measure)| measure.dependence());
+        Self {
+            reference: Vec::new(),
+            displacement: [Vec::new(), Vec::new()],
+            triad: [Vec::new(), Vec::new()],
+            separation: vec![[0.0; 3]; tiles * LANES],
+            needed: needed.fold(Dependence::default(), Dependence::or),
+            tiles: vec![still; tiles],
+            sections: states.sections.first().map(|one| vec![*one; tiles]).unwrap_or_default(),
+            histories: states.histories.first().map(|one| vec![*one; tiles]).unwrap_or_default(),
+            found: vec![CompactRow::default(); tiles * batch.rows()],
+            values: Vec::new(),
+            dense: Vec::new(),
+        }
+    }
+
+    /// The rows of some states, in tiles; the last tile is filled with the last state.
+    fn evaluate(
+        &mut self,
+        batch: &Batch,
+        states: &States<'_>,
+        these: &Range<usize>,
+    ) -> Result<(), BatchError> {
+        let count = these.len().div_ceil(LANES);
+        let [a, b] = states.nodes;
+        let ([x_a, x_b], [triad_a, triad_b]) = (&mut self.displacement, &mut self.triad);
+        let block = Block {
+            reference: states.reference.taken(these, &mut self.reference),
+            displacement: [a.displacement.taken(these, x_a), b.displacement.taken(these, x_b)],
+            triad: [
+                a.orientation.triads(batch.arch, these, triad_a),
+                b.orientation.triads(batch.arch, these, triad_b),
+            ],
+        };
+        let tiles = part(&mut self.tiles, count);
+        on_unit(batch.arch, Fill { block, needed: self.needed, separation: &mut self.separation, tiles });
+        let first = these.start / LANES;
+        fn of<'a, T>(all: &'a [T], shared: &'a [T], first: usize, count: usize) -> &'a [T] {
+            let all = if all.len() == 1 { shared.get(..count) } else { all.get(first..first + count) };
+            all.unwrap_or_default()
+        }
+        batch.rows_of(
+            part(&mut self.tiles, count),
+            of(states.sections, &self.sections, first, count),
+            of(states.histories, &self.histories, first, count),
+            part(&mut self.found, count * batch.rows()),
+        )?;
+        self.found.truncate(count * batch.rows());
+        Ok(())
+    }
+
+    /// The rows found, state by state.
+    fn spread(&self, batch: &Batch, values: &mut [f64], rows: &mut [Dense]) {
+        on_unit(batch.arch, Spread { found: &self.found, each: batch.rows(), values, rows });
+    }
+
+    /// The same, with those of the last tile that are too many, in room of its own.
+    fn spread_apart(&mut self, batch: &Batch) {
+        let count = self.found.len() * LANES;
+        self.values.resize(count, 0.0);
+        self.dense.resize(count, [0.0; 12]);
+        let (values, rows) = (&mut self.values, &mut self.dense);
+        on_unit(batch.arch, Spread { found: &self.found, each: batch.rows(), values, rows });
+    }
+}
+
+fn part<T>(of: &mut [T], count: usize) -> &mut [T] {
+    let count = count.min(of.len());
+    of.split_at_mut(count).0
+}
+
+/// States that stand one after the other, with triads row by row.
+#[derive(Clone, Copy, Debug)]
+struct Block<'a> {
+    reference: &'a [[f64; 3]],
+    displacement: [&'a [[f64; 3]]; 2],
+    triad: [&'a [[f64; 9]]; 2],
+}
+
+/// What moves numbers.
+trait Moves {
+    fn on<U: Unit>(self, unit: U);
+}
+
+/// Does it on the vector unit that there is.
+fn on_unit(arch: Arch, moves: impl Moves) {
+    match arch {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(unit) => Simd::vectorize(unit, On { unit, moves }),
+        arch => arch.dispatch(On { unit: Any, moves }),
+    }
+}
+
+struct On<U, W> {
+    unit: U,
+    moves: W,
+}
+
+impl<U: Unit, W: Moves> WithSimd for On<U, W> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_simd<V: Simd>(self, _: V) {
+        self.moves.on(self.unit);
+    }
+}
+
+/// Tiles from states. What is not needed is left as it is.
+struct Fill<'l, 'a> {
+    block: Block<'a>,
+    needed: Dependence,
+    separation: &'l mut [[f64; 3]],
+    tiles: &'l mut [Tile],
+}
+
+impl Moves for Fill<'_, '_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn on<U: Unit>(self, unit: U) {
+        let Self { block, needed, separation, tiles } = self;
+        if needed.translation {
+            let [a, b] = block.displacement.map(<[_]>::as_flattened);
+            let nodes = block.reference.as_flattened().iter().zip(a.iter().zip(b));
+            for (to, (reference, (a, b))) in separation.as_flattened_mut().iter_mut().zip(nodes) {
+                *to = reference + (b - a);
+            }
+            for (tile, of) in tiles.iter_mut().zip(separation.as_chunks::<LANES>().0) {
+                fill_vector(unit, of, &mut tile.reference);
+            }
+        }
+        for (tile, of) in tiles.iter_mut().zip(block.triad[0].as_chunks::<LANES>().0) {
+            fill_matrix(unit, of, &mut tile.triad[0]);
+        }
+        if needed.rotation {
+            for (tile, of) in tiles.iter_mut().zip(block.triad[1].as_chunks::<LANES>().0) {
+                fill_matrix(unit, of, &mut tile.triad[1]);
+            }
+        }
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn fill_vector<U: Unit>(unit: U, of: &[[f64; 3]; LANES], to: &mut [Four; 3]) {
+    let [[a, b, c], [d, e, f], [g, h, i], [j, k, l]] = *of;
+    let last = unit.rotated([i, j, k, l]);
+    let [x, y, z, _] = unit.transposed([[a, b, c, d], [d, e, f, g], [g, h, i, j], last]);
+    *to = [x, y, z];
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn fill_matrix<U: Unit>(unit: U, of: &[[f64; 9]; LANES], to: &mut [[Four; 3]; 3]) {
+    let [m0, m1, m2, m3] = of;
+    let [a, b, c, d] = unit.transposed([quarter(m0, 0), quarter(m1, 0), quarter(m2, 0), quarter(m3, 0)]);
+    let [e, f, g, h] = unit.transposed([quarter(m0, 4), quarter(m1, 4), quarter(m2, 4), quarter(m3, 4)]);
+    let [_, _, _, i] = unit.transposed([quarter(m0, 5), quarter(m1, 5), quarter(m2, 5), quarter(m3, 5)]);
+    *to = [[a, b, c], [d, e, f], [g, h, i]];
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn quarter(of: &[f64; 9], k: usize) -> Four {
+    [of[k], of[k + 1], of[k + 2], of[k + 3]]
+}
+
+/// Values and rows of tiles, state by state.
+struct Spread<'l> {
+    found: &'l [CompactRow],
+    each: usize,
+    values: &'l mut [f64],
+    rows: &'l mut [Dense],
+}
+
+impl Moves for Spread<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn on<U: Unit>(self, unit: U) {
+        let Self { found, each, values, rows } = self;
+        let states = values.chunks_exact_mut(LANES * each).zip(rows.chunks_exact_mut(LANES * each));
+        for (tile, (values, rows)) in found.chunks_exact(each).zip(states) {
+            let [v0, v1, v2, v3] = quarters(values);
+            let [r0, r1, r2, r3] = quarters(rows);
+            let values = v0.iter_mut().zip(v1).zip(v2.iter_mut().zip(v3));
+            let rows = r0.iter_mut().zip(r1).zip(r2.iter_mut().zip(r3));
+            for (row, (((v0, v1), (v2, v3)), ((r0, r1), (r2, r3)))) in tile.iter().zip(values.zip(rows)) {
+                (*v0, *v1, *v2, *v3) = (row.value[0], row.value[1], row.value[2], row.value[3]);
+                let [t1, t2, t3] = row.turning_a;
+                let [x1, x2, x3] = row.moving_b;
+                let [y1, y2, y3] = row.turning_b;
+                let of = [unit.opposite(x1), unit.opposite(x2), unit.opposite(x3), t1];
+                put(unit.transposed(of), 0, [&mut *r0, &mut *r1, &mut *r2, &mut *r3]);
+                put(unit.transposed([t2, t3, x1, x2]), 1, [&mut *r0, &mut *r1, &mut *r2, &mut *r3]);
+                put(unit.transposed([x3, y1, y2, y3]), 2, [r0, r1, r2, r3]);
+            }
+        }
+    }
+}
+
+/// The parts of four states.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn quarters<T>(of: &mut [T]) -> [&mut [T]; LANES] {
+    let each = of.len() / LANES;
+    let (a, rest) = of.split_at_mut(each);
+    let (b, rest) = rest.split_at_mut(each);
+    let (c, d) = rest.split_at_mut(each);
+    [a, b, c, d]
+}
+
+/// Four columns of four states.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn put(block: [Four; LANES], at: usize, [a, b, c, d]: [&mut Dense; LANES]) {
+    (a.as_chunks_mut().0[at], b.as_chunks_mut().0[at]) = (block[0], block[1]);
+    (c.as_chunks_mut().0[at], d.as_chunks_mut().0[at]) = (block[2], block[3]);
+}
+
+impl<'a> Orientation<'a> {
+    /// The triads of the states named, row by row, in whole tiles; beyond the last stands the last again.
+    fn triads<'b>(self, arch: Arch, these: &Range<usize>, room: &'b mut Vec<[f64; 9]>) -> &'b [[f64; 9]]
+    where
+        'a: 'b,
+    {
+        if let Self::Triad(array) = self {
+            return array.taken(these, room);
+        }
+        room.resize(these.len().next_multiple_of(LANES), [0.0; 9]);
+        arch.dispatch(Triads { of: self, these, room });
+        room
+    }
+}
+
+/// Triads from what else is given.
+struct Triads<'l, 'a> {
+    of: Orientation<'a>,
+    these: &'l Range<usize>,
+    room: &'l mut [[f64; 9]],
+}
+
+impl WithSimd for Triads<'_, '_> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_simd<V: Simd>(self, _: V) {
+        let Self { of, these, room } = self;
+        let last = these.end - 1;
+        for (to, s) in room.as_chunks_mut().0.iter_mut().zip(these.clone().step_by(LANES)) {
+            let states = [s, (s + 1).min(last), (s + 2).min(last), (s + 3).min(last)];
+            match of {
+                Orientation::Triad(array) => *to = array.four(states),
+                Orientation::Directions(array) => {
+                    for (to, d) in to.iter_mut().zip(array.four::<9>(states)) {
+                        *to = [d[0], d[3], d[6], d[1], d[4], d[7], d[2], d[5], d[8]];
+                    }
+                }
+                Orientation::Quaternion(array, initial) => {
+                    let [w, x, y, z] = lanes_of(&array.four(states));
+                    after(&so3::matrix(so3::normalize([w, x, y, z])), &initial, to);
+                }
+                Orientation::RotationVector(array, initial) => {
+                    after(&so3::turn(lanes_of(&array.four(states))), &initial, to);
+                }
+            }
+        }
+    }
+}
+
+/// N numbers of each of four.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn lanes_of<const N: usize>([a, b, c, d]: &[[f64; N]; LANES]) -> [Lanes<false>; N] {
+    let mut lanes = [Lanes::splat(0.0); N];
+    for i in 0..N {
+        lanes[i] = Lanes([a[i], b[i], c[i], d[i]]);
+    }
+    lanes
+}
+
+/// R T₀ of four, row by row.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn after(turn: &Matrix<Lanes<false>>, initial: &Matrix<f64>, to: &mut [[f64; 9]; LANES]) {
+    let mut start = [[Lanes::splat(0.0); 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            start[i][j] = Lanes::splat(initial[i][j]);
+        }
+    }
+    let triad = product(turn, &start);
+    for i in 0..3 {
+        for j in 0..3 {
+            for lane in 0..LANES {
+                to[lane][3 * i + j] = triad[i][j].0[lane];
+            }
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! States from arrays of any form, rows into arrays of any form: the numbers of tiles.
+
+use pintle_kinematics::batch::{
+    Array, Batch, BatchError, COMPACT, Columns, History, LANES, Nodes, Orientation, Row, Section, States,
+    Tile,
+};
+use pintle_kinematics::catalog::{ConnectionType, TABLE};
+use pintle_kinematics::connector::{Connector, Definition};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::{so3, vector};
+
+/// A value and twelve columns.
+type Found = (f64, [f64; 12]);
+
+struct Case {
+    batch: Batch,
+    sections: [Section; 1],
+    histories: [History; 1],
+    initial: [[[f64; 3]; 3]; 2],
+    /// Rotation vectors of a and b, shorter than π.
+    turns: Vec<[[f64; 3]; 2]>,
+    pairs: Vec<Pair<f64>>,
+}
+
+fn case(connection: &ConnectionType, draw: &mut Draw, count: usize) -> Option<Case> {
+    let initial = [draw.triad(), draw.triad()];
+    let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
+    let first = Pair { reference: [0.4, -0.2, 0.7], a: node(initial[0]), b: node(initial[1]) };
+    let connector = Connector::<f64>::new(&Definition::new(connection.clone(), first));
+    let turns: Vec<[[f64; 3]; 2]> = (0..count).map(|_| [draw.vector(1.5), draw.vector(1.5)]).collect();
+    let pairs = turns
+        .iter()
+        .map(|turn| {
+            let node = |end: usize, displacement| Node {
+                displacement,
+                triad: vector::product(&so3::turn(turn[end]), &initial[end]),
+                flow: 0.0,
+            };
+            Pair { reference: first.reference, a: node(0, draw.vector(1.0)), b: node(1, draw.vector(1.0)) }
+        })
+        .collect();
+    Some(Case {
+        batch: Batch::new(&connector, [true; 6]).ok()?,
+        sections: [Section::new(&[&connector; LANES])],
+        histories: [History::new(&[connector.initial_branch(); LANES])],
+        initial,
+        turns,
+        pairs,
+    })
+}
+
+impl Case {
+    /// The rows of tiles.
+    fn expected(&self) -> Vec<Vec<Found>> {
+        let count = self.pairs.len();
+        let at = |s: usize| self.pairs[s.min(count - 1)];
+        let tiles: Vec<Tile> = (0..count.div_ceil(4))
+            .map(|t| Tile::new(&[at(4 * t), at(4 * t + 1), at(4 * t + 2), at(4 * t + 3)]))
+            .collect();
+        let (sections, histories) =
+            (vec![self.sections[0]; tiles.len()], vec![self.histories[0]; tiles.len()]);
+        let each = self.batch.rows();
+        let mut rows = vec![Row::default(); tiles.len() * each];
+        self.batch.rows_of(&tiles, &sections, &histories, &mut rows).unwrap();
+        let of = |s: usize, r: usize| {
+            let row = &rows[s / 4 * each + r];
+            (row.value[s % 4], row.columns.map(|four| four[s % 4]))
+        };
+        (0..count).map(|s| (0..each).map(|r| of(s, r)).collect()).collect()
+    }
+
+    fn flat<const N: usize>(&self, of: impl Fn(usize) -> [f64; N]) -> Vec<f64> {
+        (0..self.pairs.len()).flat_map(of).collect()
+    }
+}
+
+fn nine(m: &[[f64; 3]; 3]) -> [f64; 9] {
+    std::array::from_fn(|k| m[k / 3][k % 3])
+}
+
+fn is_near(found: f64, expected: f64, tolerance: f64) -> bool {
+    (found - expected).abs() <= tolerance * expected.abs().max(1.0).powi(2)
+}
+
+/// Compares numbers with those expected, and counts them.
+fn compare(what: &str, batch: &Batch, states: &States<'_>, expected: &[Vec<Found>], tolerance: f64) -> usize {
+    let each = batch.rows();
+    let pattern = batch.pattern();
+    let chosen = [11, 0, 4];
+    let mut compared = 0;
+    for columns in [
+        Columns::Twelve,
+        Columns::Fourteen,
+        Columns::Sparse,
+        Columns::Chosen(&COMPACT),
+        Columns::Chosen(&chosen),
+        Columns::Chosen(&[]),
+    ] {
+        let width = batch.width(columns);
+        let mut values = vec![f64::NAN; states.count * each];
+        let mut rows = vec![f64::NAN; states.count * width];
+        batch.spread(states, columns, &mut values, &mut rows).unwrap();
+        for (s, truth) in expected.iter().enumerate() {
+            let mut wanted = Vec::new();
+            for (r, (value, row)) in truth.iter().enumerate() {
+                let found = values[s * each + r];
+                assert!(is_near(found, *value, tolerance), "{what}, {columns:?}: {found} for {value}");
+                match columns {
+                    Columns::Twelve => wanted.extend_from_slice(row),
+                    Columns::Fourteen => {
+                        wanted.extend_from_slice(&row[..6]);
+                        wanted.push(0.0);
+                        wanted.extend_from_slice(&row[6..]);
+                        wanted.push(0.0);
+                    }
+                    Columns::Sparse => {
+                        for (j, x) in row.iter().enumerate() {
+                            if pattern[r].contains(&j) {
+                                wanted.push(*x);
+                            } else {
+                                assert_eq!(*x, 0.0, "{what}: column {j} is not in the pattern");
+                            }
+                        }
+                    }
+                    Columns::Chosen(places) => wanted.extend(places.iter().map(|j| row[*j])),
+                }
+            }
+            for (found, wanted) in rows[s * width..][..width].iter().zip(&wanted) {
+                assert!(is_near(*found, *wanted, tolerance), "{what}, {columns:?}: {found} for {wanted}");
+                assert!(
+                    tolerance > 0.0 || found.to_bits() != (-0.0_f64).to_bits(),
+                    "{what}: a negative zero"
+                );
+            }
+            assert_eq!(wanted.len(), width);
+            compared += each + width;
+        }
+    }
+    compared
+}
+
+#[test]
+fn rows_of_arrays_are_those_of_tiles() {
+    let draw = &mut Draw::new("rows");
+    let (mut types, mut compared) = (0, 0);
+    for connection in TABLE {
+        for count in [1, 3, 4, 63, 64, 131] {
+            let Some(case) = case(connection, draw, count) else { continue };
+            types += usize::from(count == 1);
+            let expected = case.expected();
+            let reference = case.pairs[0].reference;
+            let x =
+                [case.flat(|s| case.pairs[s].a.displacement), case.flat(|s| case.pairs[s].b.displacement)];
+            let triad =
+                [case.flat(|s| nine(&case.pairs[s].a.triad)), case.flat(|s| nine(&case.pairs[s].b.triad))];
+            let directions = [
+                case.flat(|s| nine(&vector::transpose(&case.pairs[s].a.triad))),
+                case.flat(|s| nine(&vector::transpose(&case.pairs[s].b.triad))),
+            ];
+            let turns = [case.flat(|s| case.turns[s][0]), case.flat(|s| case.turns[s][1])];
+            let quaternions =
+                [0, 1].map(|end: usize| case.flat(|s| so3::exp(case.turns[s][end]).map(|part| -3.0 * part)));
+            let all = |of: [Orientation<'_>; 2]| -> usize {
+                let node = |end: usize| Nodes { displacement: Array::new(&x[end], 3), orientation: of[end] };
+                let states = States {
+                    count,
+                    reference: Array::shared(&reference),
+                    nodes: [node(0), node(1)],
+                    sections: &case.sections,
+                    histories: &case.histories,
+                };
+                let tolerance = match of[0] {
+                    Orientation::Triad(_) | Orientation::Directions(_) => 0.0,
+                    _ => crate::tolerance::ROWS_OF_TURNS,
+                };
+                let what = format!("{}, {count} states", connection.name);
+                // Nothing is fused there.
+                let near = tolerance.max(crate::tolerance::ROWS_OF_TURNS);
+                compare(&what, &case.batch, &states, &expected, tolerance)
+                    + compare(&what, &case.batch.clone().baseline(), &states, &expected, near)
+            };
+            compared += all([0, 1].map(|end: usize| Orientation::Triad(Array::new(&triad[end], 9))));
+            compared +=
+                all([0, 1].map(|end: usize| Orientation::Directions(Array::new(&directions[end], 9))));
+            compared += all([0, 1].map(|end: usize| {
+                Orientation::RotationVector(Array::new(&turns[end], 3), case.initial[end])
+            }));
+            compared += all([0, 1].map(|end: usize| {
+                Orientation::Quaternion(Array::new(&quaternions[end], 4), case.initial[end])
+            }));
+        }
+    }
+    println!("{compared} numbers of {types} types");
+    assert!(types >= 25 && compared > 1_000_000, "{compared} numbers of {types} types");
+}
+
+/// One array of 27 numbers a state, one node for all, and a section for each tile.
+#[test]
+fn arrays_lie_as_they_do() {
+    let draw = &mut Draw::new("rows, strides");
+    let connection = ConnectionType::named("CARTESIAN", Some("CARDAN")).unwrap();
+    let mut case = case(&connection, draw, 70).unwrap();
+    let fixed = case.pairs[0].a;
+    case.pairs.iter_mut().for_each(|pair| pair.a = fixed);
+    let expected = case.expected();
+    let all: Vec<f64> = case
+        .pairs
+        .iter()
+        .flat_map(|pair| {
+            let mut numbers = pair.b.displacement.to_vec();
+            numbers.extend(nine(&pair.b.triad));
+            numbers.push(f64::NAN);
+            numbers
+        })
+        .collect();
+    let triad = nine(&fixed.triad);
+    let (sections, histories) = (vec![case.sections[0]; 18], vec![case.histories[0]; 18]);
+    for (sections, histories) in [(&case.sections[..], &histories[..]), (&sections[..], &case.histories[..])]
+    {
+        let states = States {
+            count: 70,
+            reference: Array::shared(&case.pairs[0].reference),
+            nodes: [
+                Nodes {
+                    displacement: Array::shared(&fixed.displacement),
+                    orientation: Orientation::Triad(Array::shared(&triad)),
+                },
+                Nodes {
+                    displacement: Array::new(&all, 13),
+                    orientation: Orientation::Triad(Array::new(&all[3..], 13)),
+                },
+            ],
+            sections,
+            histories,
+        };
+        assert!(compare("strides", &case.batch, &states, &expected, 0.0) > 10_000);
+        let (mut values, mut rows) = (vec![0.0; 70 * 6], vec![0.0; 70 * 72]);
+        let refused = |states: &States<'_>, values: &mut [f64], rows: &mut [f64]| {
+            case.batch.spread(states, Columns::Twelve, values, rows).unwrap_err().to_string()
+        };
+        assert_eq!(refused(&states, &mut values, &mut rows[1..]), "rows: 5039 where 5040 are needed");
+        assert_eq!(refused(&states, &mut values[1..], &mut rows), "values: 419 where 420 are needed");
+        let few = States { sections: &[], ..states };
+        assert_eq!(refused(&few, &mut values, &mut rows), "sections: 0 where 18 are needed");
+        let mut short = states;
+        short.nodes[1].displacement = Array::new(&all[..899], 13);
+        assert_eq!(
+            refused(&short, &mut values, &mut rows),
+            "numbers of displacements: 899 where 900 are needed"
+        );
+        let none = States { count: 0, sections: &case.sections, histories: &case.histories, ..states };
+        assert_eq!(case.batch.spread(&none, Columns::Sparse, &mut [], &mut []), Ok(()));
+        assert_eq!(
+            case.batch.spread(&states, Columns::Chosen(&[3, 12]), &mut values, &mut rows),
+            Err(BatchError::Column(12))
+        );
+    }
+}
