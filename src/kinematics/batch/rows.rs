@@ -32,7 +32,7 @@ impl<'a> Array<'a> {
 
     /// The first N numbers of a state.
     fn at<const N: usize>(self, state: usize) -> Option<&'a [f64; N]> {
-        self.numbers.get(state * self.stride..)?.first_chunk::<N>()
+        self.numbers.get(state.checked_mul(self.stride)?..)?.first_chunk::<N>()
     }
 
     /// The first N numbers of four states.
@@ -83,7 +83,8 @@ pub enum Orientation<'a> {
     Triad(Array<'a>),
     /// The local directions one after the other: nine numbers, the rows of Tᵀ.
     Directions(Array<'a>),
-    /// The turn since the initial state as a quaternion w, x, y, z of any length, and the initial triad T₀: T = R(q/‖q‖) T₀.
+    /// The turn since the initial state as a quaternion w, x, y, z of any length but zero, which gives NaN, and the initial triad T₀:
+    /// T = R(q/‖q‖) T₀.
     Quaternion(Array<'a>, Matrix<f64>),
     /// The turn as a rotation vector (rad), and the initial triad T₀: T = exp(φ^) T₀.
     RotationVector(Array<'a>, Matrix<f64>),
@@ -190,6 +191,42 @@ impl Batch {
     /// Values and rows of many states, into memory of the caller: `values` (count, [`Batch::rows`]) and `rows`
     /// (count, [`Batch::width`]), in C order. Angles are principal but for what the histories say; derivatives by spatial
     /// variations of rotations. Numbers are those of [`Batch::rows_of`], bit by bit, where triads are given.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use pintle_kinematics::batch::{Array, Batch, Columns, History, Nodes, Orientation, Section, States};
+    /// use pintle_kinematics::catalog::ConnectionType;
+    /// use pintle_kinematics::connector::{Connector, Definition};
+    /// use pintle_kinematics::node::{Node, Pair};
+    /// use pintle_kinematics::vector::identity;
+    ///
+    /// // A REVOLUTE between a fixed node a and a node b that turns about e1.
+    /// let still = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+    /// let initial = Pair { reference: [0.0; 3], a: still, b: still };
+    /// let connector = Connector::new(&Definition::new(ConnectionType::named("REVOLUTE", None)?, initial));
+    /// let batch = Batch::new(&connector, [true; 6])?;
+    /// let turns = [0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0];
+    /// let (origin, triad) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    /// let states = States {
+    ///     count: 3,
+    ///     reference: Array::shared(&origin),
+    ///     nodes: [
+    ///         Nodes { displacement: Array::shared(&origin), orientation: Orientation::Triad(Array::shared(&triad)) },
+    ///         Nodes {
+    ///             displacement: Array::shared(&origin),
+    ///             orientation: Orientation::RotationVector(Array::new(&turns, 3), identity()),
+    ///         },
+    ///     ],
+    ///     sections: &[Section::new(&[&connector; 4])],
+    ///     histories: &[History::new(&[connector.initial_branch(); 4])],
+    /// };
+    /// let (mut values, mut rows) = (vec![0.0; 3 * batch.rows()], vec![0.0; 3 * batch.width(Columns::Twelve)]);
+    /// batch.spread(&states, Columns::Twelve, &mut values, &mut rows)?;
+    /// assert!((values[3] - 0.5).abs() < 4e-16); // ur1 of the second state
+    /// assert!((rows[3 * 12 + 9] - 1.0).abs() < 4e-16); // ∂ur1/∂θb1
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
     /// [`BatchError::Length`] where an array is too short, or `values` or `rows` have another length; [`BatchError::Column`] for a
