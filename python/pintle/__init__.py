@@ -7,7 +7,7 @@ Lengths are in the unit of the scene, angles in rad, axes global, arrays float64
 
 from ._check import Report, RoutineError, check
 from ._pintle import Entry, __version__
-from ._rows import pattern, rows
+from ._rows import initial, pattern, rows
 from ._scene import Scene, audit, catalog
 
-__all__ = ["Entry", "Report", "RoutineError", "Scene", "__version__", "audit", "catalog", "check", "pattern", "rows"]
+__all__ = ["Entry", "Report", "RoutineError", "Scene", "__version__", "audit", "catalog", "check", "initial", "pattern", "rows"]

@@ -20,13 +20,21 @@ def pattern(of):
     return indptr, numpy.array([j for row in rows for j in row], dtype=int)
 
 
+def initial(of):
+    """The initial state: x_b − x_a (3,), and the directions of a and b (3, 3), of which row i is e(i+1).
+
+    Of a type alone it is drawn, as in `check`; misalignments are measured from it.
+    """
+    return tuple(numpy.array(part) for part in compiled(of).initial)
+
+
 def rows(of, x_a, triad_a, x_b, triad_b, *, columns=None, out=None):
     """Values (n, 6) and rows (n, 6, 14) of a connection type at n states, float64.
 
     `x_a` and `x_b` are positions (n, 3), global axes. `triad_a` and `triad_b` are, by their shapes,
 
     - (n, 3, 3): local directions, of which `triad_a[s, i]` is e(i+1) of node a
-    - (n, 4): turns since the initial state as quaternions w, x, y, z
+    - (n, 4): turns since the state `initial(of)` as quaternions w, x, y, z
     - (n, 3): the same as rotation vectors, in rad
 
     An array of one state holds for all n. `of` is as in `check`. Values are the residual of a

@@ -125,10 +125,9 @@ def test_rotations_and_columns_of_every_form(name):
     phi = random.normal(size=(n, 3)) / 2
     angle = numpy.linalg.norm(phi, axis=1)[:, None]
     q = numpy.concatenate([numpy.cos(angle / 2), numpy.sin(angle / 2) / angle * phi], axis=1)
-    # The initial directions of a type are those of the axes.
-    directions = turned(q).transpose(0, 2, 1)
-    x_a, x_b = random.normal(size=(1, 3)), random.normal(size=(n, 3))
-    still = numpy.eye(3)[None]
+    _, still, first = (numpy.array(part) for part in pintle.initial(name))
+    directions = (turned(q) @ first.T).transpose(0, 2, 1)
+    x_a, x_b, still = random.normal(size=(1, 3)), random.normal(size=(n, 3)), still[None]
     values, rows = pintle.rows(name, x_a, still, x_b, directions)
     has = numpy.flatnonzero(numpy.isfinite(values[0]))
     m, twelve = len(has), numpy.r_[0:6, 7:13]
@@ -243,4 +242,4 @@ def test_stubs_name_what_there_is():
             names = [one.arg for one in (*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs)]
             assert names == list(inspect.signature(getattr(module, item.name)).parameters), item.name
             compared += 1
-    assert compared == 6 and all(hasattr(pintle, name) for name in pintle.__all__)
+    assert compared == 8 and all(hasattr(pintle, name) for name in pintle.__all__)
