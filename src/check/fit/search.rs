@@ -171,20 +171,24 @@ pub(super) fn index<T: PartialEq>(all: &[T], one: T) -> usize {
 }
 
 /// The conventions found so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Fits {
     pub(super) all: Vec<Fit>,
+    /// The least total so far.
+    best: f64,
     /// Whether there were more than are kept.
     pub(super) is_cut: bool,
 }
 
-impl Fits {
-    /// The least total so far.
-    fn best(&self) -> f64 {
-        self.all.iter().map(Fit::total).fold(f64::INFINITY, f64::min)
+impl Default for Fits {
+    fn default() -> Self {
+        Self { all: Vec::new(), best: f64::INFINITY, is_cut: false }
     }
+}
 
+impl Fits {
     fn add(&mut self, fit: Fit) {
+        self.best = self.best.min(fit.total());
         if self.all.len() < KEPT {
             self.all.push(fit);
         } else {
@@ -194,7 +198,7 @@ impl Fits {
 
     /// Without what is neither right throughout nor the simplest.
     pub(super) fn settle(&mut self) {
-        let best = self.best();
+        let best = self.best;
         self.all.retain(|fit| fit.wrong == 0 || fit.total() <= best);
         self.all.sort_by(|one, other| one.total().total_cmp(&other.total()));
     }
@@ -491,7 +495,7 @@ impl Search<'_> {
 
     /// How many entries may be wrong where the rest costs so much, that it is still among the best.
     fn budget(&self, cost: f64) -> usize {
-        let left = (self.fits.best() - cost) / WRONG;
+        let left = (self.fits.best - cost) / WRONG;
         if left < self.most as f64 { left.max(0.0) as usize } else { self.most }
     }
 
@@ -635,7 +639,7 @@ impl Search<'_> {
                     continue;
                 }
                 fit.wrong += wrong;
-                if fit.wrong == 0 || fit.total() <= self.fits.best() {
+                if fit.wrong == 0 || fit.total() <= self.fits.best {
                     self.fits.add(fit);
                 }
             }
