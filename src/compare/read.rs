@@ -10,6 +10,7 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// So many lines show with how many digits a column is written.
@@ -38,6 +39,18 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The same numbers where they went through single precision.
+    pub(crate) fn single(&self) -> Self {
+        let mut found = self.clone();
+        let motions = found.nodes.values_mut().flatten().map(|(_, number)| number);
+        let outputs = found.elements.values_mut().flatten().map(|(.., number)| number);
+        let forces = found.forces.values_mut().flatten().map(|(.., number)| number);
+        for number in motions.chain(outputs).chain(forces) {
+            *number = number.single();
+        }
+        found
+    }
+
     /// Whether it holds something to be compared.
     pub fn tells(&self) -> bool {
         !self.elements.is_empty() || !self.forces.is_empty()
@@ -124,18 +137,39 @@ impl Results {
     /// # Errors
     /// What cannot be read, with file and line; or the first of `take`.
     pub fn each(&self, mut take: impl FnMut(&Frame) -> Result<(), String>) -> Result<(), String> {
+        self.each_until(|frame| take(frame).map(ControlFlow::Continue))
+    }
+
+    /// The same, until `take` has seen enough.
+    pub(crate) fn each_until(
+        &self,
+        mut take: impl FnMut(&Frame) -> Result<ControlFlow<()>, String>,
+    ) -> Result<(), String> {
         if !self.interpolates {
-            return self.each_as_it_is(|frame| take(&frame));
+            return self.each_as_it_is(|frame| take(&frame)).map(|_| ());
         }
         if self.map.rotations == Rotations::Incremental {
             return Err("rotations since the state before are not interpolated: give total ones".into());
         }
         let mut between = Between::default();
-        self.each_as_it_is(|frame| between.push(frame).iter().try_for_each(&mut take))?;
-        between.rest().iter().try_for_each(take)
+        let mut all = |frames: &[Frame]| {
+            for frame in frames {
+                if take(frame)?.is_break() {
+                    return Ok(ControlFlow::Break(()));
+                }
+            }
+            Ok(ControlFlow::Continue(()))
+        };
+        if self.each_as_it_is(|frame| all(&between.push(frame)))?.is_continue() {
+            all(&between.rest())?;
+        }
+        Ok(())
     }
 
-    fn each_as_it_is(&self, mut take: impl FnMut(Frame) -> Result<(), String>) -> Result<(), String> {
+    fn each_as_it_is(
+        &self,
+        mut take: impl FnMut(Frame) -> Result<ControlFlow<()>, String>,
+    ) -> Result<ControlFlow<()>, String> {
         let mut streams = Vec::new();
         for file in self.files.iter().filter(|file| !self.is_matrix(file)) {
             streams.push(Frames::open(file, &self.map)?);
@@ -151,7 +185,7 @@ impl Results {
                 .map(|frame| key(frame, frame.time.is_some()))
                 .fold(f64::INFINITY, f64::min);
             if earliest.is_infinite() {
-                return Ok(());
+                return Ok(ControlFlow::Continue(()));
             }
             let mut joined = Frame::default();
             for (head, stream) in heads.iter_mut().zip(&mut streams) {
@@ -183,7 +217,9 @@ impl Results {
                     }
                 }
             }
-            take(joined)?;
+            if take(joined)?.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
         }
     }
 }
