@@ -96,9 +96,10 @@ fn map(file: Option<&Path>) -> Result<Map, Failure> {
     Map::from_toml(&text).map_err(named)
 }
 
-/// Whether a file of states is another program's, which pintle compare reads.
+/// Whether a file of states is what pintle compare reads: another program's, or arrays of NumPy.
 pub(crate) fn is_of_another(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dat"))
+    let is = |known: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known));
+    ["dat", "npy", "npz"].into_iter().any(is)
 }
 
 /// The states of such a file.

@@ -71,6 +71,21 @@ pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
     Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
 }
 
+/// The connectors of a bare scene, as `SCENE:ELEMENT` names each; `None` where the name is no scene.
+pub(crate) fn of_scene(name: &str) -> Result<Option<Vec<String>>, Failure> {
+    let is_gallery = name.strip_prefix("gallery:").is_some_and(|rest| !rest.contains(':'));
+    if !is_gallery && !Path::new(name).is_file() {
+        return Ok(None);
+    }
+    let source = source(name)?;
+    let (scene, _) = read(source, None)?;
+    let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    if model.connectors.is_empty() {
+        return Err(Failure::Input(format!("{name} has no connector; \"MPC SCENE:S-M\" names a constraint")));
+    }
+    Ok(Some(model.connectors.iter().map(|element| format!("{name}:{}", element.label)).collect()))
+}
+
 /// A connector with the states of a file.
 fn connector_with(name: &str, at: At<'_>) -> Result<pintle_check::Subject, Failure> {
     let (model, element, states) = match in_scene(name) {
