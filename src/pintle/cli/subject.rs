@@ -1,5 +1,6 @@
 //! What a routine is to be, as the command line names it, and the states at which it is asked.
 
+use super::compare::any_states;
 use super::eval::{read, source};
 use super::states::deck;
 use super::{Failure, connection};
@@ -12,7 +13,7 @@ use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
-use pintle_scene::{Label, Scene, StateFile};
+use pintle_scene::{Label, Scene};
 use std::path::Path;
 
 /// A connector that is named on the command line.
@@ -98,7 +99,7 @@ fn connector_with(name: &str, at: At<'_>) -> Result<pintle_check::Subject, Failu
         }
         None => {
             let scene = Scene::parse("type.inp", &deck(&of_type(&type_of(name)?)))?;
-            let states = StateFile::read(at.file, &scene)?.states;
+            let states = any_states(at.file, &scene)?;
             (Model::compile(&scene)?, 0, states)
         }
     };
