@@ -274,5 +274,5 @@ fn states_are_read_from_arrays() {
     }
     fs::write(folder.join("r.npy"), bytes).unwrap();
     there(&folder, "CARTESIAN", ["--with", &by_lines], &["--at", "r.npy"]).assert().success();
-    assert_eq!(evaluated("r.npy").lines().count(), 1 + 2);
+    assert_eq!(evaluated("r.npy").lines().count(), 1 + 2 * 3);
 }
