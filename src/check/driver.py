@@ -157,7 +157,7 @@ def main():
     own |= {key: getattr(module, key.upper()) for key in ("types", "domain") if hasattr(module, key.upper())}
     own["commits"] = all(hasattr(module, word) for word in ("commit", "revert"))
     asked = Routine(routine, f"{name}:{function}", own)
-    for word in ("begin", "commit", "revert"):
+    for word in ("begin", "commit", "revert") if own["commits"] else ():
         setattr(asked, word, getattr(module, word, getattr(asked, word)))
     for line in sys.stdin.buffer:
         message, data = json.loads(line), b""
