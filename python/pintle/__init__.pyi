@@ -80,6 +80,7 @@ def check(
     offers: Iterable[_Offer] = ("values", "rows"),
     components: Sequence[_Component] | None = None,
     memory: bool = False,
+    domain: dict[str, tuple[float, float]] | None = None,
     springs: Sequence[float | None] | None = None,
     seed: str = "pintle",
     at: str | PathLike[str] | None = None,

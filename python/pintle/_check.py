@@ -172,6 +172,7 @@ def check(
     offers=("values", "rows"),
     components=None,
     memory=False,
+    domain=None,
     springs=None,
     seed="pintle",
     at=None,
@@ -198,6 +199,10 @@ def check(
     `at` is a file with your own states, asked in place of drawn ones: nodes 1 (a) and 2 (b) of a type, those of the
     scene otherwise; a history, unless they are `independent`.
 
+    `domain` is where states are drawn: `{"x1": [-0.1, 0.1], "r3": [0, 1]}`, places of b seen from a and angles of b
+    against a. A routine with the methods `commit` and `revert` (and `begin`, which gets the connector) keeps its
+    memory itself.
+
     `springs` are six stiffnesses, None for none, of an element that gives element_forces. `convention`, `offers`,
     `components` and `memory` are those of the protocol; the others those of `pintle check`.
 
@@ -209,9 +214,15 @@ def check(
         raise ValueError("a jitted function keeps no memory: pass a function on one state that calls it")
     kind = _Jax if is_jitted and not batch else _Batch if batch else _Routine
     own = {"offers": list(offers), "components": components, "convention": convention or {}, "memory": memory}
+    if domain is not None:
+        own["domain"] = domain
+    own["commits"] = hasattr(routine, "commit") and hasattr(routine, "revert")
     # The name that the command gives it, so that both say the same.
     asked = kind(routine, _name(routine, ":"), own)
     asked.is_jax = is_jitted
+    for word in ("begin", "commit", "revert"):
+        if own["commits"] and hasattr(routine, word):
+            setattr(asked, word, getattr(routine, word))
     numbers = {
         "states": states,
         "near_singular_states": near_singular_states,
@@ -228,7 +239,7 @@ def check(
         if asked.raised is not None:
             raise RoutineError(f"{_name(routine)} raised {type(asked.raised).__name__}: {asked.raised}") from asked.raised
         raise
-    given = {**numbers, "springs": springs, "convention": convention, "components": components, "memory": memory, "batch": batch}
+    given = {**numbers, "springs": springs, "convention": convention, "components": components, "memory": memory, "domain": domain, "batch": batch}
     given["offers"] = tuple(offers)
     default = check.__kwdefaults__
     said = "".join(f", {key}={value!r}" for key, value in given.items() if value != default[key])

@@ -33,7 +33,9 @@ pub mod settings;
 mod share;
 pub mod singular;
 
-pub use candidate::{Candidate, ConstraintCandidate, FrictionCandidate, Given, Question, Right, Tangent};
+pub use candidate::{
+    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent,
+};
 pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;
 pub use case::quantity::{Entries, Numbers, Quantity};

@@ -227,6 +227,7 @@ pub(crate) fn check<D: Door>(
     let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
     // Its messages are JSON alone.
     exchange.hello.binary = false;
+    exchange.is_only_asked()?;
     let kind = constraint.kind();
     let reader = Reader::new(constraint, exchange.hello.convention.clone())?;
     let known: Vec<_> = protocol::OFFERS.into_iter().filter(|(_, of)| OFFERED.contains(of)).collect();

@@ -1,6 +1,6 @@
 //! In which order, unit and frame a routine answers, and how that is undone.
 
-use pintle_audit::{Given, Quantity, Tangent};
+use pintle_audit::{Domain, Given, Quantity, Tangent};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{
     Components, Connector, Definition, Increment, NodalMatrix, NodalRow, Output, Request, State, Tally,
@@ -398,6 +398,8 @@ pub struct Convention {
     pub factors: [f64; 6],
     /// How rows are stored.
     pub storage: Storage,
+    /// Where states are drawn; lengths in the scene's unit, angles in rad.
+    pub domain: Domain,
 }
 
 impl Default for Convention {
@@ -423,6 +425,7 @@ impl Default for Convention {
             column_length: 1.0,
             factors: [1.0; 6],
             storage: Storage::default(),
+            domain: Domain::default(),
         }
     }
 }

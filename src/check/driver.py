@@ -78,6 +78,12 @@ class Routine:
             self.takes_want = len(places) > 2
         except (TypeError, ValueError):
             self.takes_want = False
+    # What a routine with a state of its own does besides.
+    def begin(self, connector):
+        pass
+    def commit(self):
+        pass
+    revert = commit
     def failed(self, error):
         return {"error": f"{type(error).__name__}: {error}"}
     def answer_bytes(self, asked, data):
@@ -124,7 +130,14 @@ class Routine:
             return {"hello": {"protocol": "pintle-candidate/1", **self.hello}}
         if "open" in message:
             self.connector = arrays(message["open"])
+            self.begin(self.connector)
             return {"opened": True}
+        if "commit" in message:
+            self.commit()
+            return {"committed": True}
+        if "revert" in message:
+            self.revert()
+            return {"reverted": True}
         if "evaluate" in message:
             asked = message["evaluate"]
             return {"id": asked["id"], "answers": self.answers(asked["states"], asked["want"])}
@@ -141,7 +154,11 @@ def main():
     own = {"offers": getattr(module, "OFFERS", ["values", "rows"]), "components": getattr(module, "COMPONENTS", None)}
     own |= {"convention": getattr(module, "CONVENTION", {}), "memory": getattr(module, "MEMORY", False)}
     own["binary"] = numpy is not None and not own["memory"]
+    own |= {key: getattr(module, key.upper()) for key in ("types", "domain") if hasattr(module, key.upper())}
+    own["commits"] = all(hasattr(module, word) for word in ("commit", "revert"))
     asked = Routine(routine, f"{name}:{function}", own)
+    for word in ("begin", "commit", "revert") if own["commits"] else ():
+        setattr(asked, word, getattr(module, word, getattr(asked, word)))
     for line in sys.stdin.buffer:
         message, data = json.loads(line), b""
         count = message.get("evaluate", {}).get("bytes")

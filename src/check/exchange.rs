@@ -46,7 +46,23 @@ impl<D: Door> Exchange<D> {
         if let Some(convention) = convention {
             hello.convention = convention.clone();
         }
+        if hello.domain.is_everything() {
+            hello.domain = hello.convention.domain.clone();
+        }
         Ok(Self { door, hello, present: Vec::new(), asked: 0, first: None })
+    }
+
+    /// That it announces nothing that connectors alone have, where it is to be something else.
+    ///
+    /// # Errors
+    /// [`Misbehaviour::BadHello`].
+    pub(crate) fn is_only_asked(&self) -> Result<(), Misbehaviour> {
+        let announced = match (self.hello.commits, self.hello.domain.is_everything()) {
+            (true, _) => "commits",
+            (_, false) => "a domain",
+            _ => return Ok(()),
+        };
+        Err(Misbehaviour::BadHello(format!("it announces {announced}, which connectors alone have")))
     }
 
     /// What it offers, of what it may.
@@ -77,6 +93,24 @@ impl<D: Door> Exchange<D> {
             });
         }
         Ok(())
+    }
+
+    /// Tells a routine that what was tried stands (`commit`), or not (`revert`).
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn tell(&mut self, word: &'static str, due: &'static str) -> Result<(), Misbehaviour> {
+        self.door.is_silent()?;
+        self.door.send(&protocol::told(word), &[], due)?;
+        let answer = self.door.receive(due)?;
+        if let Some(why) = answer.get("error") {
+            return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
+        }
+        if answer.get(due) == Some(&Value::Bool(true)) {
+            return Ok(());
+        }
+        let what = protocol::excerpt(&Value::Object(answer).to_string());
+        Err(Misbehaviour::NoMessage { due: word, what: format!("{what} is not {{\"{due}\": true}}") })
     }
 
     /// How many requests it got.

@@ -97,6 +97,7 @@ pub(crate) fn check<D: Door>(
     let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
     // Its messages are JSON alone.
     exchange.hello.binary = false;
+    exchange.is_only_asked()?;
     let offers = exchange.offers(&OF_FRICTION)?;
     let Convention { storage, .. } = exchange.hello.convention;
     if exchange.hello.convention != (Convention { storage, ..Convention::default() }) {

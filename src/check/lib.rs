@@ -35,7 +35,9 @@ pub use protocol::{OFFERS, PROTOCOL, answers_of_file};
 pub use python::{DRIVER, command as python_command};
 pub use session::Session;
 
-use pintle_audit::{Candidate, Case, FrictionSubject, MpcCase, Quantity, Question, Report, Settings, Step};
+use pintle_audit::{
+    Candidate, Case, Domain, FrictionSubject, MpcCase, Quantity, Question, Report, Settings, Step,
+};
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::mpc::Constraint;
 
@@ -105,6 +107,8 @@ pub struct Asked {
     pub convention: Option<Convention>,
     /// The stiffness D_k of each component of an element of springs.
     pub springs: [Option<f64>; 6],
+    /// Where states are drawn, in place of the domain of its hello.
+    pub domain: Option<Domain>,
 }
 
 impl Checked {
@@ -140,13 +144,15 @@ fn check_connector<D: Door>(
     at: &[Case],
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
-    let Asked { settings, histories, convention, springs } = asked;
+    let Asked { settings, histories, convention, springs, domain } = asked;
     let mut session = Session::open(door, definition, convention.as_ref(), &springs)?;
     let name = session.name().to_string();
     let (mut states, mut outside) = (0, 0);
     let is_principal = session.is_principal();
+    let domain = domain.unwrap_or_else(|| session.domain().clone());
     let candidate = Candidate::new(&name, definition)
         .settings(settings)
+        .within(domain)
         .histories(if is_principal { 0 } else { histories })
         .principal_angles(is_principal)
         .springs(springs, session.tangent())

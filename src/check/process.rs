@@ -173,6 +173,17 @@ pub enum Misbehaviour {
         "asked for the first state again, the process gave another answer: it keeps something from state to state"
     )]
     Changed,
+    /// A step that was taken back leaves something behind.
+    #[error(
+        "at state {number}, step {step} of its history, the process gave another answer when the step was taken back and taken again: \
+         revert does not restore its memory"
+    )]
+    NotReverted {
+        /// The state.
+        number: usize,
+        /// The step that leads to it, from 1 on.
+        step: usize,
+    },
     /// It goes on after the end.
     #[error("the process did not end within {0:?} after it was closed, and was ended")]
     StayedOn(Duration),

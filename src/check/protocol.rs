@@ -2,7 +2,7 @@
 
 use crate::convention::{Convention, Own, Quaternions, Sense, Storage, Triads};
 use crate::fit::GivenRows;
-use pintle_audit::{Quantity, Question};
+use pintle_audit::{Domain, Quantity, Question};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition, State};
 use pintle_kinematics::node::{Node, Pair};
@@ -53,6 +53,19 @@ pub(crate) struct Hello {
     /// Whether states and answers follow their messages as bytes.
     #[serde(default)]
     pub(crate) binary: bool,
+    /// Whether it keeps its memory itself, and commits and reverts it as it is told.
+    #[serde(default)]
+    pub(crate) commits: bool,
+    /// The connection types that it covers; without them, any.
+    pub(crate) types: Option<Vec<String>>,
+    /// Where states are drawn.
+    #[serde(default)]
+    pub(crate) domain: Domain,
+}
+
+/// That what was tried stands, or not.
+pub(crate) fn told(word: &str) -> Value {
+    json!({ word: {} })
 }
 
 /// What may be offered: names with what they are of.

@@ -5,7 +5,7 @@ use crate::exchange::Exchange;
 use crate::fit::GivenRows;
 use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Answer, Layout};
-use pintle_audit::{Given, Quantity, Question, Step, Tangent};
+use pintle_audit::{Domain, Given, Quantity, Question, Step, Tangent};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition};
 use serde_json::Value;
@@ -22,6 +22,10 @@ pub struct Session<'a, D> {
     first: Option<First>,
     /// What the routine kept at the states before those that are asked for, by their numbers.
     memories: BTreeMap<usize, Value>,
+    /// The message that opens the connector.
+    opening: Value,
+    /// To the state before which number a routine was led that commits.
+    led: Option<usize>,
 }
 
 /// The first question, and what came.
@@ -46,11 +50,25 @@ impl<'a, D: Door> Session<'a, D> {
     ) -> Result<Self, Misbehaviour> {
         let mut exchange = Exchange::greet(door, convention)?;
         let hello = &exchange.hello;
+        let name = &*definition.connection.name;
+        if let Some(types) = &hello.types
+            && !types.iter().any(|known| known.eq_ignore_ascii_case(name))
+        {
+            return Err(Misbehaviour::Refused(format!(
+                "it covers {}, and {name} is another",
+                types.join(", ")
+            )));
+        }
+        if hello.commits && hello.memory {
+            let what = "a routine that commits has its memory itself: it cannot announce memory, too".into();
+            return Err(Misbehaviour::BadHello(what));
+        }
         let places = hello.convention.places().map_err(Misbehaviour::BadConvention)?;
         hello.names_among(&COMPONENT).map_err(Misbehaviour::BadHello)?;
         let offers = exchange.offers(&protocol::OFFERS)?;
         hello.convention.covers(&offers).map_err(Misbehaviour::BadConvention)?;
-        exchange.open(&protocol::open(definition, &exchange.hello.convention, springs))?;
+        let opening = protocol::open(definition, &exchange.hello.convention, springs);
+        exchange.open(&opening)?;
         let connector = Connector::new(definition);
         if exchange.hello.binary && exchange.hello.memory {
             let what = "a routine with a memory has it in its messages: it cannot announce binary".into();
@@ -58,7 +76,18 @@ impl<'a, D: Door> Session<'a, D> {
         }
         let lines = exchange.hello.convention.lines();
         exchange.present = lines.iter().map(|k| connector.differentiated(*k).is_some()).collect();
-        Ok(Self { exchange, definition, connector, offers, places, first: None, memories: BTreeMap::new() })
+        let memories = BTreeMap::new();
+        Ok(Self {
+            exchange,
+            definition,
+            connector,
+            offers,
+            places,
+            first: None,
+            memories,
+            opening,
+            led: None,
+        })
     }
 
     /// The name that the routine gave itself.
@@ -78,7 +107,12 @@ impl<'a, D: Door> Session<'a, D> {
 
     /// Whether it keeps something from state to state.
     pub fn has_memory(&self) -> bool {
-        self.exchange.hello.memory
+        self.exchange.hello.memory || self.exchange.hello.commits
+    }
+
+    /// Where it is to be asked.
+    pub fn domain(&self) -> &Domain {
+        &self.exchange.hello.domain
     }
 
     /// Whether its angles are principal.
@@ -160,6 +194,47 @@ impl<'a, D: Door> Session<'a, D> {
     }
 
     fn answers(&mut self, asked: &[Question<'_>]) -> Result<Vec<Answer>, Misbehaviour> {
+        if !self.exchange.hello.commits {
+            return self.evaluated(asked);
+        }
+        let mut answers = Vec::with_capacity(asked.len());
+        for asked in asked {
+            if asked.is_drawn || self.led != Some(asked.number) {
+                self.lead(asked)?;
+            }
+            let answer = self.tried(asked)?;
+            // A step that was taken back and is taken again gives the same.
+            if asked.is_drawn && format!("{:?}", self.tried(asked)?) != format!("{answer:?}") {
+                return Err(Misbehaviour::NotReverted { number: asked.number, step: asked.path.len() + 1 });
+            }
+            answers.push(answer);
+        }
+        Ok(answers)
+    }
+
+    /// Leads a routine that commits from the initial state along the path to a state.
+    fn lead(&mut self, asked: &Question<'_>) -> Result<(), Misbehaviour> {
+        self.led = None;
+        self.exchange.open(&self.opening)?;
+        for (i, step) in asked.path.iter().enumerate() {
+            let on_the_way = Question { step, path: &asked.path[..i], values_before: [None; 6], ..*asked };
+            if let Some(Answer::Error(why)) = self.evaluated(&[on_the_way])?.pop() {
+                return Err(Misbehaviour::Failed { id: self.exchange.asked(), why });
+            }
+            self.exchange.tell("commit", "committed")?;
+        }
+        self.led = Some(asked.number);
+        Ok(())
+    }
+
+    /// The answer at a state, which is then taken back.
+    fn tried(&mut self, asked: &Question<'_>) -> Result<Answer, Misbehaviour> {
+        let answer = self.evaluated(std::slice::from_ref(asked))?.pop();
+        self.exchange.tell("revert", "reverted")?;
+        answer.ok_or(Misbehaviour::Changed)
+    }
+
+    fn evaluated(&mut self, asked: &[Question<'_>]) -> Result<Vec<Answer>, Misbehaviour> {
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
         let of = (self.definition, &self.connector);
         let convention = &self.exchange.hello.convention;
@@ -187,7 +262,17 @@ impl<'a, D: Door> Session<'a, D> {
         let convention = &self.exchange.hello.convention;
         let states: Vec<Value> =
             asked.iter().map(|asked| protocol::state(asked, of, convention, None)).collect();
+        if self.exchange.hello.commits && states.len() > 1 {
+            let mut found = Vec::with_capacity(states.len());
+            for asked in asked {
+                found.extend(self.ask_as_it_is(std::slice::from_ref(asked))?);
+            }
+            return Ok(found);
+        }
         let answer = self.exchange.request(first.wants, states)?;
+        if self.exchange.hello.commits {
+            self.exchange.tell("revert", "reverted")?;
+        }
         let id = self.exchange.asked();
         protocol::as_it_is(answer.get("answers"), asked.len())
             .map_err(|what| Misbehaviour::WrongShape { id, what })

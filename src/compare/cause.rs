@@ -23,14 +23,14 @@ struct Frame {
 
 impl Alternatives {
     /// Takes what is known at a time, of some elements.
-    pub(crate) fn add(&mut self, at: f64, known: Known, keeps: impl Fn(&str) -> bool, kept: (usize, bool)) {
+    pub(crate) fn add(&mut self, at: f64, known: Known, keeps: impl Fn(&str) -> bool) {
         let mut numbers = BTreeMap::new();
         for (element, of) in known.elements.into_iter().filter(|(element, _)| keeps(element)) {
             numbers.extend(
                 of.values.into_iter().map(|((output, k), x)| ((element.clone(), Of::Output(output, k)), x)),
             );
         }
-        crate::judge::keep(&mut self.frames, (at, Frame { numbers, variants: known.variants }), kept);
+        self.frames.push((at, Frame { numbers, variants: known.variants }));
     }
 
     /// A number along the points of a series; `None` where one of them has it not.

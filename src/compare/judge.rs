@@ -110,7 +110,7 @@ impl Series {
 }
 
 /// Keeps an item: until something is wrong the last ones, and from then on those that follow.
-pub(crate) fn keep<T>(all: &mut Vec<T>, item: T, (kept, is_wrong): (usize, bool)) {
+fn keep<T>(all: &mut Vec<T>, item: T, (kept, is_wrong): (usize, bool)) {
     if !is_wrong && all.len() >= kept / 2 {
         all.drain(..kept.div_ceil(4));
     }

@@ -29,6 +29,9 @@ pub(crate) struct Array {
     from: Box<dyn Read>,
 }
 
+/// The longest text of an array, in characters.
+const TEXT: usize = 1_000;
+
 impl Stored {
     fn parse(descr: &str) -> Result<Self, String> {
         let refused =
@@ -41,9 +44,28 @@ impl Stored {
             b'f' => matches!(size, 4 | 8),
             b'i' | b'u' => matches!(size, 1 | 2 | 4 | 8),
             b'b' => size == 1,
+            b'U' | b'S' => size <= TEXT,
             _ => false,
         };
+        let size = if letter == b'U' { 4 * size } else { size };
         if is_known { Ok(Self { letter, size, is_big: order == ">" }) } else { Err(refused()) }
+    }
+
+    const fn is_text(self) -> bool {
+        matches!(self.letter, b'U' | b'S')
+    }
+
+    fn text(self, bytes: &[u8]) -> String {
+        let code = |four: &[u8]| {
+            let four = four.try_into().unwrap_or_default();
+            let code = if self.is_big { u32::from_be_bytes(four) } else { u32::from_le_bytes(four) };
+            char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER)
+        };
+        let all: String = match self.letter {
+            b'U' => bytes.chunks_exact(4).map(code).collect(),
+            _ => String::from_utf8_lossy(bytes).into_owned(),
+        };
+        all.trim_end_matches('\0').to_string()
     }
 
     fn number(self, bytes: &[u8]) -> Printed {
@@ -119,6 +141,27 @@ impl Array {
         };
         let stored = types.iter().map(|of| Stored::parse(of)).collect::<Result<_, _>>()?;
         Ok(Self { name, shape, fields, is_fortran, stored, from })
+    }
+
+    /// Whether its entries are texts.
+    pub(crate) fn is_text(&self) -> bool {
+        self.stored.iter().any(|of| of.is_text())
+    }
+
+    /// All entries of an array of labels, whole numbers or texts.
+    pub(crate) fn labels(&mut self) -> Result<Vec<String>, String> {
+        let count = self.shape.iter().product::<usize>();
+        if !self.is_text() {
+            return Ok(self.take(count)?.into_iter().map(|number| number.x.to_string()).collect());
+        }
+        let stored = self.stored[0];
+        let mut found = Vec::new();
+        let mut bytes = vec![0_u8; stored.size];
+        for _ in 0..count {
+            self.from.read_exact(&mut bytes).map_err(|error| error.to_string())?;
+            found.push(stored.text(&bytes));
+        }
+        Ok(found)
     }
 
     /// The next record; `None` at the end of the stream.

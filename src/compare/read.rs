@@ -10,6 +10,7 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// So many lines show with how many digits a column is written.
@@ -38,6 +39,18 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The same numbers where they went through single precision.
+    pub(crate) fn single(&self) -> Self {
+        let mut found = self.clone();
+        let motions = found.nodes.values_mut().flatten().map(|(_, number)| number);
+        let outputs = found.elements.values_mut().flatten().map(|(.., number)| number);
+        let forces = found.forces.values_mut().flatten().map(|(.., number)| number);
+        for number in motions.chain(outputs).chain(forces) {
+            *number = number.single();
+        }
+        found
+    }
+
     /// Whether it holds something to be compared.
     pub fn tells(&self) -> bool {
         !self.elements.is_empty() || !self.forces.is_empty()
@@ -124,18 +137,37 @@ impl Results {
     /// # Errors
     /// What cannot be read, with file and line; or the first of `take`.
     pub fn each(&self, mut take: impl FnMut(&Frame) -> Result<(), String>) -> Result<(), String> {
+        self.each_until(|frame| take(frame).map(ControlFlow::Continue))
+    }
+
+    /// The same, until `take` has seen enough.
+    pub(crate) fn each_until(
+        &self,
+        mut take: impl FnMut(&Frame) -> Result<ControlFlow<()>, String>,
+    ) -> Result<(), String> {
         if !self.interpolates {
-            return self.each_as_it_is(|frame| take(&frame));
+            return self.each_as_it_is(|frame| take(&frame)).map(|_| ());
         }
         if self.map.rotations == Rotations::Incremental {
             return Err("rotations since the state before are not interpolated: give total ones".into());
         }
         let mut between = Between::default();
-        self.each_as_it_is(|frame| between.push(frame).iter().try_for_each(&mut take))?;
-        between.rest().iter().try_for_each(take)
+        let mut all = |frames: &[Frame]| {
+            for frame in frames {
+                if take(frame)?.is_break() {
+                    return Ok(ControlFlow::Break(()));
+                }
+            }
+            Ok(ControlFlow::Continue(()))
+        };
+        let flow = self.each_as_it_is(|frame| all(&between.push(frame)))?;
+        if flow.is_continue() { all(&between.rest()).map(|_| ()) } else { Ok(()) }
     }
 
-    fn each_as_it_is(&self, mut take: impl FnMut(Frame) -> Result<(), String>) -> Result<(), String> {
+    fn each_as_it_is(
+        &self,
+        mut take: impl FnMut(Frame) -> Result<ControlFlow<()>, String>,
+    ) -> Result<ControlFlow<()>, String> {
         let mut streams = Vec::new();
         for file in self.files.iter().filter(|file| !self.is_matrix(file)) {
             streams.push(Frames::open(file, &self.map)?);
@@ -151,7 +183,7 @@ impl Results {
                 .map(|frame| key(frame, frame.time.is_some()))
                 .fold(f64::INFINITY, f64::min);
             if earliest.is_infinite() {
-                return Ok(());
+                return Ok(ControlFlow::Continue(()));
             }
             let mut joined = Frame::default();
             for (head, stream) in heads.iter_mut().zip(&mut streams) {
@@ -183,7 +215,9 @@ impl Results {
                     }
                 }
             }
-            take(joined)?;
+            if take(joined)?.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
         }
     }
 }
@@ -483,7 +517,115 @@ fn json_rows(file: String, from: impl BufRead + 'static, map: Map) -> Rows {
 }
 
 /// The records of arrays: a column for each field or array, several for one of two dimensions.
-fn array_rows(file: String, mut all: Vec<Array>, map: Map) -> Result<Rows, String> {
+fn array_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
+    if all.iter().any(|array| array.shape.len() == 3) && all.iter().any(|array| array.name == "node") {
+        return state_rows(file, all, map);
+    }
+    if let Some(text) = all.iter().find(|array| array.is_text()) {
+        return Err(format!("{file}: {} has texts, and is no array of numbers: leave it out", text.name));
+    }
+    table_rows(file, all, map)
+}
+
+/// The motions of nodes that `pintle states --format npz` writes: by state, node and component, with the labels of the nodes.
+fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
+    let (mut labels, mut by_state, mut by_node) = (Vec::new(), Vec::new(), Vec::new());
+    let mut sizes: Option<(usize, usize)> = None;
+    for mut array in all {
+        if array.name == "node" {
+            labels = array.labels().map_err(|why| format!("{file}: node: {why}"))?;
+            continue;
+        }
+        let name = array.name.clone();
+        let columns: Option<Vec<Column>> = match name.as_str() {
+            "state" => Some(vec![Column::State]),
+            "time" => Some(vec![Column::Time]),
+            "flow" => Some(vec![Column::Motion(Motion::Flow)]),
+            "u" => Some((0..3).map(|i| Column::Motion(Motion::Displacement(i))).collect()),
+            "quaternion" => Some((0..4).map(|i| Column::Motion(Motion::Quaternion(i))).collect()),
+            "rotation_vector" => Some((0..3).map(|i| Column::Motion(Motion::Rotation(i))).collect()),
+            "velocity" => Some((0..3).map(|i| Column::Motion(Motion::Velocity(i))).collect()),
+            "angular_velocity" => Some((0..3).map(|i| Column::Motion(Motion::AngularVelocity(i))).collect()),
+            "acceleration" => Some((0..3).map(|i| Column::Motion(Motion::Acceleration(i))).collect()),
+            "angular_acceleration" => {
+                Some((0..3).map(|i| Column::Motion(Motion::AngularAcceleration(i))).collect())
+            }
+            // The rates of flows are those of no output of a file.
+            "flow_velocity" | "flow_acceleration" => None,
+            other => {
+                return Err(format!(
+                    "{file}: there is no array {other} of states by node; there are state, time, node, u, quaternion or \
+                     rotation_vector, flow, and their velocity and acceleration"
+                ));
+            }
+        };
+        let Some(columns) = columns else { continue };
+        let (is_by_state, wanted) = match columns.first() {
+            Some(Column::State | Column::Time) => (true, 1),
+            _ => (false, if columns.len() == 1 { 2 } else { 3 }),
+        };
+        let shape = array.shape.clone();
+        let is_right = shape.len() == wanted
+            && !array.is_fortran
+            && !array.is_text()
+            && array.fields.len() == 1
+            && (wanted < 3 || shape[2] == columns.len());
+        if !is_right {
+            return Err(format!(
+                "{file}: {name} has the shape {shape:?}; it is to be by state, node, component"
+            ));
+        }
+        if is_by_state {
+            by_state.push((array, columns));
+        } else {
+            let found = (shape[0], shape[1]);
+            if sizes.is_some_and(|sizes| sizes != found) {
+                return Err(format!("{file}: {name} has {found:?} states and nodes, and others {sizes:?}"));
+            }
+            sizes = Some(found);
+            by_node.push((array, columns));
+        }
+    }
+    let (states, nodes) = sizes.ok_or_else(|| format!("{file}: no array has motions by state and node"))?;
+    if labels.len() != nodes {
+        return Err(format!("{file}: {} labels in node, and motions of {nodes} nodes", labels.len()));
+    }
+    let (mut read, mut number, mut time) = (0, None, None);
+    Ok(Box::new(std::iter::from_fn(move || {
+        if read == states * nodes {
+            return None;
+        }
+        let (state, node) = (read / nodes, read % nodes);
+        read += 1;
+        let place = format!("{file}, state {state}, node {}", labels[node]);
+        let mut row = Row { place, node: Some(label(&labels[node])), ..Row::default() };
+        let all = |arrays: &mut Vec<(Array, Vec<Column>)>, row: &mut Row| -> Result<(), String> {
+            for (array, columns) in arrays {
+                let numbers = array
+                    .take(columns.len())
+                    .map_err(|why| format!("{}: {}: {why}", row.place, array.name))?;
+                for (number, column) in numbers.into_iter().zip(columns) {
+                    if !number.x.is_finite() {
+                        return Err(format!("{}: {} is not finite", row.place, array.name));
+                    }
+                    row.put_number(*column, number, &map);
+                }
+            }
+            Ok(())
+        };
+        if node == 0 {
+            if let Err(why) = all(&mut by_state, &mut row) {
+                return Some(Err(why));
+            }
+            (number, time) = (row.number, row.time);
+        }
+        (row.number, row.time) = (number, time);
+        Some(all(&mut by_node, &mut row).map(|()| row))
+    })))
+}
+
+/// A line for each state.
+fn table_rows(file: String, mut all: Vec<Array>, map: Map) -> Result<Rows, String> {
     let mut columns: Vec<(Column, String)> = Vec::new();
     let mut count = None;
     for array in &all {

@@ -13,6 +13,7 @@ use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
 use pintle_scene::{Scene, State};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 
 /// Why rates are not compared.
 const NO_RATES: &str = "the files have no such rates of nodes";
@@ -84,16 +85,20 @@ pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Compar
     if !survey.has_outputs && !survey.has_forces && matrices.is_empty() {
         return Err("no file has an output of connectors (CU1, CP1, CTF1 …), a force at nodes (RF1 …) or a matrix: there is nothing to compare; print it with *EL PRINT: CU, CTF".into());
     }
-    let (mut comparison, _) = run(scene, model, results, (&survey, false))?;
+    let (mut comparison, single) = judge(scene, model, results, (&survey, Depth::All))?;
     if comparison.wrong() > 0 {
         comparison.cause = other_maps(&results.map, &survey).into_iter().find_map(|(changed, words)| {
             let mut other = results.clone();
             other.map = changed;
-            let (tried, _) = run(scene, model, &other, (&survey, false)).ok()?;
+            let (tried, _) = judge(scene, model, &other, (&survey, Depth::FirstWrong)).ok()?;
             (tried.compared() > 0 && tried.wrong() == 0).then_some(words)
         });
+        if comparison.cause.is_none() && single {
+            comparison.cause =
+                Some("numbers went through single precision: single = true in the map".to_string());
+        }
         if comparison.cause.is_none() {
-            let (_, alternatives) = run(scene, model, results, (&survey, true))?;
+            let alternatives = alternatives(scene, model, results, (&survey, &comparison.series))?;
             explain_all(&mut comparison.series, &alternatives);
         }
     }
@@ -123,7 +128,7 @@ fn explain_all(all: &mut [Series], alternatives: &Alternatives) {
     }
 }
 
-/// Other meanings of the motion, which explain everything at once.
+/// Other meanings of the motion, which explain everything at once. Most are refuted at the first states.
 fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
     let mut found = Vec::new();
     if !survey.turned.is_empty() && map.rotation_angles == Angle::Radian {
@@ -146,10 +151,6 @@ fn other_maps(map: &Map, survey: &Survey) -> Vec<(Map, String)> {
     {
         let changed = Map { length: map.length * length, ..map.clone() };
         found.push((changed, format!("lengths are in {words}: length = {length} in the map")));
-    }
-    if !map.single {
-        let changed = Map { single: true, ..map.clone() };
-        found.push((changed, "numbers went through single precision: single = true in the map".to_string()));
     }
     found
 }
@@ -324,13 +325,37 @@ impl Judging<'_> {
     }
 }
 
-/// One pass through all frames; with what each number may be besides, where that is looked for.
-fn run(
+/// How far a pass goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Depth {
+    All,
+    /// To the first number that is wrong.
+    FirstWrong,
+}
+
+/// A scene along the motion of files.
+struct Walk<'a> {
+    evaluator: &'a Evaluator<'a>,
+    sequence: Sequence<'a>,
+    motions: Motions,
+    frames: u64,
+}
+
+impl Walk<'_> {
+    /// What a frame is known by.
+    fn at(&mut self, frame: &Frame) -> f64 {
+        self.frames += 1;
+        frame.time.or(frame.number.map(|n| n as f64)).unwrap_or(self.frames as f64 - 1.0)
+    }
+}
+
+/// Makes a walk, and does something with it.
+fn walk<T>(
     scene: &Scene,
     model: &Model,
-    results: &Results,
-    (survey, explains): (&Survey, bool),
-) -> Result<(Comparison, Alternatives), String> {
+    (results, survey): (&Results, &Survey),
+    with: impl FnOnce(Walk<'_>) -> Result<T, String>,
+) -> Result<T, String> {
     if model.connectors.is_empty() {
         return Err(format!("{} has no connector", scene.name));
     }
@@ -341,56 +366,118 @@ fn run(
     if !survey.has_rates[0] {
         sequence.set_velocities(Velocities::Increments);
     }
-    let mut motions = Motions::new(scene, &results.map);
-    let kept = survey.kept();
-    let mut judging = Judging {
-        evaluator: &evaluator,
-        series: BTreeMap::new(),
-        unjudged: BTreeMap::new(),
-        kept,
-        has_rates: survey.has_rates,
-    };
-    let mut alternatives = Alternatives::default();
-    let mut comparison = Comparison::default();
-    let mut before = sequence.clone();
-    let mut is_wrong = false;
-    results.each(|frame| {
-        comparison.frames += 1;
-        comparison.between += u64::from(frame.is_between);
-        let at = frame.time.or(frame.number.map(|n| n as f64)).unwrap_or(comparison.frames as f64 - 1.0);
-        if !frame.moves {
-            judging.points(frame, at, None);
-            return Ok(());
-        }
-        comparison.moved += 1;
-        before.clone_from(&sequence);
-        let state = motions.state(frame)?;
-        let known = evaluator.at(&mut sequence, &state, (frame, explains && frame.tells()));
-        let mut suspects: Vec<(Key, String, Point)> = Vec::new();
-        for (key, type_name, point) in judging.points(frame, at, Some((&known, &state))) {
-            let wrong = judging.series.get(&key).map_or(0, |of| of.wrong);
-            if point.is_wrong() && (wrong < SURE || point.units() < 100.0) {
-                suspects.push((key, type_name, point));
-            } else {
-                is_wrong |= point.is_wrong();
-                judging.add(&key, &type_name, point);
+    let motions = Motions::new(scene, &results.map);
+    with(Walk { evaluator: &evaluator, sequence, motions, frames: 0 })
+}
+
+/// One pass through the frames; with whether single precision explains all that is wrong.
+fn judge(
+    scene: &Scene,
+    model: &Model,
+    results: &Results,
+    (survey, depth): (&Survey, Depth),
+) -> Result<(Comparison, bool), String> {
+    walk(scene, model, (results, survey), |mut walk| {
+        let evaluator = walk.evaluator;
+        let judging = || Judging {
+            evaluator,
+            series: BTreeMap::new(),
+            unjudged: BTreeMap::new(),
+            kept: survey.kept(),
+            has_rates: survey.has_rates,
+        };
+        let (mut judging, mut aside) = (judging(), judging());
+        let mut comparison = Comparison::default();
+        let mut before = walk.sequence.clone();
+        let mut is_single = depth == Depth::All && !results.map.single;
+        results.each_until(|frame| {
+            comparison.frames += 1;
+            comparison.between += u64::from(frame.is_between);
+            let at = walk.at(frame);
+            if !frame.moves {
+                judging.points(frame, at, None);
+                return Ok(ControlFlow::Continue(()));
             }
-        }
-        let keys: Vec<Key> = suspects.iter().map(|(key, ..)| key.clone()).collect();
-        let more = evaluator.uncertain(&before, (&state, frame, &known), &motions, &keys);
-        for ((key, type_name, point), more) in suspects.into_iter().zip(more) {
-            let point = Point { allowed: point.allowed + more, ..point };
-            is_wrong |= point.is_wrong();
-            judging.add(&key, &type_name, point);
-        }
-        if explains && frame.tells() {
-            alternatives.add(at, known, |element| frame.elements.contains_key(element), (kept, is_wrong));
-        }
-        Ok(())
-    })?;
-    comparison.series = judging.series.into_values().collect();
-    comparison.unjudged = judging.unjudged.into_values().collect();
-    Ok((comparison, alternatives))
+            comparison.moved += 1;
+            before.clone_from(&walk.sequence);
+            let state = walk.motions.state(frame)?;
+            let known = evaluator.at(&mut walk.sequence, &state, (frame, false));
+            let mut suspects: Vec<(Key, String, Point)> = Vec::new();
+            let mut wrong_here: Vec<Key> = Vec::new();
+            let mut add = |judging: &mut Judging<'_>, (key, type_name, point): (Key, String, Point)| {
+                if point.is_wrong() {
+                    wrong_here.push(key.clone());
+                }
+                judging.add(&key, &type_name, point);
+            };
+            for (key, type_name, point) in judging.points(frame, at, Some((&known, &state))) {
+                let wrong = judging.series.get(&key).map_or(0, |of| of.wrong);
+                if point.is_wrong() && (wrong < SURE || point.units() < 100.0) {
+                    suspects.push((key, type_name, point));
+                } else {
+                    add(&mut judging, (key, type_name, point));
+                }
+            }
+            let keys: Vec<Key> = suspects.iter().map(|(key, ..)| key.clone()).collect();
+            let more = evaluator.uncertain(&before, (&state, frame, &known), &walk.motions, &keys);
+            for ((key, type_name, point), more) in suspects.into_iter().zip(more) {
+                add(&mut judging, (key, type_name, Point { allowed: point.allowed + more, ..point }));
+            }
+            if is_single && !wrong_here.is_empty() {
+                // Single precision changes no number, but what it stands for.
+                let frame = &frame.single();
+                let known = evaluator.at(&mut before.clone(), &state, (frame, false));
+                let more = evaluator.uncertain(&before, (&state, frame, &known), &walk.motions, &wrong_here);
+                let points = aside.points(frame, at, Some((&known, &state)));
+                is_single = wrong_here.iter().zip(more).all(|(key, more)| {
+                    points.iter().any(|(of, _, point)| {
+                        of == key && !Point { allowed: point.allowed + more, ..*point }.is_wrong()
+                    })
+                });
+            }
+            let is_enough = depth == Depth::FirstWrong && !wrong_here.is_empty();
+            Ok(if is_enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        })?;
+        comparison.series = judging.series.into_values().collect();
+        comparison.unjudged = judging.unjudged.into_values().collect();
+        Ok((comparison, is_single))
+    })
+}
+
+/// What the numbers may be besides, at the states that the wrong series have kept: one pass, to the last of them.
+fn alternatives(
+    scene: &Scene,
+    model: &Model,
+    results: &Results,
+    (survey, series): (&Survey, &[Series]),
+) -> Result<Alternatives, String> {
+    let spans: Vec<[f64; 2]> = series
+        .iter()
+        .filter(|series| series.wrong > 0)
+        .filter_map(|series| Some([series.points.first()?.at, series.points.last()?.at]))
+        .collect();
+    walk(scene, model, (results, survey), |mut walk| {
+        let mut found = Alternatives::default();
+        let mut left = survey.kept();
+        results.each_until(|frame| {
+            let at = walk.at(frame);
+            if left == 0 || spans.iter().all(|[_, last]| at > *last) {
+                return Ok(ControlFlow::Break(()));
+            }
+            if !frame.moves {
+                return Ok(ControlFlow::Continue(()));
+            }
+            let tells = frame.tells() && spans.iter().any(|[first, last]| (*first..=*last).contains(&at));
+            let state = walk.motions.state(frame)?;
+            let known = walk.evaluator.at(&mut walk.sequence, &state, (frame, tells));
+            if tells {
+                found.add(at, known, |element| frame.elements.contains_key(element));
+                left -= 1;
+            }
+            Ok(ControlFlow::Continue(()))
+        })?;
+        Ok(found)
+    })
 }
 
 #[cfg(test)]
@@ -410,9 +497,7 @@ mod tests {
         }
         let scene = Scene::parse("none.inp", "*NODE\n1, 0., 0., 0.\n").unwrap();
         let model = Model::compile(&scene).unwrap();
-        assert!(
-            run(&scene, &model, &Results::new(Vec::new(), Map::default()), (&Survey::default(), false))
-                .is_err()
-        );
+        let results = Results::new(Vec::new(), Map::default());
+        assert!(judge(&scene, &model, &results, (&Survey::default(), Depth::All)).is_err());
     }
 }

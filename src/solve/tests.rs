@@ -352,6 +352,28 @@ fn obeys(name: &str, allowed: f64, expected: usize, seen: &mut Seen) {
     meets(name, &one, seen);
 }
 
+/// Where states are asked for shifts the steps, and so what Newton's method meets as a force passes zero. It changes no event.
+#[test]
+fn times_that_are_asked_for_change_no_event() {
+    let drawn = (1..=12).map(|i| vec![0.026 * f64::from(i), 0.065 * f64::from(i), 0.7, 1.3]);
+    let all: Vec<Vec<f64>> = drawn.chain([vec![0.1], vec![0.1, 0.25, 0.7, 1.0, 1.3]]).collect();
+    let (mut lists, mut events) = (0, 0);
+    for (name, allowed, expected) in EXPECTED.into_iter().filter(|(name, ..)| name.starts_with("static_")) {
+        let deck = reference(name);
+        for times in &all {
+            let options = Options { times: times.clone(), most_steps: FEW, ..Options::default() };
+            let one: Solution<f64> = solved(deck, &options);
+            let other: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..options });
+            let apart = one.difference(&other, 1.0);
+            assert!(apart.largest() <= allowed, "{name} at {times:?}: {apart:?}");
+            assert_eq!(one.events.len(), expected, "{name} at {times:?}");
+            (lists, events) = (lists + 1, events + one.events.len());
+        }
+    }
+    println!("{lists} lists of times, {events} events");
+    assert!(lists >= 50 && events >= 100, "{lists} lists, {events} events");
+}
+
 #[test]
 fn references_obey_their_laws() {
     let mut seen = Seen::default();

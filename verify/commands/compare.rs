@@ -419,6 +419,56 @@ fn read_matrix(path: &Path) -> Vec<Vec<f64>> {
     matrix
 }
 
+const PIN: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 0., 0., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=PIN
+7, 1, 2
+*CONNECTOR SECTION, ELSET=PIN
+CARTESIAN
+";
+
+/// What begins late in a long file is explained by what else the connector gives there.
+#[test]
+fn a_late_fault_of_a_long_file_is_explained() {
+    const BEGINS: i32 = 6_000;
+    let mut table = "Time,Node,U1,U2,Element,CU1,CU2\n".to_string();
+    for i in 0..9_000 {
+        let one = (f64::from(i) / 50.0).sin();
+        let other = one + 0.01 * f64::from((i - BEGINS).max(0));
+        let _ = writeln!(table, "{},2,{one:.6},{other:.6},7,{other:.6},{one:.6}", f64::from(i) / 8.0);
+    }
+    let files = [("deck.inp", PIN), ("long.csv", table.as_str())];
+    let (code, told) = run_in("late", &files, &["--against", "long.csv"]);
+    assert_eq!(code, Some(1), "{told}");
+    for words in [
+        "5998 of 18000 numbers differ",
+        "from 750.125 on",
+        "it is CP2: components are exchanged",
+        "it is CP1: components are exchanged",
+    ] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+}
+
+/// Numbers that went through single precision are named as such, unless one is wrong besides.
+#[test]
+fn single_precision_is_told_unless_something_refutes_it() {
+    for wrong in [None, Some(700)] {
+        let mut table = "Time,Node,U1,Element,CU1\n".to_string();
+        for i in 0..1_000 {
+            let u = (f64::from(i) / 50.0).sin();
+            let got = f64::from(u as f32) + if wrong == Some(i) { 1e-5 } else { 0.0 };
+            let _ = writeln!(table, "{},2,{u:.12},7,{got:.12}", f64::from(i) / 8.0);
+        }
+        let files = [("deck.inp", PIN), ("single.csv", table.as_str())];
+        let (code, told) = run_in("single", &files, &["--against", "single.csv"]);
+        assert_eq!(code, Some(1), "{told}");
+        assert_eq!(told.contains("single = true in the map"), wrong.is_none(), "{told}");
+    }
+}
+
 /// Jacobians of drawn types agree in every format, and drawn departures from pintle's conventions are named; a single wrong entry is
 /// named under the right one.
 #[test]

@@ -1,5 +1,7 @@
 //! A check at somebody's own states, of a constraint of a scene, and with answers as bytes.
 
+mod asked; // where and how a routine is asked
+
 use crate::commands::cli::{pintle, stderr, stdout};
 use crate::commands::export::python;
 use serde_json::Value;

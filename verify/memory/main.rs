@@ -177,3 +177,58 @@ fn memory_does_not_grow_with_forces() {
         assert!((many as f64) < 1.2 * few as f64, "{few} bytes for {FEW} states, {many} for {MANY}");
     }
 }
+
+/// Results of other programs are held for one state, too: a list in JSON, lines of JSON, a table.
+#[test]
+fn memory_does_not_grow_with_results() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=PIN\n7, 1, 2\n*CONNECTOR SECTION, ELSET=PIN\nCARTESIAN\n";
+    let scene = Scene::parse("pin.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    // More than are kept of a series.
+    let (few, many) = (6_000, 40_000);
+    let write = |states: u32, ending: &str| {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("memory-results-{states}.{ending}"));
+        let mut out = BufWriter::new(File::create(&path).unwrap());
+        let [first, between, last] = match ending {
+            "json" => ["[\n", ",\n", "\n]\n"],
+            "jsonl" => ["", "\n", "\n"],
+            _ => ["time,node,U1,element,CU1\n", "\n", "\n"],
+        };
+        out.write_all(first.as_bytes()).unwrap();
+        for state in 0..states {
+            let (time, u) = (f64::from(state) * 0.125, f64::from(state % 64) * 0.5);
+            if state > 0 {
+                out.write_all(between.as_bytes()).unwrap();
+            }
+            match ending {
+                "csv" => write!(out, "{time},2,{u:.2},7,{u:.2}").unwrap(),
+                _ => write!(
+                    out,
+                    "{{\"time\": {time}, \"node\": \"2\", \"U1\": {u:.2}, \"element\": \"7\", \"CU1\": {u:.2}}}"
+                )
+                .unwrap(),
+            }
+        }
+        out.write_all(last.as_bytes()).unwrap();
+        out.flush().unwrap();
+        path
+    };
+    let peak = |path: &Path, states: u32| {
+        let results = pintle_compare::Results::new(vec![path.to_path_buf()], pintle_compare::Map::default());
+        ALLOCATOR.reset_peak_usage();
+        let before = ALLOCATOR.current_usage();
+        let found = pintle_compare::compare(&scene, &model, &results).unwrap();
+        assert_eq!((found.compared(), found.wrong()), (u64::from(states), 0));
+        ALLOCATOR.peak_usage() - before
+    };
+    for ending in ["csv", "jsonl", "json"] {
+        let [one, other] = [few, many].map(|states| (write(states, ending), states));
+        let [of_few, of_many] = [one, other].map(|(path, states)| peak(&path, states));
+        println!("{ending}: {of_few} bytes for {few} states, {of_many} for {many}");
+        assert!(
+            (of_many as f64) < 1.2 * of_few as f64,
+            "{ending}: {of_few} bytes for {few}, {of_many} for {many}"
+        );
+    }
+}

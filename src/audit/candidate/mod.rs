@@ -26,6 +26,7 @@
 //! ```
 
 mod constraint;
+mod domain;
 mod element;
 mod friction;
 mod given;
@@ -33,6 +34,7 @@ mod right;
 mod tables;
 
 pub use constraint::ConstraintCandidate;
+pub use domain::Domain;
 pub use friction::FrictionCandidate;
 pub use given::{Given, Question, Tangent};
 pub use right::Right;
@@ -81,6 +83,7 @@ pub struct Candidate<'a> {
     springs: [Option<f64>; 6],
     tangent: Tangent,
     at: Option<&'a [Case]>,
+    domain: Domain,
 }
 
 /// How many states are asked for at once.
@@ -116,7 +119,15 @@ impl<'a> Candidate<'a> {
             springs: [None; 6],
             tangent: Tangent::default(),
             at: None,
+            domain: Domain::default(),
         }
+    }
+
+    /// Draws within a domain. The initial state is asked for where it lies there; differences reach a little beyond.
+    #[must_use]
+    pub fn within(mut self, domain: Domain) -> Self {
+        self.domain = domain;
+        self
     }
 
     /// Another number of states, oracles or seed.
@@ -240,7 +251,8 @@ impl<'a> Candidate<'a> {
                 None if i < regular => about_initial(self.definition, i, length, name, &mut draw),
                 drawn => drawn,
             };
-            Some((i, case?))
+            // Near singular sets is where they are.
+            Some((i, self.domain.brought(case?, i >= regular)?))
         })
     }
 

@@ -171,20 +171,24 @@ pub(super) fn index<T: PartialEq>(all: &[T], one: T) -> usize {
 }
 
 /// The conventions found so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Fits {
     pub(super) all: Vec<Fit>,
+    /// The least total so far.
+    best: f64,
     /// Whether there were more than are kept.
     pub(super) is_cut: bool,
 }
 
-impl Fits {
-    /// The least total so far.
-    fn best(&self) -> f64 {
-        self.all.iter().map(Fit::total).fold(f64::INFINITY, f64::min)
+impl Default for Fits {
+    fn default() -> Self {
+        Self { all: Vec::new(), best: f64::INFINITY, is_cut: false }
     }
+}
 
+impl Fits {
     fn add(&mut self, fit: Fit) {
+        self.best = self.best.min(fit.total());
         if self.all.len() < KEPT {
             self.all.push(fit);
         } else {
@@ -194,7 +198,7 @@ impl Fits {
 
     /// Without what is neither right throughout nor the simplest.
     pub(super) fn settle(&mut self) {
-        let best = self.best();
+        let best = self.best;
         self.all.retain(|fit| fit.wrong == 0 || fit.total() <= best);
         self.all.sort_by(|one, other| one.total().total_cmp(&other.total()));
     }
@@ -234,7 +238,7 @@ fn units(stored: &Stored, expected: &Expected) -> Vec<Units> {
                     right.extend(telling.map(|number| number.x.abs()));
                 }
             }
-            right.sort_by(f64::total_cmp);
+            right.sort_unstable_by(f64::total_cmp);
             right.dedup();
             if right.is_empty() {
                 allowed.push(None);
@@ -306,7 +310,7 @@ fn unexplained(stored: &Stored, expected: &Expected, all: &[Units]) -> usize {
             }
         }
     }
-    sizes.sort_by(f64::total_cmp);
+    sizes.sort_unstable_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(0.0);
     let is_unexplained = |x: &&f64| {
         let x = x.abs();
@@ -367,72 +371,72 @@ impl Tally {
 /// How many forms a block has at most.
 const FORMS: usize = Variation::ALL.len();
 
-/// What orders share: by line, expected line and sign, the wrong entries of each form.
+/// What orders share: by expected line and sign, the wrong entries of each form.
 type Shared = Rc<Vec<[u8; FORMS]>>;
 
-/// How many entries of three columns are wrong, were they that block: by line, expected line and sign, then by form. Orders share them.
+/// How many entries of a line in three columns are wrong, were they that block: by expected line and sign, then by form. Orders share them,
+/// and most are refused at their first line.
 struct Blocks<'a> {
     stored: &'a Stored,
     expected: &'a Expected,
     units: Units,
-    known: HashMap<(usize, [usize; 3]), Shared>,
-    single: HashMap<(usize, usize), Rc<Vec<u8>>>,
+    known: HashMap<(usize, usize, [usize; 3]), Shared>,
+    single: HashMap<(usize, usize, usize), Rc<Vec<u8>>>,
 }
 
 impl Blocks<'_> {
-    /// Of the block that begins at a place of pintle's, in these columns; none of them is wrong where it is left out.
-    fn of(&mut self, first: usize, columns: [usize; 3]) -> Shared {
-        if let Some(known) = self.known.get(&(first, columns)) {
+    /// Of a line, the block that begins at a place of pintle's, in these columns; nothing is wrong where it is left out.
+    fn of(&mut self, line: usize, first: usize, columns: [usize; 3]) -> Shared {
+        if let Some(known) = self.known.get(&(line, first, columns)) {
             return Rc::clone(known);
         }
         let (end, is_rotation) = (first / 7, first % 7 == 3);
-        let mut found = Vec::new();
-        for line in &self.stored.lines {
-            for (l, is) in self.expected.lines.iter().enumerate() {
-                for sign in [1.0, -1.0] {
-                    let factor = sign * self.units.of_entry(is.unit, is_rotation);
-                    let mut wrong = [[false; 3]; FORMS];
-                    if columns[0] != usize::MAX {
-                        for (state, of) in self.expected.at.iter().enumerate() {
-                            let got = columns.map(|column| self.stored.get(state, *line, column));
-                            let row = &of[l].row;
-                            let forms: &[Block] =
-                                if is_rotation { &row.rotations[end] } else { &row.displacements[end] };
-                            for (wrong, block) in wrong.iter_mut().zip(forms) {
-                                let off = misses(block, factor, got);
-                                *wrong = [0, 1, 2].map(|i| wrong[i] || off[i]);
-                            }
+        let mut found = Vec::with_capacity(2 * self.expected.lines.len());
+        for (l, is) in self.expected.lines.iter().enumerate() {
+            for sign in [1.0, -1.0] {
+                let factor = sign * self.units.of_entry(is.unit, is_rotation);
+                let mut wrong = [[false; 3]; FORMS];
+                if columns[0] != usize::MAX {
+                    for (state, of) in self.expected.at.iter().enumerate() {
+                        let got = columns.map(|column| self.stored.get(state, line, column));
+                        let row = &of[l].row;
+                        let forms: &[Block] =
+                            if is_rotation { &row.rotations[end] } else { &row.displacements[end] };
+                        for (wrong, block) in wrong.iter_mut().zip(forms) {
+                            let off = misses(block, factor, got);
+                            *wrong = [0, 1, 2].map(|i| wrong[i] || off[i]);
+                        }
+                        if wrong[..forms.len()].iter().flatten().all(|is_wrong| *is_wrong) {
+                            break;
                         }
                     }
-                    found.push(wrong.map(|wrong| wrong.into_iter().map(u8::from).sum()));
                 }
+                found.push(wrong.map(|wrong| wrong.into_iter().map(u8::from).sum()));
             }
         }
         let found = Rc::new(found);
-        self.known.insert((first, columns), Rc::clone(&found));
+        self.known.insert((line, first, columns), Rc::clone(&found));
         found
     }
 
     /// The same of a flow or the angle of a hinge.
-    fn of_single(&mut self, place: usize, column: usize) -> Rc<Vec<u8>> {
-        if let Some(known) = self.single.get(&(place, column)) {
+    fn of_single(&mut self, line: usize, place: usize, column: usize) -> Rc<Vec<u8>> {
+        if let Some(known) = self.single.get(&(line, place, column)) {
             return Rc::clone(known);
         }
-        let mut found = Vec::new();
-        for line in &self.stored.lines {
-            for (l, is) in self.expected.lines.iter().enumerate() {
-                for sign in [1.0, -1.0] {
-                    let factor = sign * self.units.of_entry(is.unit, is_rotation(place));
-                    let is_off = |(state, of): (usize, &Vec<Right1>)| {
-                        !of[l].row.by(place).is(self.stored.get(state, *line, column), factor)
-                    };
-                    let is_wrong = column != usize::MAX && self.expected.at.iter().enumerate().any(is_off);
-                    found.push(u8::from(is_wrong));
-                }
+        let mut found = Vec::with_capacity(2 * self.expected.lines.len());
+        for (l, is) in self.expected.lines.iter().enumerate() {
+            for sign in [1.0, -1.0] {
+                let factor = sign * self.units.of_entry(is.unit, is_rotation(place));
+                let is_off = |(state, of): (usize, &Vec<Right1>)| {
+                    !of[l].row.by(place).is(self.stored.get(state, line, column), factor)
+                };
+                let is_wrong = column != usize::MAX && self.expected.at.iter().enumerate().any(is_off);
+                found.push(u8::from(is_wrong));
             }
         }
         let found = Rc::new(found);
-        self.single.insert((place, column), Rc::clone(&found));
+        self.single.insert((line, place, column), Rc::clone(&found));
         found
     }
 }
@@ -491,7 +495,7 @@ impl Search<'_> {
 
     /// How many entries may be wrong where the rest costs so much, that it is still among the best.
     fn budget(&self, cost: f64) -> usize {
-        let left = (self.fits.best() - cost) / WRONG;
+        let left = (self.fits.best - cost) / WRONG;
         if left < self.most as f64 { left.max(0.0) as usize } else { self.most }
     }
 
@@ -503,16 +507,16 @@ impl Search<'_> {
             at[*place] = column;
         }
         let columns = |first: usize| [0, 1, 2].map(|i| at[first + i]);
-        let parts = [0, 3, 7, 10].map(|first| blocks.of(first, columns(first)));
-        let single = PLACES.map(|place| blocks.of_single(place, at[place]));
         let expected = blocks.expected.lines.len();
         let (mut least, mut found) = (0_usize, Vec::new());
-        for line in 0..blocks.stored.lines.len() {
+        for line in &blocks.stored.lines {
+            let parts = [0, 3, 7, 10].map(|first| blocks.of(*line, first, columns(first)));
+            let single = PLACES.map(|place| blocks.of_single(*line, place, at[place]));
             let mut best = usize::MAX;
             let of_line: Vec<[Tally; 2]> = (0..expected)
                 .map(|l| {
                     [0, 1].map(|sign| {
-                        let n = (line * expected + l) * 2 + sign;
+                        let n = 2 * l + sign;
                         let frames = |part: &[[u8; FORMS]]| [0, 1, 2, 3].map(|m| part[n][m]);
                         let tally = Tally {
                             displacements: [frames(&parts[0]), frames(&parts[2])],
@@ -635,7 +639,7 @@ impl Search<'_> {
                     continue;
                 }
                 fit.wrong += wrong;
-                if fit.wrong == 0 || fit.total() <= self.fits.best() {
+                if fit.wrong == 0 || fit.total() <= self.fits.best {
                     self.fits.add(fit);
                 }
             }

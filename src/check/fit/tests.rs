@@ -191,18 +191,20 @@ fn says_the_same(
 /// not seen.
 #[test]
 fn drawn_conventions_are_found() {
-    let per_type = std::env::var("PINTLE_CONVENTIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let per_type: u32 = std::env::var("PINTLE_CONVENTIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
     let (mut tried, mut unique, mut slowest) = (0, 0, 0.0_f64);
     for connection in TABLE.iter() {
         let definition = of_type(connection);
         let states = generic_states(&definition, "seen", 2);
         let others = generic_states(&definition, "unseen", 2);
         let mut draw = Draw::new(&format!("conventions of {}", connection.name));
+        let (mut of_type, mut spent, mut longest) = (0, 0.0, 0.0_f64);
         for _ in 0..per_type {
             let convention = drawn(&definition, &mut draw);
             let begun = std::time::Instant::now();
             let found = found(&definition, &states, &convention);
-            slowest = slowest.max(begun.elapsed().as_secs_f64());
+            let took = begun.elapsed().as_secs_f64();
+            (spent, longest) = (spent + took, longest.max(took));
             let name = &connection.name;
             assert!(found.wrong.is_empty(), "{name}: {}\n{:#?}", convention.to_toml(), found.wrong);
             assert!(
@@ -213,8 +215,15 @@ fn drawn_conventions_are_found() {
                 found.open
             );
             tried += 1;
-            unique += usize::from(found.count == 1);
+            of_type += usize::from(found.count == 1);
         }
+        let mean = 1e3 * spent / f64::from(per_type);
+        println!(
+            "{}: {per_type} found, {of_type} of them the only one, in {mean:.0} ms, {longest:.2} s at most",
+            connection.name
+        );
+        unique += of_type;
+        slowest = slowest.max(longest);
     }
     println!("{tried} conventions, {unique} of them the only one, the slowest in {slowest:.2} s");
     assert!(tried >= 31 * per_type);
@@ -230,6 +239,7 @@ fn a_wrong_entry_is_named_under_the_right_convention() {
         let states = generic_states(&definition, "seen", 2);
         let others = generic_states(&definition, "unseen", 2);
         let mut draw = Draw::new(&format!("wrong entries of {}", connection.name));
+        let before = named;
         for _ in 0..per_type {
             let convention = drawn(&definition, &mut draw);
             let mut all: Vec<GivenRows> =
@@ -267,6 +277,7 @@ fn a_wrong_entry_is_named_under_the_right_convention() {
                 ));
             }
         }
+        println!("{}: {} of {per_type} wrong entries named", connection.name, named - before);
     }
     println!("{named} of {tried} wrong entries named");
     assert!(tried >= 31 * per_type);

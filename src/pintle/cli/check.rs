@@ -2,11 +2,12 @@
 
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
-use super::subject::{At, found, named};
+use super::subject::{At, found, named, of_scene};
 use super::tell::complain;
 use super::{Failure, fit, page_width};
 use clap::{ArgGroup, Args};
-use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
+use pintle_audit::{Domain, Report};
+use pintle_check::{Asked, Checked, Convention, Misbehaviour, Patience, Process};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -52,6 +53,8 @@ the initial one: nodes 1 (a) and 2 (b) of a TYPE, those of the scene otherwise.
 Examples:
   pintle check AXIAL --python my_elements:axial
   pintle check model.inp:106 --at run.csv --python my_elements:translator
+  pintle check model.inp --python my_elements:every_type
+  pintle check CARTESIAN --within x1=-0.1:0.1,r3=0:1 --python my_elements:cartesian
   pintle check model.inp:106 --with './my_element --json'
   pintle check REVOLUTE --python my_elements:hinge --fit-convention
   pintle check REVOLUTE --at states.csv --answers rows.json --fit-convention
@@ -64,9 +67,9 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 #[command(after_long_help = HELP)]
 #[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header", "answers"])))]
 pub(crate) struct Check {
-    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT; a constraint, "MPC KIND" or
+    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT, or all of them, SCENE; a constraint, "MPC KIND" or
     /// "MPC SCENE:S-M…" by its nodes; or the friction of a type or connector, "FRICTION TYPE"
-    #[arg(value_name = "TYPE|SCENE:ELEMENT|MPC …|FRICTION …", required_unless_present = "header")]
+    #[arg(value_name = "TYPE|SCENE[:ELEMENT]|MPC …|FRICTION …", required_unless_present = "header")]
     of: Option<String>,
     /// The command that starts the routine, for a shell
     #[arg(long, value_name = "COMMAND")]
@@ -113,6 +116,10 @@ pub(crate) struct Check {
     /// The states of --at are no history: each follows the initial state
     #[arg(long, requires = "at")]
     independent: bool,
+    /// Where states are drawn: x1, x2, x3 of b seen from a, along the axes of a; r1, r2, r3 of the rotation of b against a since
+    /// the initial state (rad)
+    #[arg(long, value_name = "x1=LOW:HIGH,…", conflicts_with = "at", allow_hyphen_values = true)]
+    within: Option<Domain>,
     /// The stiffness of each component of an element of springs that gives element_forces: six numbers, - for none
     #[arg(long, value_name = "D1,…,D6", allow_hyphen_values = true, value_parser = springs)]
     springs: Option<Springs>,
@@ -198,6 +205,56 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         fit::tell(&found, fit::Of::Connector(&subject.definition, subject.nodes), &gaps)?;
         return if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) };
     }
+    let Some(connectors) = of_scene(of)? else {
+        let (name, checked) = one(arguments, of)?.map_err(misbehaved(arguments))?;
+        tell(arguments, &name, &checked)?;
+        return concluded(arguments, checked.report);
+    };
+    if arguments.fit_convention {
+        return Err(Failure::Usage(format!(
+            "--fit-convention is of one connector: {}",
+            connectors.join(", ")
+        )));
+    }
+    let (mut whole, mut refused): (Option<Report>, Vec<String>) = (None, Vec::new());
+    for of in &connectors {
+        match one(arguments, of)? {
+            Ok((name, checked)) => {
+                tell(arguments, &format!("{name} {of}"), &checked)?;
+                whole = Some(match whole {
+                    Some(whole) => whole.joined(checked.report),
+                    None => checked.report,
+                });
+            }
+            Err(Misbehaviour::Refused(why)) => refused.push(format!("{of}: {why}")),
+            Err(other) => return Err(misbehaved(arguments)(other)),
+        }
+    }
+    let Some(whole) = whole else {
+        return Err(Failure::Input(format!(
+            "the routine covers no connector of the scene:\n  {}",
+            refused.join("\n  ")
+        )));
+    };
+    refused.iter().for_each(|why| complain("note", &format!("not covered, and not judged: {why}")));
+    concluded(arguments, whole)
+}
+
+/// A misbehaviour in words.
+fn misbehaved(arguments: &Check) -> impl Fn(Misbehaviour) -> Failure {
+    let may_fit = !arguments.fit_convention;
+    move |misbehaviour| {
+        let hint = if matches!(misbehaviour, Misbehaviour::WrongShape { .. }) && may_fit {
+            "\n  help: --fit-convention finds in which order and shape a routine gives its rows"
+        } else {
+            ""
+        };
+        Failure::Input(format!("{misbehaviour}{hint}"))
+    }
+}
+
+/// The check of a routine as one subject, with what that is.
+fn one(arguments: &Check, of: &str) -> Result<Result<(String, Checked), Misbehaviour>, Failure> {
     let at = arguments.at.as_deref().map(|file| At { file, independent: arguments.independent });
     let subject = found(of, at)?;
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
@@ -207,14 +264,6 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         (None, None, with) => with.clone().unwrap_or_default(),
     };
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
-    let misbehaved = |misbehaviour: Misbehaviour| {
-        let hint = if matches!(misbehaviour, Misbehaviour::WrongShape { .. }) && !arguments.fit_convention {
-            "\n  help: --fit-convention finds in which order and shape a routine gives its rows"
-        } else {
-            ""
-        };
-        Failure::Input(format!("{misbehaviour}{hint}"))
-    };
     if arguments.fit_convention {
         let about = match &subject {
             pintle_check::Subject::Constraint(constraint, _) => fit::Of::Constraint(constraint),
@@ -228,7 +277,7 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         };
         let found = Process::start(&command, patience)
             .and_then(|process| pintle_check::fit_convention(process, &subject, &arguments.seed))
-            .map_err(misbehaved)?;
+            .map_err(misbehaved(arguments))?;
         fit::tell(&found, about, &[])?;
         println!();
         convention = Some(found.convention);
@@ -242,29 +291,32 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         ..pintle_audit::Settings::default()
     };
     let springs = arguments.springs.unwrap_or_default();
-    let asked = Asked { settings, histories: arguments.histories, convention, springs };
+    let domain = arguments.within.clone();
+    let asked = Asked { settings, histories: arguments.histories, convention, springs, domain };
     let checked =
         Process::start(&command, patience).and_then(|process| pintle_check::check(process, &subject, asked));
-    let checked = checked.map_err(misbehaved)?;
+    Ok(checked.map(|checked| (subject.name(), checked)))
+}
+
+/// A short report for people, and what was not judged.
+fn tell(arguments: &Check, name: &str, checked: &Checked) -> Result<(), Failure> {
     let notes = checked.notes();
-    if matches!(arguments.format, AuditFormat::Human) {
-        let mut out = BufWriter::new(anstream::stdout().lock());
-        pintle_report::audit::checked(
-            &mut out,
-            &checked.report,
-            &subject.name(),
-            &notes,
-            page_width(&io::stdout()),
-        )?;
-        out.flush()?;
-    } else {
+    if !matches!(arguments.format, AuditFormat::Human) {
         notes.iter().for_each(|note| complain("note", note));
+        return Ok(());
     }
+    let mut out = BufWriter::new(anstream::stdout().lock());
+    pintle_report::audit::checked(&mut out, &checked.report, name, &notes, page_width(&io::stdout()))?;
+    Ok(out.flush()?)
+}
+
+/// The whole report, where that is asked for, and the verdict.
+fn concluded(arguments: &Check, report: Report) -> Result<(), Failure> {
     if arguments.verbose || !matches!(arguments.format, AuditFormat::Human) {
-        write(arguments.format, arguments.verbose, &checked.report)?;
+        write(arguments.format, arguments.verbose, &report)?;
     }
-    verdict(&checked.report)?;
-    if checked.report.is_open() { Err(Failure::Undecided) } else { Ok(()) }
+    verdict(&report)?;
+    if report.is_open() { Err(Failure::Undecided) } else { Ok(()) }
 }
 
 /// A shared library that is asked by the protocol.

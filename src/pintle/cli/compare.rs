@@ -6,6 +6,7 @@ use super::{Failure, page_width};
 use clap::{Args, ValueEnum};
 use pintle_compare::{Comparison, Map, Results, compare, digits, given, write_junit};
 use pintle_model::evaluate::Model;
+use pintle_scene::StateFile;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -96,9 +97,18 @@ fn map(file: Option<&Path>) -> Result<Map, Failure> {
     Map::from_toml(&text).map_err(named)
 }
 
-/// Whether a file of states is another program's, which pintle compare reads.
+/// Whether a file of states is what pintle compare reads: another program's, or arrays of NumPy.
 pub(crate) fn is_of_another(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dat"))
+    let is = |known: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known));
+    ["dat", "npy", "npz"].into_iter().any(is)
+}
+
+/// The states of a file: pintle's own, another program's, arrays of NumPy.
+pub(crate) fn any_states(
+    path: &Path,
+    scene: &pintle_scene::Scene,
+) -> Result<Vec<pintle_scene::State>, Failure> {
+    if is_of_another(path) { states(path, scene) } else { Ok(StateFile::read(path, scene)?.states) }
 }
 
 /// The states of such a file.

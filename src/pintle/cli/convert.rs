@@ -1,5 +1,6 @@
 //! `pintle convert` and `pintle schema`.
 
+use super::compare::any_states;
 use super::eval;
 use super::tell::{Once, complain};
 use super::{Convert, Described, Failure, Files, SceneFormat};
@@ -45,7 +46,7 @@ pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
         return Err(error.into());
     }
     if let Some(file) = &arguments.states {
-        scene.states = StateFile::read(file, &scene)?.states;
+        scene.states = any_states(file, &scene)?;
     }
     let mut once = Once::default();
     scene.warnings.iter().for_each(|warning| once.show(warning.clone(), |warning| warning));

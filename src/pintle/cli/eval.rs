@@ -1,9 +1,9 @@
 //! `pintle eval`.
 
-use super::compare::is_of_another;
+use super::compare::any_states;
 use super::history::{Assigned, Forces, Given, History, Survey};
 use super::tell::{Once, complain, show_diagnostic};
-use super::{Eval, EvalFormat, Failure, Files, Show, Sign, compare, page_width};
+use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{
@@ -12,7 +12,7 @@ use pintle_model::evaluate::{
 use pintle_report as report;
 use pintle_report::{Block, BlockKind, Format, Subject};
 use pintle_scene::{
-    Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateFile, StateForces, StateIndex,
+    Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateForces, StateIndex,
 };
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -174,8 +174,7 @@ pub(crate) fn read(source: Source<'_>, states: Option<&Path>) -> Result<(Scene, 
         }
     };
     let states = match (states, source) {
-        (Some(file), _) if is_of_another(file) => compare::states(file, &scene)?,
-        (Some(file), _) => StateFile::read(file, &scene)?.states,
+        (Some(file), _) => any_states(file, &scene)?,
         (None, Source::Gallery(example)) => example.states(&scene)?.states,
         (None, Source::File(_)) => scene.states.clone(),
     };

@@ -1,5 +1,6 @@
 //! `pintle check --fit-convention`.
 
+use super::compare::any_states;
 use super::states::deck;
 use super::subject::Subject;
 use super::{Failure, page_width};
@@ -11,7 +12,7 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, Vector, cross, product, transpose};
 use pintle_report::wrap;
-use pintle_scene::{Label, NodeMotion, Scene, StateFile};
+use pintle_scene::{Label, NodeMotion, Scene};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
@@ -42,7 +43,7 @@ pub(crate) fn of_files(
     };
     let scene = scene.or(of_type.as_ref()).ok_or_else(|| Failure::Usage("there is no scene".into()))?;
     let states: Vec<State<f64>> =
-        StateFile::read(at, scene)?.states.iter().map(|state| state_of(subject, state)).collect();
+        any_states(at, scene)?.iter().map(|state| state_of(subject, state)).collect();
     let named = |why: String| Failure::Input(format!("{}: {why}", answers.display()));
     let text = std::fs::read_to_string(answers).map_err(|error| named(error.to_string()))?;
     let given = pintle_check::answers_of_file(&text, states.len()).map_err(named)?;

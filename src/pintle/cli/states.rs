@@ -5,7 +5,7 @@ use super::output::npz::{Array, Items, npz};
 use super::subject::{Subject, named};
 use super::{Failure, Files, compare};
 use clap::{Args, ValueEnum};
-use pintle_audit::{Candidate, Case, Settings};
+use pintle_audit::{Candidate, Case, Domain, Settings};
 use pintle_kinematics::catalog::Orientation;
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::node::Node;
@@ -54,6 +54,9 @@ pub(crate) struct States {
     /// One history, whose states follow one another
     #[arg(long)]
     history: bool,
+    /// Ranges: x1, x2, x3 of b seen from a, along the axes of a; r1, r2, r3 of the rotation of b against a since the initial state (rad)
+    #[arg(long, value_name = "x1=LOW:HIGH,…", conflicts_with_all = ["from", "history"], allow_hyphen_values = true)]
+    within: Option<Domain>,
     /// What random states are drawn from
     #[arg(long, value_name = "WORD", default_value = "pintle")]
     seed: String,
@@ -93,7 +96,9 @@ pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
         seed: arguments.seed.clone(),
         ..Settings::default()
     };
-    let candidate = Candidate::new(&definition.connection.name, &definition).settings(settings);
+    let domain = arguments.within.clone().unwrap_or_default();
+    let candidate =
+        Candidate::new(&definition.connection.name, &definition).settings(settings).within(domain);
     let states: Vec<pintle_scene::State> = if arguments.history {
         let Some(case) = candidate.history(arguments.count as usize) else {
             let message =

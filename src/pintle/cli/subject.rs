@@ -1,5 +1,6 @@
 //! What a routine is to be, as the command line names it, and the states at which it is asked.
 
+use super::compare::any_states;
 use super::eval::{read, source};
 use super::states::deck;
 use super::{Failure, connection};
@@ -12,7 +13,7 @@ use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
-use pintle_scene::{Label, Scene, StateFile};
+use pintle_scene::{Label, Scene};
 use std::path::Path;
 
 /// A connector that is named on the command line.
@@ -71,6 +72,21 @@ pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
     Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
 }
 
+/// The connectors of a bare scene, as `SCENE:ELEMENT` names each; `None` where the name is no scene.
+pub(crate) fn of_scene(name: &str) -> Result<Option<Vec<String>>, Failure> {
+    let is_gallery = name.strip_prefix("gallery:").is_some_and(|rest| !rest.contains(':'));
+    if !is_gallery && !Path::new(name).is_file() {
+        return Ok(None);
+    }
+    let source = source(name)?;
+    let (scene, _) = read(source, None)?;
+    let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+    if model.connectors.is_empty() {
+        return Err(Failure::Input(format!("{name} has no connector; \"MPC SCENE:S-M\" names a constraint")));
+    }
+    Ok(Some(model.connectors.iter().map(|element| format!("{name}:{}", element.label)).collect()))
+}
+
 /// A connector with the states of a file.
 fn connector_with(name: &str, at: At<'_>) -> Result<pintle_check::Subject, Failure> {
     let (model, element, states) = match in_scene(name) {
@@ -83,7 +99,7 @@ fn connector_with(name: &str, at: At<'_>) -> Result<pintle_check::Subject, Failu
         }
         None => {
             let scene = Scene::parse("type.inp", &deck(&of_type(&type_of(name)?)))?;
-            let states = StateFile::read(at.file, &scene)?.states;
+            let states = any_states(at.file, &scene)?;
             (Model::compile(&scene)?, 0, states)
         }
     };

@@ -26,9 +26,19 @@ pub struct Facts<'a> {
     pub difference: Option<&'a Difference>,
     /// Why it ended early.
     pub ended: Option<&'a str>,
+    /// Why the witness ended early, where it alone did.
+    pub witness_ended: Option<&'a str>,
 }
 
 impl Facts<'_> {
+    /// Why no digit is certain.
+    fn doubt(&self) -> String {
+        match self.witness_ended {
+            Some(why) => format!("collocation ended early {why}"),
+            None => "extrapolation and collocation find other events".to_string(),
+        }
+    }
+
     /// The digits that the error leaves.
     fn digits<R: Number>(&self) -> usize {
         let most = if R::ROUNDING < f64::EPSILON / 4.0 { self.digits } else { self.digits.min(16) };
@@ -90,7 +100,7 @@ pub fn human<R: Number>(
                 solution.events.len()
             ),
         )?,
-        Some(_) => say("error", "unknown: extrapolation and collocation find other events")?,
+        Some(_) => say("error", &format!("unknown: {}", facts.doubt()))?,
     }
     if solution.connectors.is_empty()
         || last.is_none_or(|last| last.connectors.iter().all(|of| of.sticks.is_empty()))

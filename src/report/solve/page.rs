@@ -234,7 +234,7 @@ pub fn html<R: Number>(
     };
     let sentence = match (facts.ended, facts.difference) {
         (Some(why), _) => format!("Ended early {why}"),
-        (None, Some(_)) if is_unsure => "The two methods find other events: no digit is certain.".to_string(),
+        (None, Some(_)) if is_unsure => format!("No digit is certain: {}.", facts.doubt()),
         (None, Some(difference)) => format!(
             "Solved from {} to {}, with an error of {:.0e} ({}).",
             drawn.span[0],

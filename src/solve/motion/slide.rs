@@ -38,12 +38,14 @@ pub(crate) fn limit<R: Number>(
 ) -> Limit<R> {
     let zero = R::integer(0);
     let context = Context { position, motion, accumulated_slip: slip, conditions };
-    let size = larger(largest(*pressing), R::from_f64(f64::MIN_POSITIVE));
+    let parts = friction.criterion.contact_parts(&context);
+    // Where all that presses passes zero together, what is left of it is rounding of the rest.
+    let constant = parts.as_ref().map_or(zero, |parts| parts.internal.magnitude());
+    let size = larger(larger(largest(*pressing), constant), R::from_f64(f64::MIN_POSITIVE));
     let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).powf(0.5));
     let mut branches = Branches::none();
     let mut turns = Vec::new();
     let (mut contact, mut gradient);
-    let parts = friction.criterion.contact_parts(&context);
     let internal;
     match &parts {
         Some(ContactParts { linear, magnitudes, internal: constant }) => {
@@ -107,7 +109,7 @@ pub(crate) fn limit<R: Number>(
     branches.normal = small.less(signed.magnitude()).then_some(now);
     let sign = told.unwrap_or(now);
     if told.is_some() && may_turn {
-        turns.push((None, [sign * signed, larger(size, internal.magnitude())]));
+        turns.push((None, [sign * signed, size]));
     }
     let normal = sign * signed;
     let seeded = R::Gradient::<1>::seed(normal, 0);

@@ -13,7 +13,7 @@ use crate::motion::equations::Solved;
 use crate::motion::mode::{Cause, Does, Mode, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Layout, Trouble};
 use crate::motion::state::{DOFS, State, WORKS};
-use crate::number::{Number, is_finite, largest};
+use crate::number::{Number, is_finite, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::Method;
 use crate::time::run::Run;
@@ -246,6 +246,17 @@ impl<R: Number> Run<'_, R> {
         found.state.sums[WORKS + s] - self.state.sums[WORKS + s]
     }
 
+    /// What rounding leaves of a slip between two states, for each is a difference of positions.
+    fn slip_noise(&self, at: &Assembled<R>, s: usize) -> R {
+        let slider = &self.mechanism.sliders[s];
+        let position = &at.joints[slider.joint].position;
+        let sum = slider.components.iter().fold(R::integer(0), |sum, (k, radius)| {
+            let unit = if *k < 3 { self.mechanism.length } else { 1.0 };
+            sum + R::from_f64(*radius) * larger(position[*k].magnitude(), R::from_f64(unit))
+        });
+        sum * R::from_f64(64.0 * R::ROUNDING)
+    }
+
     fn slipping(&self) -> Vec<usize> {
         let frictions = &self.modes.frictions;
         (0..frictions.len()).filter(|s| !frictions[*s].is_stuck()).collect()
@@ -262,7 +273,8 @@ impl<R: Number> Run<'_, R> {
                 return Err(self.stuck_in_time());
             }
             let left = goal - self.state.time;
-            let is_last = !h.less(left);
+            // Of a rest as small as rounding no step can be told forth from back.
+            let is_last = !h.less(left * R::from_f64(1.0 - 1e-6));
             let time = if is_last { goal } else { self.state.time + h };
             let length = time - self.state.time;
             let found = match self.balance(time) {
@@ -275,7 +287,7 @@ impl<R: Number> Run<'_, R> {
                     continue;
                 }
             };
-            let (_, _, first) = self
+            let (_, known, first) = self
                 .moved(self.state.time, &vec![zero; self.layout.columns.len()])
                 .map_err(|t| self.say(t))?;
             let now: Vec<Switch<R>> =
@@ -283,7 +295,10 @@ impl<R: Number> Run<'_, R> {
             // What is beyond its end already ends here.
             let slack = |switch: &Switch<R>| switch.scale * R::from_f64(1e4 * R::ROUNDING);
             let overdue = now.iter().find(|switch| switch.value.less(-slack(switch)));
-            let reversed = self.slipping().into_iter().find(|s| self.slip_to(&found, *s).less(zero));
+            let reversed = self
+                .slipping()
+                .into_iter()
+                .find(|s| self.slip_to(&found, *s).less(zero - self.slip_noise(&known, *s)));
             if let Some(switch) = overdue {
                 events_here += 1;
                 self.bounded(events_here)?;
@@ -354,7 +369,7 @@ impl<R: Number> Run<'_, R> {
     ) -> Result<(R, usize, Cause), Refusal> {
         let (zero, half) = (R::integer(0), R::ratio(1, 2));
         let start = self.state.time;
-        let resolution = crate::number::larger(start.magnitude(), length) * R::from_f64(4.0 * R::ROUNDING);
+        let resolution = larger(start.magnitude(), length) * R::from_f64(4.0 * R::ROUNDING);
         let (mut low, mut high) = (zero, length);
         let mut low_value = now[index].value;
         let mut high_value: Option<R> = None;

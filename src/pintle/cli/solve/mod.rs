@@ -264,8 +264,13 @@ fn solved<R: Solvable>(
         }
     };
     let length = size(scene);
+    let mut witness_ended = None;
     let difference: Option<Difference> = other.map(|other| {
-        let other = other.unwrap_or_else(|ended| ended.solution);
+        let other = other.unwrap_or_else(|other| {
+            let Ended { solution, time, why } = *other;
+            witness_ended = ended.is_none().then(|| format!("at {time}: {}", told(&why)));
+            solution
+        });
         solution.difference(&other, length)
     });
     let why = ended.as_ref().map(|(time, why)| format!("at {time}: {why}"));
@@ -274,6 +279,7 @@ fn solved<R: Solvable>(
         digits: usize::from(arguments.digits),
         difference: difference.as_ref(),
         ended: why.as_deref(),
+        witness_ended: witness_ended.as_deref(),
     };
     match arguments.format {
         super::PageFormat::Human => {
@@ -307,7 +313,11 @@ fn solved<R: Solvable>(
     if let Some(difference) = &difference
         && !difference.same_events
     {
-        tell::complain("warning", "the two methods find other events: none of the digits is certain");
+        let how = match &witness_ended {
+            Some(why) => format!("collocation ended early {why}"),
+            None => "the two methods find other events".to_string(),
+        };
+        tell::complain("warning", &format!("{how}: none of the digits is certain"));
         return Err(Failure::Undecided);
     }
     match why {
