@@ -22,6 +22,8 @@ pub mod ranges;
 pub mod states;
 pub mod summary;
 pub mod sweep;
+#[cfg(test)]
+mod tests;
 
 pub use folder::Folder;
 pub use plan::{Plan, Subject};

@@ -349,7 +349,7 @@ impl Seen {
         for lane in 0..LANES {
             let column = |j: usize| of[j][lane];
             let d = [apart[0][lane], apart[1][lane], apart[2][lane]];
-            let (mut off, mut forces, mut moments) = ([0.0_f64; 2], 0.0, 0.0);
+            let (mut off, mut forces, mut moments, mut arm) = ([0.0_f64; 2], 0.0, 0.0, 0.0);
             for i in 0..3 {
                 let (j, k) = ((i + 1) % 3, (i + 2) % 3);
                 let (one, other) = (d[j] * column(6 + k), d[k] * column(6 + j));
@@ -357,8 +357,10 @@ impl Seen {
                 off[0] = off[0].max((column(i) + column(6 + i)).abs());
                 off[1] = off[1].max(moment.abs());
                 forces += column(i).abs() + column(6 + i).abs();
-                moments += column(3 + i).abs() + column(9 + i).abs() + one.abs() + other.abs();
+                moments += column(3 + i).abs() + column(9 + i).abs();
+                arm += d[i].abs();
             }
+            moments += arm * forces;
             // 0/0 is not a number, and the larger of it and a number that number.
             let units = (off[0] / (U * forces)).max(off[1] / (U * moments));
             self.rigid[lane] = self.rigid[lane].max(units);
