@@ -89,3 +89,27 @@ def check(
 def rows(
     of: str, x_a: _Array, triad_a: _Array, x_b: _Array, triad_b: _Array, *, out: tuple[_Array, _Array] | None = None
 ) -> tuple[_Array, _Array]: ...
+
+class Sweep:
+    text: str
+    digest: str
+    summary: dict[str, Any]
+    @property
+    def states(self) -> int: ...
+    @property
+    def wrong(self) -> int: ...
+    def picture(self) -> str: ...
+    def _repr_svg_(self) -> str: ...
+
+def sweep(
+    *of: str | PathLike[str],
+    states: int | float = 1_000_000,
+    out: str | PathLike[str] | None = None,
+    engine: Literal["joblib", "dask", "ray"] | None = None,
+    workers: int | None = None,
+    threads: int = 1,
+    chunk_states: int | float = 1_000_000,
+    oracle_share: float = 1e-3,
+    seed: str = "pintle",
+    progress: Callable[[int, int], object] | None = None,
+) -> Sweep: ...

@@ -3,6 +3,7 @@
 use crate::SweepError;
 use crate::summary::hex;
 use pintle_audit::sampling::{aligned, definition, pair};
+use pintle_kinematics::VERSION;
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::Definition;
 use pintle_kinematics::draw::Draw;
@@ -24,6 +25,8 @@ const OF_A_TYPE: usize = 8;
 pub struct Plan {
     /// [`SCHEMA`].
     pub schema: String,
+    /// The version of the program, by which types are drawn.
+    pub version: String,
     /// What was asked for, in words.
     pub what: String,
     /// What the states are drawn from.
@@ -40,23 +43,49 @@ pub struct Plan {
 pub struct Subject {
     /// Its name.
     pub name: String,
-    /// The connectors of it.
+    /// The name of a connection type, or of the two of a pair, whose connectors are drawn by the worker.
+    #[serde(default, rename = "type", skip_serializing_if = "Vec::is_empty")]
+    pub of_type: Vec<String>,
+    /// Connectors that are given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub definitions: Vec<Definition>,
 }
 
 impl Subject {
     /// A connection type, as connectors that are drawn.
     pub fn of_type(connection: &ConnectionType) -> Self {
+        let of_type = match connection.halves {
+            [Some(t), Some(r)] => vec![t.name.to_string(), r.name.to_string()],
+            _ => vec![connection.name.to_string()],
+        };
+        Self { name: connection.name.to_string(), of_type, definitions: Vec::new() }
+    }
+
+    /// A connector.
+    pub fn of(name: String, definition: Definition) -> Self {
+        Self { name, of_type: Vec::new(), definitions: vec![definition] }
+    }
+
+    /// Its connectors, those that are drawn and those that are given.
+    ///
+    /// # Errors
+    /// A type that there is not.
+    pub fn connectors(&self) -> Result<Vec<Definition>, SweepError> {
+        let found = match self.of_type.as_slice() {
+            [] => return Ok(self.definitions.clone()),
+            [one, rest @ ..] => ConnectionType::named(one, rest.first().map(String::as_str)),
+        };
+        let connection = found.map_err(|error| SweepError::Plan(error.to_string()))?;
         let made = |i: usize| {
             let draw = &mut Draw::new(&format!("sweep {} {i}", connection.name));
-            let mut q0 = aligned(connection, draw);
+            let mut q0 = aligned(&connection, draw);
             if i % 4 == 3 {
                 q0 = product(&turn(draw.rotation(0.2, 0.4)), &q0);
             }
             let reference = draw.direction();
-            definition(connection, pair(reference, draw.triad(), &q0), 1.0)
+            definition(&connection, pair(reference, draw.triad(), &q0), 1.0)
         };
-        Self { name: connection.name.to_string(), definitions: (0..OF_A_TYPE).map(made).collect() }
+        Ok((0..OF_A_TYPE).map(made).chain(self.definitions.iter().cloned()).collect())
     }
 
     /// Every type of the catalogue.
@@ -68,7 +97,7 @@ impl Subject {
 impl Plan {
     /// Of such subjects.
     pub fn new(what: &str, seed: &str, share: f64, subjects: Vec<Subject>) -> Self {
-        Self { schema: SCHEMA.into(), what: what.into(), seed: seed.into(), share, subjects }
+        Self { schema: SCHEMA.into(), version: VERSION.into(), what: what.into(), seed: seed.into(), share, subjects }
     }
 
     /// As the text that every worker gets: equal plans have equal texts.
@@ -92,8 +121,8 @@ impl Plan {
         if !(0.0..=1.0).contains(&plan.share) {
             return refused(format!("its share {} is not between 0 and 1", plan.share));
         }
-        if plan.subjects.iter().all(|subject| subject.definitions.is_empty()) {
-            return refused("it has no connector".into());
+        if plan.version != VERSION {
+            return refused(format!("it is of pintle {}, and this is {VERSION}", plan.version));
         }
         Ok(plan)
     }

@@ -1,14 +1,14 @@
 //! What the states of a chunk give: values and rows of all, and what 237 bits say of a share.
 
 use crate::SweepError;
-use crate::plan::{Plan, sha256};
+use crate::plan::{Plan, Subject, sha256};
 use crate::ranges::Ranges;
 use crate::states::{Drawn, Source};
 use crate::summary::{Bits, Largest, OfSubject, Summary};
 use pintle_audit::{Entries, Numbers, Quantity, against_truth};
 use pintle_kinematics::batch::{Batch, COLUMNS, History, LANES, Row, Section, Tile, advance, vector_unit};
 use pintle_kinematics::catalog::{Condition, Slot};
-use pintle_kinematics::connector::{Branch, Connector, Increment, Linear, State};
+use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, State};
 use pintle_kinematics::draw::splitmix64;
 use pintle_kinematics::node::{DOFS, Pair};
 use pintle_kinematics::scalar::{Real, U};
@@ -90,12 +90,16 @@ impl Sweep {
     pub fn new(text: &str) -> Result<Self, SweepError> {
         let plan = Plan::parse(text)?;
         // One connector of each subject after the other, so that few states have some of each.
-        let most = plan.subjects.iter().map(|subject| subject.definitions.len()).max().unwrap_or(0);
+        let all: Vec<Vec<Definition>> = plan.subjects.iter().map(Subject::connectors).collect::<Result<_, _>>()?;
+        let most = all.iter().map(Vec::len).max().unwrap_or(0);
         let place = |i: usize| {
-            let of = plan.subjects.iter().enumerate();
-            of.filter_map(move |(subject, all)| Some(Ready::new(subject, all.definitions.get(i)?)))
+            let of = all.iter().enumerate();
+            of.filter_map(move |(subject, all)| Some(Ready::new(subject, all.get(i)?)))
         };
-        let connectors = (0..most).flat_map(place).collect();
+        let connectors: Vec<Ready> = (0..most).flat_map(place).collect();
+        if connectors.is_empty() {
+            return Err(SweepError::Plan("it has no connector".into()));
+        }
         let hash = sha256(text);
         let key = u64::from_str_radix(sha256(&plan.seed).get(..16).unwrap_or("0"), 16).unwrap_or(0);
         let arithmetic = vector_unit().unwrap_or("doubles one by one").to_string();
@@ -252,7 +256,7 @@ impl Room {
 }
 
 impl Ready {
-    fn new(subject: usize, definition: &pintle_kinematics::connector::Definition) -> Self {
+    fn new(subject: usize, definition: &Definition) -> Self {
         let connector = Connector::<f64>::new(definition);
         let origin = [0, 1, 2, 3, 4, 5].map(|k| {
             let (of, position) = (connector.differentiated(k), connector.position_measure(k));
