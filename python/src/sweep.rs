@@ -50,15 +50,16 @@ pub(crate) fn sweep_left(
 pub(crate) fn sweep_chunk(
     py: Python<'_>,
     plan: &str,
-    (first, count): (u64, u64),
+    part: (u64, u64),
     out: Option<PathBuf>,
     threads: usize,
 ) -> PyResult<Option<String>> {
     let pool = rayon::ThreadPoolBuilder::new().stack_size(pintle::STACK).num_threads(threads).build();
-    let pool = pool.map_err(|error| PyRuntimeError::new_err(format!("no thread could be started: {error}")))?;
+    let pool =
+        pool.map_err(|error| PyRuntimeError::new_err(format!("no thread could be started: {error}")))?;
     let computed = || {
         let sweep = Sweep::new(plan)?;
-        let summary = sweep.run(first, count, &|_| {})?;
+        let summary = sweep.run(part.0, part.1, &|_| {})?;
         match out {
             Some(out) => Folder::open(&out, plan)?.keep(&summary).map(|()| None),
             None => summary.text().map(Some),
@@ -81,7 +82,8 @@ pub(crate) fn sweep_merged(
     let merged = || {
         let mut all = Sweep::new(plan)?.empty();
         for text in texts {
-            let one: Summary = serde_json::from_str(&text).map_err(|error| SweepError::Merge(error.to_string()))?;
+            let one: Summary =
+                serde_json::from_str(&text).map_err(|error| SweepError::Merge(error.to_string()))?;
             all.merge(&one)?;
         }
         if let Some(out) = out {

@@ -47,7 +47,8 @@ pub fn against_truth(case: &Case, numbers: &Numbers<f64>) -> Option<AgainstTruth
     let bound = &examined.bound;
     let rotations = AtRotations::new(case);
     let exact = |quantity: Quantity| rotations.exact(quantity);
-    let around = Surroundings { exact: Some(&exact), ..Surroundings::of(case, &truth, bound, sides.as_ref()) };
+    let around =
+        Surroundings { exact: Some(&exact), ..Surroundings::of(case, &truth, bound, sides.as_ref()) };
     let measured = |quantity: Quantity, answer: Answer| {
         let answer = Answer { error: truth.own_error(quantity, bound), ..answer };
         let mut check: Check = examined.check(quantity, &answer, &around, (None, false));

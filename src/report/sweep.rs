@@ -47,7 +47,13 @@ fn line(of: &OfSubject) -> Vec<String> {
 ///
 /// # Errors
 /// Where the stream cannot be written to.
-pub fn human(out: &mut dyn Write, summary: &Summary, digest: &str, wanted: u64, width: usize) -> io::Result<()> {
+pub fn human(
+    out: &mut dyn Write,
+    summary: &Summary,
+    digest: &str,
+    wanted: u64,
+    width: usize,
+) -> io::Result<()> {
     let head = ["", "states", "judged", "value", "row", "rigid", "wrong"];
     let lines: Vec<Vec<String>> = summary.subjects.iter().map(line).collect();
     write!(out, "{}", layout::table(&head, &lines))?;
@@ -63,7 +69,12 @@ pub fn human(out: &mut dyn Write, summary: &Summary, digest: &str, wanted: u64, 
     let both = |verdict: fn(Verdict) -> bool| {
         all(&move |of| of_verdict(&of.value, verdict) + of_verdict(&of.row, verdict))
     };
-    writeln!(out, "\nstates    {states}, {} numbers, all finite but at {}", all(&|of| of.numbers), all(&|of| of.not_finite))?;
+    writeln!(
+        out,
+        "\nstates    {states}, {} numbers, all finite but at {}",
+        all(&|of| of.numbers),
+        all(&|of| of.not_finite)
+    )?;
     writeln!(
         out,
         "judged    {} states, {} entries: {} pass, {} ill-conditioned, {} on kinks or singular points, {} undecided, {} wrong",
@@ -173,7 +184,13 @@ pub fn picture(summary: &Summary) -> String {
         let name = if power == NEAREST { format!("≤ 2^{power}") } else { format!("2^{power}") };
         text(at, bottom + 16, "start", 11, &name);
     }
-    text(LEFT, bottom + 34, "start", 11, "distance to the nearest singular set (rad, or lengths of the connector); 1 where it is farther");
+    text(
+        LEFT,
+        bottom + 34,
+        "start",
+        11,
+        "distance to the nearest singular set (rad, or lengths of the connector); 1 where it is farther",
+    );
     text(LEFT - 8, bottom + 62, "end", 11, "error / bound");
     for (i, power) in (LEAST..=MOST - 1).step_by(4).enumerate() {
         let name = if power == 0 { "beyond".into() } else { format!("2^{power}") };

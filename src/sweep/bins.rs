@@ -88,7 +88,9 @@ impl Map {
 
     /// Both exponents and their counts.
     pub fn iter(&self) -> impl Iterator<Item = ([i32; 2], u64)> + '_ {
-        self.0.iter().flat_map(|(first, row)| row.iter().map(move |(second, count)| ([*first, *second], *count)))
+        self.0
+            .iter()
+            .flat_map(|(first, row)| row.iter().map(move |(second, count)| ([*first, *second], *count)))
     }
 }
 
@@ -98,7 +100,8 @@ mod tests {
 
     #[test]
     fn bins_are_exponents() {
-        let cases = [(1.0, 0), (1.99, 0), (2.0, 1), (-0.3, -2), (0.0, LEAST), (1e-300, LEAST), (f64::NAN, MOST)];
+        let cases =
+            [(1.0, 0), (1.99, 0), (2.0, 1), (-0.3, -2), (0.0, LEAST), (1e-300, LEAST), (f64::NAN, MOST)];
         let mut bins = Bins::default();
         for (x, of) in cases {
             assert_eq!(exponent(x), of, "{x}");

@@ -35,7 +35,8 @@ impl Folder {
             if read(&file)? != plan {
                 return Err(SweepError::File {
                     file: file.display().to_string(),
-                    what: "this folder is of another plan: other connectors, another seed or another share".into(),
+                    what: "this folder is of another plan: other connectors, another seed or another share"
+                        .into(),
                     remedy: "give another folder",
                 });
             }
@@ -65,8 +66,8 @@ impl Folder {
                 what,
                 remedy: "delete it, and what it held is computed again",
             };
-            let found: Summary =
-                serde_json::from_str(&read(&file)?).map_err(|error| refused(format!("no summary: {error}")))?;
+            let found: Summary = serde_json::from_str(&read(&file)?)
+                .map_err(|error| refused(format!("no summary: {error}")))?;
             if found.schema != SCHEMA || found.plan != self.plan {
                 return Err(refused("a summary of another plan".into()));
             }
@@ -97,7 +98,8 @@ impl Folder {
         let mut found = Vec::new();
         for entry in fs::read_dir(&self.path).map_err(|error| disk(&self.path, error))? {
             let name = entry.map_err(|error| disk(&self.path, error))?.file_name();
-            let is_chunk = name.to_str().is_some_and(|name| name.starts_with(CHUNK) && name.ends_with(".json"));
+            let is_chunk =
+                name.to_str().is_some_and(|name| name.starts_with(CHUNK) && name.ends_with(".json"));
             if is_chunk {
                 found.push(self.path.join(name));
             }

@@ -107,7 +107,8 @@ mod tests {
             inside += u64::from(x * x + y * y < 1.0);
         }
         let count = COUNT as f64;
-        let off = [sum / count, square / count - 1.0 / 3.0, inside as f64 / count - std::f64::consts::FRAC_PI_4];
+        let off =
+            [sum / count, square / count - 1.0 / 3.0, inside as f64 / count - std::f64::consts::FRAC_PI_4];
         assert!(off.iter().all(|off| off.abs() < 0.02), "{off:?}");
     }
 }

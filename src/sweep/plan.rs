@@ -97,7 +97,14 @@ impl Subject {
 impl Plan {
     /// Of such subjects.
     pub fn new(what: &str, seed: &str, share: f64, subjects: Vec<Subject>) -> Self {
-        Self { schema: SCHEMA.into(), version: VERSION.into(), what: what.into(), seed: seed.into(), share, subjects }
+        Self {
+            schema: SCHEMA.into(),
+            version: VERSION.into(),
+            what: what.into(),
+            seed: seed.into(),
+            share,
+            subjects,
+        }
     }
 
     /// As the text that every worker gets: equal plans have equal texts.

@@ -71,10 +71,19 @@ pub struct Source {
 /// A state that was drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
-    /// The nodes, and what leads there from the initial state.
-    pub step: Step,
+    /// The nodes.
+    pub pair: Pair<f64>,
+    /// What leads there from the initial state.
+    pub increment: Increment<f64>,
     /// Where it lies.
     pub place: Place,
+}
+
+impl Drawn {
+    /// The state, at rest.
+    pub const fn state(&self) -> State<f64> {
+        State { pair: self.pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
+    }
 }
 
 impl Source {
@@ -96,7 +105,9 @@ impl Source {
         let mut stream = Stream::new(key, index);
         let [bits, more] = stream.bits();
         match Place::of(bits) {
-            Place::Near => self.near(key, index).unwrap_or_else(|| self.drawn(Place::Anywhere, more, &mut stream)),
+            Place::Near => {
+                self.near(key, index).unwrap_or_else(|| self.drawn(Place::Anywhere, more, &mut stream))
+            }
             place => self.drawn(place, more, &mut stream),
         }
     }
@@ -108,9 +119,8 @@ impl Source {
         }
         let draw = &mut Draw::new(&format!("{key:x} {index}"));
         let case = near_initial(&self.definition, self.length, "", draw)?;
-        let mut step = *case.last()?;
-        (step.state.velocity, step.state.acceleration) = ([0.0; DOFS], [0.0; DOFS]);
-        Some(Drawn { step, place: Place::Near })
+        let Step { state, increment } = case.last()?;
+        Some(Drawn { pair: state.pair, increment: *increment, place: Place::Near })
     }
 
     fn drawn(&self, place: Place, bits: u64, stream: &mut Stream) -> Drawn {
@@ -151,8 +161,7 @@ impl Source {
                 increment.rotation[1] = add(increment.rotation[1], increment.whole_turns[1]);
             }
         }
-        let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
-        Drawn { step: Step { state, increment }, place }
+        Drawn { pair, increment, place }
     }
 
     /// Moves a node, where it can be.
@@ -193,13 +202,13 @@ impl Source {
     }
 
     /// As a case of the audit, which judges its end.
-    pub fn case(&self, name: &str, index: u64, step: Step) -> Case {
-        let pair: &Pair<f64> = &step.state.pair;
+    pub fn case(&self, name: &str, index: u64, drawn: &Drawn) -> Case {
+        let step = Step { state: drawn.state(), increment: drawn.increment };
         Case {
             name: format!("{name}, state {index}"),
             definition: self.definition.clone(),
             start: None,
-            length: self.length.max(norm(pair.separation())),
+            length: self.length.max(norm(drawn.pair.separation())),
             path: vec![step],
         }
     }

@@ -219,7 +219,12 @@ impl OfSubject {
     /// The states at which something is wrong: of each law and quantity the number, added up.
     pub fn wrong(&self) -> u64 {
         let of = |quantity: &OfQuantity| -> u64 {
-            quantity.verdicts.iter().filter(|(verdict, _)| verdict.is_mismatch()).map(|(_, count)| count).sum()
+            quantity
+                .verdicts
+                .iter()
+                .filter(|(verdict, _)| verdict.is_mismatch())
+                .map(|(_, count)| count)
+                .sum()
         };
         self.not_finite + self.not_rigid + of(&self.value) + of(&self.row)
     }
@@ -277,7 +282,9 @@ impl Summary {
     pub fn merge(&mut self, other: &Self) -> Result<(), SweepError> {
         let refused = |what: String| Err(SweepError::Merge(what));
         if self.plan != other.plan || self.subjects.len() != other.subjects.len() {
-            return refused("two summaries are of different plans: sweep each into a folder of its own".into());
+            return refused(
+                "two summaries are of different plans: sweep each into a folder of its own".into(),
+            );
         }
         if self.arithmetic != other.arithmetic {
             return refused(format!(

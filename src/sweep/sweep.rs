@@ -10,9 +10,10 @@ use pintle_kinematics::batch::{Batch, COLUMNS, History, LANES, Row, Section, Til
 use pintle_kinematics::catalog::{Condition, Slot};
 use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, State};
 use pintle_kinematics::draw::splitmix64;
-use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::DOFS;
 use pintle_kinematics::scalar::{Real, U};
-use pintle_kinematics::vector::{dot, transposed_product};
+use pintle_kinematics::vector::dot;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -90,7 +91,8 @@ impl Sweep {
     pub fn new(text: &str) -> Result<Self, SweepError> {
         let plan = Plan::parse(text)?;
         // One connector of each subject after the other, so that few states have some of each.
-        let all: Vec<Vec<Definition>> = plan.subjects.iter().map(Subject::connectors).collect::<Result<_, _>>()?;
+        let all: Vec<Vec<Definition>> =
+            plan.subjects.iter().map(Subject::connectors).collect::<Result<_, _>>()?;
         let most = all.iter().map(Vec::len).max().unwrap_or(0);
         let place = |i: usize| {
             let of = all.iter().enumerate();
@@ -200,8 +202,10 @@ impl Sweep {
                 of.add(drawn, index, (seen.finite[lane], seen.rigid[lane]), ready.source.length);
                 of.numbers += 13 * rows as u64;
                 if self.is_judged(index) {
-                    let branch = room.branches.get(at).unwrap_or(&ready.branch);
-                    ready.judge((drawn, branch), own, (lane, index), of);
+                    let branch = room.branches.get(at).copied().unwrap_or_else(|| {
+                        ready.connector.advance(&drawn.state(), &drawn.increment, &ready.branch)
+                    });
+                    ready.judge((drawn, &branch), own, (lane, index), of);
                 }
             }
         }
@@ -218,17 +222,18 @@ impl Room {
         histories.clear();
         let (fours, _) = drawn.as_chunks::<LANES>();
         for four in fours {
-            let states: [State<f64>; LANES] = four.map(|one| one.step.state);
-            let increments: [Increment<f64>; LANES] = four.map(|one| one.step.increment);
-            let before = [ready.branch; LANES];
-            let after = if ready.has_history {
-                advance(&[&ready.connector; LANES], &states, &increments, &before)
-            } else {
-                before
-            };
-            tiles.push(Tile::new(&states.map(|state| state.pair)));
-            histories.push(History::new(&after));
-            branches.extend(after);
+            tiles.push(Tile::new(&four.map(|one| one.pair)));
+            if ready.has_history {
+                let states: [State<f64>; LANES] = four.map(|one| one.state());
+                let increments: [Increment<f64>; LANES] = four.map(|one| one.increment);
+                let before = [ready.branch; LANES];
+                let after = advance(&[&ready.connector; LANES], &states, &increments, &before);
+                histories.push(History::new(&after));
+                branches.extend(after);
+            }
+        }
+        if !ready.has_history {
+            histories.resize(tiles.len(), History::new(&[ready.branch; LANES]));
         }
         sections.clear();
         sections.resize(tiles.len(), ready.section);
@@ -239,9 +244,10 @@ impl Room {
         let mut linear = [Linear::default(); 6];
         self.rows.clear();
         let mut rows = 0;
-        for (at, (drawn, branch)) in self.drawn.iter().zip(&self.branches).enumerate() {
+        for (at, drawn) in self.drawn.iter().enumerate() {
             let (tile, lane) = (at / LANES, at % LANES);
-            rows = ready.connector.linearize(&drawn.step.state.pair, branch, [true; 6], &mut linear);
+            let branch = self.branches.get(at).unwrap_or(&ready.branch);
+            rows = ready.connector.linearize(&drawn.pair, branch, [true; 6], &mut linear);
             self.rows.resize((tile + 1) * rows, Row::default());
             let places = self.rows.iter_mut().skip(tile * rows);
             for (place, one) in places.zip(&linear) {
@@ -273,7 +279,10 @@ impl Ready {
             branch: connector.initial_branch(),
             batch: Batch::new(&connector, [true; 6]).ok(),
             section: Section::new(&[&connector; LANES]),
-            has_history: connector.history_turns([true; 6]),
+            has_history: (0..6).any(|k| {
+                let is_one_form = connector.position_measure(k).is_some_and(Measure::is_one_form);
+                is_one_form || connector.row_has_history(k)
+            }),
             is_free: !definition.planar && definition.rotates == [true; 2] && definition.moves == [true; 2],
             origin,
             connector,
@@ -288,7 +297,13 @@ impl Ready {
     }
 
     /// What 237 bits say of the numbers of a lane.
-    fn judge(&self, (drawn, branch): (&Drawn, &Branch<f64>), rows: &[Row], at: (usize, u64), of: &mut OfSubject) {
+    fn judge(
+        &self,
+        (drawn, branch): (&Drawn, &Branch<f64>),
+        rows: &[Row],
+        at: (usize, u64),
+        of: &mut OfSubject,
+    ) {
         let (lane, index) = at;
         let (mut values, mut first) = (Entries::default(), Entries::default());
         match &self.batch {
@@ -306,8 +321,7 @@ impl Ready {
             }
             None => {
                 let mut linear = [Linear::default(); 6];
-                let pair = &drawn.step.state.pair;
-                let count = self.connector.linearize(pair, branch, [true; 6], &mut linear);
+                let count = self.connector.linearize(&drawn.pair, branch, [true; 6], &mut linear);
                 for Linear { component, value, row } in linear.into_iter().take(count) {
                     values.0[component] = Some(vec![self.counted(component, value, branch)]);
                     first.0[component] = Some(row.to_vec());
@@ -317,7 +331,7 @@ impl Ready {
         let mut numbers = Numbers::default();
         numbers.set(Quantity::Value, values);
         numbers.set(Quantity::FirstDerivatives, first);
-        let case = self.source.case(&of.name, index, drawn.step);
+        let case = self.source.case(&of.name, index, drawn);
         if let Some(found) = against_truth(&case, &numbers) {
             let [value, row] = &found.found;
             of.judged += 1;
@@ -337,7 +351,8 @@ impl Seen {
         for (row, factors) in rows.iter().zip(&FACTORS) {
             for (column, factor) in [&row.value].into_iter().chain(&row.columns).zip(factors) {
                 for lane in 0..LANES {
-                    seen.hash[lane] = seen.hash[lane].wrapping_add(column[lane].to_bits().wrapping_mul(*factor));
+                    seen.hash[lane] =
+                        seen.hash[lane].wrapping_add(column[lane].to_bits().wrapping_mul(*factor));
                     seen.finite[lane] += column[lane] * 0.0;
                 }
             }
@@ -375,10 +390,10 @@ impl Seen {
 impl OfSubject {
     /// Adds a state, whose numbers are finite where the first of these is zero.
     fn add(&mut self, drawn: &Drawn, index: u64, (finite, rigid): (f64, f64), length: f64) {
-        let pair: &Pair<f64> = &drawn.step.state.pair;
+        let pair = &drawn.pair;
         *self.places.entry(drawn.place).or_default() += 1;
-        let q = transposed_product(&pair.a.triad, &pair.b.triad);
-        self.turned.add(0.25 * (3.0 - (q[0][0] + q[1][1] + q[2][2])));
+        let trace = (0..3).fold(0.0, |sum, i| sum + dot(pair.a.triad[i], pair.b.triad[i]));
+        self.turned.add(0.25 * (3.0 - trace));
         let d = pair.separation();
         self.apart.add(dot(d, d) / (length * length));
         if finite != 0.0 {
@@ -387,7 +402,6 @@ impl OfSubject {
         }
         self.rigid.add(rigid);
         self.not_rigid += u64::from(rigid > RIGID);
-        self.largest_rigid =
-            Largest::of(self.largest_rigid, Some(Largest { value: Bits(rigid), index }));
+        self.largest_rigid = Largest::of(self.largest_rigid, Some(Largest { value: Bits(rigid), index }));
     }
 }

@@ -141,7 +141,9 @@ fn subjects(words: &[String]) -> Result<Vec<Subject>, Failure> {
     let mut found = Vec::new();
     for word in words {
         let is_scene = word.starts_with("gallery:")
-            || Path::new(word).extension().is_some_and(|ending| ["inp", "toml", "json"].iter().any(|of| ending == *of));
+            || Path::new(word)
+                .extension()
+                .is_some_and(|ending| ["inp", "toml", "json"].iter().any(|of| ending == *of));
         let is_element = word.rsplit_once(':').is_some_and(|(scene, _)| scene != "gallery");
         if is_element {
             let definition = named(word)?.definition;
@@ -236,8 +238,7 @@ fn state(sweep: &Sweep, index: u64) -> Result<(), Failure> {
         place: pintle_sweep::states::Place,
         pair: &'a pintle_kinematics::node::Pair<f64>,
     }
-    let pair = &drawn.step.state.pair;
-    let document = Document { index, subject, place: drawn.place, pair };
+    let document = Document { index, subject, place: drawn.place, pair: &drawn.pair };
     let mut out = BufWriter::new(io::stdout().lock());
     serde_json::to_writer_pretty(&mut out, &document).map_err(io::Error::from)?;
     writeln!(out)?;
