@@ -7,7 +7,6 @@ pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
-mod fit;
 pub(crate) mod history;
 pub(crate) mod manual;
 mod output;

@@ -1,10 +1,12 @@
 //! `pintle check`.
 
+mod fit;
+
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
 use super::subject::{At, found, named};
 use super::tell::complain;
-use super::{Failure, fit, page_width};
+use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
 use pintle_check::{Asked, Convention, Misbehaviour, Patience, Process};
 use std::io::{self, BufWriter, Write};
