@@ -1,6 +1,7 @@
 """A verification workbench for connector (joint) elements of finite-element and multibody codes.
 
-`check` finds out whether a routine is right, `audit` whether a scene is; `Scene` and `rows` give numbers.
+`check` finds out whether a routine is right, `audit` whether a scene is; `Scene` and `rows` give numbers, `sweep`
+goes over very many states.
 Lengths are in the unit of the scene, angles in rad, axes global, arrays float64. `pintle.jax` and
 `pintle.strategies` need JAX and Hypothesis, and are imported by themselves.
 """
@@ -9,5 +10,9 @@ from ._check import Report, RoutineError, check
 from ._pintle import Entry, __version__
 from ._rows import initial, pattern, rows
 from ._scene import Scene, audit, catalog
+from ._sweep import Sweep, sweep
 
-__all__ = ["Entry", "Report", "RoutineError", "Scene", "__version__", "audit", "catalog", "check", "initial", "pattern", "rows"]
+__all__ = [
+    "Entry", "Report", "RoutineError", "Scene", "Sweep", "__version__", "audit", "catalog", "check", "initial", "pattern", "rows",
+    "sweep",
+]

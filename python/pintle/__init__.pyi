@@ -99,3 +99,27 @@ def rows(
 ) -> tuple[_Array, _Array]: ...
 def pattern(of: str) -> tuple[_Array, _Array]: ...
 def initial(of: str) -> tuple[_Array, _Array, _Array]: ...
+
+class Sweep:
+    text: str
+    digest: str
+    summary: dict[str, Any]
+    @property
+    def states(self) -> int: ...
+    @property
+    def wrong(self) -> int: ...
+    def picture(self) -> str: ...
+    def _repr_svg_(self) -> str: ...
+
+def sweep(
+    *of: str | PathLike[str],
+    states: int | float = 1_000_000,
+    out: str | PathLike[str] | None = None,
+    engine: Literal["joblib", "dask", "ray"] | None = None,
+    workers: int | None = None,
+    threads: int = 1,
+    chunk_states: int | float = 1_000_000,
+    oracle_share: float = 1e-3,
+    seed: str = "pintle",
+    progress: Callable[[int, int], object] | None = None,
+) -> Sweep: ...

@@ -6,12 +6,14 @@
 //! | `report` | what does a check or an audit say? |
 //! | `rows` | what do many states of one type give? |
 //! | `scene` | what do the connectors of a scene give, and is the scene right? |
+//! | `sweep` | what do the states of a chunk give? |
 //! | `work` | where does Rust compute, while Python waits? |
 
 mod check;
 mod report;
 mod rows;
 mod scene;
+mod sweep;
 mod work;
 
 use pyo3::prelude::*;
@@ -44,6 +46,8 @@ mod _pintle {
     use super::rows::Rows;
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::sweep::{sweep_chunk, sweep_left, sweep_merged, sweep_picture, sweep_plan};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

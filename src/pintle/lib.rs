@@ -52,6 +52,7 @@
 //! | `symbolic` | formulas traced, their derivatives, programs in other languages |
 //! | `audit` | oracles, bounds, verdicts, laws, mutants, singular points, findings |
 //! | `bench` | run time against error |
+//! | `sweep` | very many states, in any partition: summaries that merge exactly |
 //! | `report` | text, JSON, JUnit, Markdown, HTML |
 //! | `check`, `element` | somebody's routine asked and judged; the conventions of its rows found |
 //! | `compare` | results that other programs have written |
@@ -151,6 +152,13 @@ pub mod audit {
 pub mod check {
     pub use crate::cli::subject::{At, subject};
     pub use pintle_check::{Asked, Checked, Convention, DRIVER, Door, Misbehaviour, Subject, check};
+}
+
+/// Many states, in any partition.
+#[cfg(feature = "cli")]
+pub mod sweep {
+    pub use crate::cli::sweep::plan;
+    pub use pintle_sweep::{Folder, Plan, Ranges, Subject, Summary, Sweep, SweepError};
 }
 
 #[cfg(doctest)]

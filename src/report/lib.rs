@@ -14,6 +14,7 @@ mod layout;
 pub mod list;
 pub mod mpc;
 pub mod solve;
+pub mod sweep;
 mod words;
 
 pub use evaluation::{

@@ -14,3 +14,4 @@ pub(crate) mod pages; // whether the pages show what their commands print
 pub(crate) mod reports; // whether reports of an audit show what was found
 mod solve; // mechanisms in time
 pub(crate) mod states; // states for other harnesses, read back
+mod sweep; // one digest, whoever computes what and whoever is killed

@@ -7,7 +7,6 @@ pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod eval;
 pub(crate) mod export;
-mod fit;
 pub(crate) mod history;
 pub(crate) mod manual;
 mod output;
@@ -17,6 +16,7 @@ pub(crate) mod solve;
 mod start;
 pub(crate) mod states;
 pub(crate) mod subject;
+pub(crate) mod sweep;
 
 use output::Show;
 pub(crate) use output::{Failure, Files, tell};
@@ -80,6 +80,8 @@ pub(crate) enum Command {
     Compare(Box<compare::Compare>),
     /// Solve a mechanism of connectors, with friction that sticks: a reference with its digits, its events and its error
     Solve(Box<solve::Solve>),
+    /// Sweep over up to 1e15 states, in any partition, on any number of machines: one digest
+    Sweep(Box<sweep::SweepOf>),
     /// Ask a shared library by the protocol
     #[command(hide = true)]
     Element(check::Element),

@@ -64,6 +64,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::States(arguments) => cli::states::run(arguments, files),
         Command::Compare(arguments) => cli::compare::run(arguments),
         Command::Solve(arguments) => cli::solve::run(arguments, files),
+        Command::Sweep(arguments) => cli::sweep::run(arguments, files),
         Command::Element(arguments) => cli::check::serve(arguments),
         Command::Replay(arguments) => cli::replay::run(arguments, files),
         Command::Bench(arguments) => cli::bench::run(arguments, files),

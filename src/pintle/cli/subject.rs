@@ -39,7 +39,7 @@ fn in_scene(name: &str) -> Option<(&str, &str)> {
 }
 
 /// A connection type, or two basic ones: `CARTESIAN, CARDAN`, `CARTESIAN + CARDAN` or `CARTESIAN CARDAN`.
-fn type_of(name: &str) -> Result<ConnectionType, Failure> {
+pub(crate) fn type_of(name: &str) -> Result<ConnectionType, Failure> {
     let name = name.trim();
     let apart = name.split_once([',', '+']).map(|(one, other)| (one.trim(), other.trim()));
     if let Some((one, other)) = apart {

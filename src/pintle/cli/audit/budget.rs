@@ -38,13 +38,13 @@ pub(super) fn say_budget(budget: f64, models: Duration, all: Duration) {
 }
 
 /// What shows how far an audit is: a bar with the time left on a terminal, lines elsewhere.
-pub(super) struct Bar {
+pub(crate) struct Bar {
     bar: ProgressBar,
     said: Mutex<Instant>,
 }
 
 impl Bar {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let bar = ProgressBar::new(0);
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {eta} left") {
             bar.set_style(style);
@@ -58,13 +58,13 @@ impl Bar {
     }
 
     /// So much more is to be done.
-    pub(super) fn expect(&self, more: usize) {
+    pub(crate) fn expect(&self, more: usize) {
         self.bar.inc_length(more as u64);
         self.bar.reset_eta();
     }
 
     /// So much more was done.
-    pub(super) fn advance(&self, more: usize, what: &str) {
+    pub(crate) fn advance(&self, more: usize, what: &str) {
         self.bar.inc(more as u64);
         self.bar.set_message(what.to_string());
         let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
@@ -97,7 +97,7 @@ impl Bar {
         }
     }
 
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }

@@ -6,7 +6,8 @@ mod page;
 use super::eval::{Source, nothing, read, source};
 use super::tell::{complain, show_diagnostic};
 use super::{ConditionOptions, Failure, Files, Sign, page_width};
-use budget::{Bar, say_budget, seconds};
+pub(crate) use budget::Bar;
+use budget::{say_budget, seconds};
 use clap::{Args, ValueEnum};
 use pintle_audit::model::{Level, Levels, audit_model};
 use pintle_audit::{

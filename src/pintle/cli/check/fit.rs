@@ -1,9 +1,9 @@
 //! `pintle check --fit-convention`.
 
-use super::compare::any_states;
-use super::states::deck;
-use super::subject::Subject;
-use super::{Failure, page_width};
+use crate::cli::compare::any_states;
+use crate::cli::states::deck;
+use crate::cli::subject::Subject;
+use crate::cli::{Failure, page_width};
 use pintle_check::fit::{Found, fit, generic_cases, generic_states};
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::mpc::Constraint;

@@ -1,10 +1,12 @@
 //! `pintle check`.
 
+mod fit;
+
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
 use super::subject::{At, found, named, of_scene};
 use super::tell::complain;
-use super::{Failure, fit, page_width};
+use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
 use pintle_audit::{Domain, Report};
 use pintle_check::{Asked, Checked, Convention, Misbehaviour, Patience, Process};

@@ -1,0 +1,105 @@
+//! Chunks of a sweep: texts and numbers in, texts out, so that any engine can carry them.
+
+use pintle::sweep::{Folder, Ranges, Summary, Sweep, SweepError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+fn raised(error: SweepError) -> PyErr {
+    match error {
+        SweepError::Disk(..) => PyOSError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+/// The plan of a sweep, as text.
+///
+/// # Errors
+/// ValueError, where there is nothing of that name.
+#[pyfunction]
+pub(crate) fn sweep_plan(py: Python<'_>, of: Vec<String>, seed: &str, share: f64) -> PyResult<String> {
+    py.detach(|| pintle::sweep::plan(&of, seed, share)).map_err(PyValueError::new_err)
+}
+
+/// The chunks that are left of `states`, as first index and count: of all where there is no folder.
+///
+/// # Errors
+/// ValueError, where the folder is of another plan, or a file of it is no summary.
+#[pyfunction]
+pub(crate) fn sweep_left(
+    py: Python<'_>,
+    plan: &str,
+    states: u64,
+    chunk: u64,
+    out: Option<PathBuf>,
+) -> PyResult<Vec<(u64, u64)>> {
+    let left = || {
+        let wanted = Ranges::of(0, states);
+        let Some(out) = out else { return Ok(wanted.chunks(chunk)) };
+        let empty = Sweep::new(plan)?.empty();
+        Ok(Folder::open(&out, plan)?.left(&wanted, empty)?.chunks(chunk))
+    };
+    py.detach(left).map_err(raised)
+}
+
+/// Computes a chunk on threads of its own, and gives its summary as text; with a folder it is kept there instead.
+///
+/// # Errors
+/// ValueError, where the plan is none; OSError, where the folder cannot be written.
+#[pyfunction]
+pub(crate) fn sweep_chunk(
+    py: Python<'_>,
+    plan: &str,
+    part: (u64, u64),
+    out: Option<PathBuf>,
+    threads: usize,
+) -> PyResult<Option<String>> {
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(pintle::STACK).num_threads(threads).build();
+    let pool =
+        pool.map_err(|error| PyRuntimeError::new_err(format!("no thread could be started: {error}")))?;
+    let computed = || {
+        let sweep = Sweep::new(plan)?;
+        let summary = sweep.run(part.0, part.1, &|_| {})?;
+        match out {
+            Some(out) => Folder::open(&out, plan)?.keep(&summary).map(|()| None),
+            None => summary.text().map(Some),
+        }
+    };
+    py.detach(|| pool.install(computed)).map_err(raised)
+}
+
+/// The summary of texts, or of a folder, with its digest.
+///
+/// # Errors
+/// ValueError, where they do not belong together.
+#[pyfunction]
+pub(crate) fn sweep_merged(
+    py: Python<'_>,
+    plan: &str,
+    texts: Vec<String>,
+    out: Option<PathBuf>,
+) -> PyResult<(String, String)> {
+    let merged = || {
+        let mut all = Sweep::new(plan)?.empty();
+        for text in texts {
+            let one: Summary =
+                serde_json::from_str(&text).map_err(|error| SweepError::Merge(error.to_string()))?;
+            all.merge(&one)?;
+        }
+        if let Some(out) = out {
+            all = Folder::open(&out, plan)?.merged(all)?;
+        }
+        Ok((all.text()?, all.digest()?))
+    };
+    py.detach(merged).map_err(raised)
+}
+
+/// The picture of a summary, as SVG.
+///
+/// # Errors
+/// ValueError, where the text is no summary.
+#[pyfunction]
+pub(crate) fn sweep_picture(text: &str) -> PyResult<String> {
+    let summary = serde_json::from_str(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(pintle_report::sweep::picture(&summary))
+}

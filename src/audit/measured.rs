@@ -1,0 +1,63 @@
+//! Values and rows of one state against 237 bits, without mutants: what a sweep over very many states asks of each that it judges.
+
+use crate::case::Case;
+use crate::case::quantity::{Numbers, Quantity};
+use crate::judge::components::{AtRotations, Surroundings};
+use crate::judge::examined::{Examined, Trusted};
+use crate::judge::outcome::Check;
+use crate::judge::verdict::{Finding, Verdict};
+use crate::oracles::oracle::{Answer, Narrow, Oracle};
+use crate::oracles::truth::Truth;
+
+/// What is measured of numbers of one quantity at one state.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// The kind of numbers.
+    pub quantity: Quantity,
+    /// The verdict on them.
+    pub verdict: Verdict,
+    /// The entries compared.
+    pub compared: u64,
+    /// The entry that decided it, or that came nearest to its tolerance.
+    pub worst: Option<Finding>,
+}
+
+/// One state that is known on 237 bits.
+#[derive(Clone, Debug)]
+pub struct AgainstTruth {
+    /// min(1, distance to the nearest singular set), in radians and lengths of the connector.
+    pub nearness: f64,
+    /// Values and rows.
+    pub found: [Measured; 2],
+}
+
+/// Judges values and rows at the end of a case against differences on 237 bits, by the bound of the audit.
+///
+/// The second derivatives on which the bound rests are those of dual numbers on 237 bits. `None` for an empty path.
+pub fn against_truth(case: &Case, numbers: &Numbers<f64>) -> Option<AgainstTruth> {
+    let (narrow, truth) = (Narrow::of(case)?, Truth::of(case)?);
+    let nearness = truth.nearness_of_components();
+    let dual = truth.dual();
+    let mut trusted = Numbers::default();
+    for quantity in Quantity::ALL {
+        trusted.set(quantity, dual.entries(quantity).map(|_, _, x| x.to_f64()));
+    }
+    let examined = Examined::new(case, numbers, Trusted::Wide(trusted), &narrow, &nearness)?;
+    let (examined, sides) = examined.on_sets(Some(&truth));
+    let bound = &examined.bound;
+    let rotations = AtRotations::new(case);
+    let exact = |quantity: Quantity| rotations.exact(quantity);
+    let around =
+        Surroundings { exact: Some(&exact), ..Surroundings::of(case, &truth, bound, sides.as_ref()) };
+    let measured = |quantity: Quantity, answer: Answer| {
+        let answer = Answer { error: truth.own_error(quantity, bound), ..answer };
+        let mut check: Check = examined.check(quantity, &answer, &around, (None, false));
+        examined.add_missing(&mut check, quantity, &answer, |_| false);
+        Measured { quantity, verdict: check.verdict, compared: check.compared, worst: check.worst }
+    };
+    let found = [
+        measured(Quantity::Value, Answer::sharp(Oracle::WideDifferences, &truth.value())),
+        measured(Quantity::FirstDerivatives, Answer::sharp(Oracle::WideDifferences, &truth.first())),
+    ];
+    Some(AgainstTruth { nearness: truth.nearness(), found })
+}

@@ -1,0 +1,260 @@
+//! `pintle sweep`.
+
+use super::audit::Bar;
+use super::eval::{read, source};
+use super::subject::{named, type_of};
+use super::{Failure, Files, page_width};
+use clap::{Args, ValueEnum};
+use pintle_model::evaluate::Model;
+use pintle_report::sweep as report;
+use pintle_sweep::{Folder, Plan, Ranges, Subject, Summary, Sweep, SweepError};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+const HELP: &str = "\
+States are drawn by their indices, from 0 on, and none is stored: state 7 of a
+seed is the same state in every run, however the work is shared out. Of every
+state all values and rows are computed, four at a time; that they are finite,
+and that rigid motions change nothing, is asked of all of them. A share of the
+states, chosen by their indices, is judged on 237 bits as pintle audit judges.
+
+What is kept is a summary: counts, extrema with their indices, histograms of
+integers, the worst states, and a sum over all bits of all numbers. Summaries
+merge exactly, so that any partition, order, engine and number of threads give
+the same digest, on processors with the same vector unit.
+
+With --out every chunk is a file of its own, written beside its name and
+renamed. The same command again computes what is not there: a worker that is
+killed loses the chunk in flight, and nothing else is lost. Machines that share
+a folder take a part each: --range 0/8 is the first of eight. --merge prints
+what a folder holds. A folder with more states than asked for has all of them
+in its summary.
+
+Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep.
+
+Examples:
+  pintle sweep --states 1e5
+  pintle sweep REVOLUTE \"CARTESIAN CARDAN\" --states 1e7 --oracle-share 1e-4
+  pintle sweep --states 1e9 --out all --picture all.svg
+  pintle sweep model.inp --states 1e8 --range $SLURM_ARRAY_TASK_ID/100 --out model
+  pintle sweep --merge all --picture all.svg
+  pintle sweep REVOLUTE --state 4711";
+
+/// How a summary is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// A table for reading
+    #[default]
+    Human,
+    /// One JSON document, schema pintle-sweep/1
+    Json,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = HELP)]
+pub(crate) struct SweepOf {
+    /// Connection types, a pair as one word in quotes, scenes, or connectors of scenes, model.inp:101 [default: all types]
+    #[arg(value_name = "TYPE|SCENE|SCENE:ELEMENT")]
+    of: Vec<String>,
+    /// How many states, such as 1e9
+    #[arg(long, value_name = "COUNT", default_value = "1e6", value_parser = whole)]
+    states: u64,
+    /// Compute part i of n of them, from 0 on
+    #[arg(long, value_name = "i/n", default_value = "0/1")]
+    range: Part,
+    /// The share of the states that is judged on 237 bits
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share)]
+    oracle_share: f64,
+    /// What the states are drawn from
+    #[arg(long, value_name = "TEXT", default_value = "pintle")]
+    seed: String,
+    /// Keep each chunk in this folder, and compute those that are not there
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// The states of a chunk, which a kill may lose
+    #[arg(long, value_name = "COUNT", default_value = "1e6", value_parser = whole)]
+    chunk: u64,
+    /// Print what a folder holds, and compute nothing
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["of", "states", "range", "oracle_share", "seed", "out", "chunk"])]
+    merge: Option<PathBuf>,
+    /// Print the state of that index, with all bits, and nothing else
+    #[arg(long, value_name = "INDEX", conflicts_with_all = ["states", "range", "out", "chunk", "merge", "picture", "format"])]
+    state: Option<u64>,
+    /// Draw the worst errors over the distance to singular sets (SVG)
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// How to write it
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Part i of n.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    i: u64,
+    n: u64,
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<u64>().ok();
+        let parts = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
+        let part = parts.filter(|(i, n)| i < n).map(|(i, n)| Self { i, n });
+        part.ok_or_else(|| format!("{text:?} is no part: write i/n with i from 0 to n − 1, as 0/8"))
+    }
+}
+
+/// A count, as 1e9 or 1000000000.
+fn whole(text: &str) -> Result<u64, String> {
+    const MOST: f64 = 1e15;
+    let number = text.parse::<u64>().ok().filter(|number| *number as f64 <= MOST);
+    let short = || {
+        let number = text.parse::<f64>().ok()?;
+        (number.fract() == 0.0 && (1.0..=MOST).contains(&number)).then_some(number as u64)
+    };
+    let count = number.or_else(short).filter(|count| *count > 0);
+    count.ok_or_else(|| format!("{text:?} is no count from 1 to 1e15: write 1000000 or 1e6"))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| format!("{text:?} is no share between 0 and 1"))
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Disk(..) => Self::Unwritten(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+/// What words name: the whole catalogue where there is none.
+fn subjects(words: &[String]) -> Result<Vec<Subject>, Failure> {
+    if words.is_empty() {
+        return Ok(Subject::catalogue());
+    }
+    let mut found = Vec::new();
+    for word in words {
+        let is_scene = word.starts_with("gallery:")
+            || Path::new(word)
+                .extension()
+                .is_some_and(|ending| ["inp", "toml", "json"].iter().any(|of| ending == *of));
+        let is_element = word.rsplit_once(':').is_some_and(|(scene, _)| scene != "gallery");
+        if is_element {
+            let definition = named(word)?.definition;
+            found.push(Subject::of(word.clone(), definition));
+        } else if is_scene {
+            let source = source(word)?;
+            let (scene, _) = read(source, None)?;
+            let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
+            found.extend(model.connectors.iter().map(|element| {
+                let definition = element.definition();
+                let name = format!("{} {}", definition.connection.name, element.label);
+                Subject::of(name, definition)
+            }));
+        } else {
+            found.push(Subject::of_type(&type_of(word)?));
+        }
+    }
+    if found.is_empty() {
+        return Err(Failure::Nothing(format!("{} has no connector", words.join(", "))));
+    }
+    Ok(found)
+}
+
+/// The plan of a sweep over what words name, as text.
+///
+/// # Errors
+/// In words, where there is nothing of that name.
+pub fn plan(words: &[String], seed: &str, share: f64) -> Result<String, String> {
+    planned(words, seed, share).map_err(|failure| failure.to_string())
+}
+
+fn planned(words: &[String], seed: &str, share: f64) -> Result<String, Failure> {
+    let what = if words.is_empty() { "all types".to_string() } else { words.join(", ") };
+    Ok(Plan::new(&what, seed, share, subjects(words)?).text()?)
+}
+
+/// Sweeps, or prints what was swept.
+pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
+    files.check(&arguments.picture)?;
+    if let Some(folder) = &arguments.merge {
+        let (folder, text) = Folder::known(folder)?;
+        let summary = folder.merged(Sweep::new(&text)?.empty())?;
+        let wanted = summary.states.count();
+        return tell(arguments, files, &summary, wanted);
+    }
+    let text = planned(&arguments.of, &arguments.seed, arguments.oracle_share)?;
+    let sweep = Sweep::new(&text)?;
+    if let Some(index) = arguments.state {
+        return state(&sweep, index);
+    }
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, &text)).transpose()?;
+    let mut summary = match &folder {
+        Some(folder) => folder.merged(sweep.empty())?,
+        None => sweep.empty(),
+    };
+    let left = part(arguments).without(&summary.states);
+    let bar = Bar::new();
+    bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
+    let progress = |more: u64| bar.advance(more as usize, "states");
+    for (first, count) in left.chunks(arguments.chunk) {
+        let chunk = sweep.run(first, count, &progress)?;
+        folder.as_ref().map_or(Ok(()), |folder| folder.keep(&chunk))?;
+        summary.merge(&chunk)?;
+    }
+    bar.finish();
+    // Other workers may have written theirs meanwhile.
+    if let Some(folder) = &folder {
+        summary = folder.merged(sweep.empty())?;
+    }
+    tell(arguments, files, &summary, arguments.states)
+}
+
+/// The states of a part: whole chunks.
+fn part(SweepOf { states, range: Part { i, n }, chunk, .. }: &SweepOf) -> Ranges {
+    let chunks = u128::from(states.div_ceil(*chunk));
+    let end = |i: u64| {
+        let of_chunk = chunks * u128::from(i) / u128::from(*n);
+        u64::try_from(of_chunk * u128::from(*chunk)).unwrap_or(u64::MAX).min(*states)
+    };
+    Ranges::of(end(*i), end(i + 1) - end(*i))
+}
+
+/// One state, with all bits.
+fn state(sweep: &Sweep, index: u64) -> Result<(), Failure> {
+    let Some((subject, drawn)) = sweep.state(index) else {
+        return Err(Failure::Nothing("the plan has no connector".into()));
+    };
+    #[derive(serde::Serialize)]
+    struct Document<'a> {
+        index: u64,
+        subject: &'a str,
+        place: pintle_sweep::states::Place,
+        pair: &'a pintle_kinematics::node::Pair<f64>,
+    }
+    let document = Document { index, subject, place: drawn.place, pair: &drawn.pair };
+    let mut out = BufWriter::new(io::stdout().lock());
+    serde_json::to_writer_pretty(&mut out, &document).map_err(io::Error::from)?;
+    writeln!(out)?;
+    Ok(out.flush()?)
+}
+
+fn tell(arguments: &SweepOf, files: Files, summary: &Summary, wanted: u64) -> Result<(), Failure> {
+    let digest = summary.digest()?;
+    let mut out = BufWriter::new(anstream::stdout().lock());
+    match arguments.format {
+        Format::Human => report::human(&mut out, summary, &digest, wanted, page_width(&io::stdout()))?,
+        Format::Json => report::json(&mut out, summary, &digest)?,
+    }
+    out.flush()?;
+    if let Some(file) = &arguments.picture {
+        files.text(file, report::picture(summary))?;
+    }
+    if summary.wrong() > 0 { Err(Failure::Mismatch) } else { Ok(()) }
+}

@@ -1,0 +1,56 @@
+//! Very many states, in any partition: what a billion of them give fits into some kilobytes, and is the same however they are shared out.
+//!
+//! A state is its index: [`philox`] gives its numbers from that, so that nothing travels and nothing is stored. A [`Plan`] is the text of
+//! what is swept; a chunk is a plan, a first index and a count; [`Sweep::run`] makes a [`Summary`] of it. Summaries merge exactly: they
+//! hold counts, extrema with their indices, and a sum of integers over all bits of all numbers, but no sum of floating-point numbers. The
+//! merge is associative and commutative, and so any partition, order and number of threads give one [`Summary::digest`].
+//!
+//! | module | question |
+//! |---|---|
+//! | [`philox`] | which numbers belong to an index? |
+//! | [`plan`] | what is swept? |
+//! | [`states`] | which state has an index? |
+//! | [`sweep`] | what do the states of a chunk give? |
+//! | [`summary`] | what is known of them in the end? |
+//! | [`folder`] | what is done already? |
+
+pub mod bins;
+pub mod folder;
+pub mod philox;
+pub mod plan;
+pub mod ranges;
+pub mod states;
+pub mod summary;
+pub mod sweep;
+#[cfg(test)]
+mod tests;
+
+pub use folder::Folder;
+pub use plan::{Plan, Subject};
+pub use ranges::Ranges;
+pub use summary::{OfQuantity, OfSubject, Summary, Worst};
+pub use sweep::Sweep;
+
+/// Why there is no sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// A text that is no plan.
+    #[error("this is no plan of a sweep: {0}")]
+    Plan(String),
+    /// A file that is not what it should be.
+    #[error("{file}: {what}; {remedy}")]
+    File {
+        /// Its name.
+        file: String,
+        /// What is wrong.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Summaries that do not belong together.
+    #[error("{0}")]
+    Merge(String),
+    /// A folder that cannot be read or written.
+    #[error("{0}: {1}")]
+    Disk(String, std::io::Error),
+}

@@ -1,0 +1,215 @@
+//! Which state has an index.
+//!
+//! | of 256 | both nodes moved, and |
+//! |---|---|
+//! | 204 | turned, each uniformly on the rotation group |
+//! | 16 | 1e-1 to 1e-12 from a singular point of the type, as the audit places them; as above where it has none |
+//! | 16 | turned uniformly, b against a by 2⁻⁴⁰ to 1 rad |
+//! | 16 | turned uniformly, b by up to three whole turns besides |
+//! | 4 | in one of the 24 orientations of a cube each: exact right angles |
+//!
+//! But for the second line only sums, products, quotients and roots are computed, which every machine rounds alike.
+
+use crate::philox::Stream;
+use crate::plan::length_of;
+use pintle_audit::sampling::cube_orientations;
+use pintle_audit::{Case, Step, has_sites, near_initial};
+use pintle_kinematics::connector::{Connector, Definition, Increment, State};
+use pintle_kinematics::draw::Draw;
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::so3::{Quaternion, compose, matrix};
+use pintle_kinematics::vector::{Matrix, Vector, add, product, scale};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Where a state lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Place {
+    /// Anywhere.
+    Anywhere,
+    /// Near a singular point.
+    Near,
+    /// b turned little against a.
+    Little,
+    /// b turned by whole turns besides.
+    Turns,
+    /// At right angles.
+    RightAngles,
+}
+
+impl Place {
+    /// Every place.
+    pub const ALL: [Self; 5] = [Self::Anywhere, Self::Near, Self::Little, Self::Turns, Self::RightAngles];
+
+    const fn of(bits: u64) -> Self {
+        match bits & 0xff {
+            0..16 => Self::Near,
+            16..32 => Self::Little,
+            32..48 => Self::Turns,
+            48..52 => Self::RightAngles,
+            _ => Self::Anywhere,
+        }
+    }
+}
+
+/// A connector whose states are drawn.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// What defines it.
+    pub definition: Definition,
+    /// Its length at rest.
+    pub length: f64,
+    has_sites: bool,
+    has_one_form: bool,
+    turns: [bool; 2],
+    cubes: Vec<Matrix<f64>>,
+}
+
+/// A state that was drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    /// The nodes.
+    pub pair: Pair<f64>,
+    /// What leads there from the initial state.
+    pub increment: Increment<f64>,
+    /// Where it lies.
+    pub place: Place,
+}
+
+impl Drawn {
+    /// The state, at rest.
+    pub const fn state(&self) -> State<f64> {
+        State { pair: self.pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
+    }
+}
+
+impl Source {
+    /// Of a connector.
+    pub fn new(definition: &Definition, connector: &Connector<f64>) -> Self {
+        let measures = (0..6).filter_map(|k| connector.position_measure(k));
+        Self {
+            has_sites: has_sites(definition),
+            has_one_form: measures.into_iter().any(Measure::is_one_form),
+            turns: [0, 1].map(|end| definition.moves[end] && definition.rotates[end]),
+            cubes: cube_orientations(),
+            length: length_of(definition),
+            definition: definition.clone(),
+        }
+    }
+
+    /// The state of that index.
+    pub fn state(&self, key: u64, index: u64) -> Drawn {
+        let mut stream = Stream::new(key, index);
+        let [bits, more] = stream.bits();
+        match Place::of(bits) {
+            Place::Near => {
+                self.near(key, index).unwrap_or_else(|| self.drawn(Place::Anywhere, more, &mut stream))
+            }
+            place => self.drawn(place, more, &mut stream),
+        }
+    }
+
+    /// As the audit places it.
+    fn near(&self, key: u64, index: u64) -> Option<Drawn> {
+        if !self.has_sites {
+            return None;
+        }
+        let draw = &mut Draw::new(&format!("{key:x} {index}"));
+        let case = near_initial(&self.definition, self.length, "", draw)?;
+        let Step { state, increment } = case.last()?;
+        Some(Drawn { pair: state.pair, increment: *increment, place: Place::Near })
+    }
+
+    fn drawn(&self, place: Place, bits: u64, stream: &mut Stream) -> Drawn {
+        let Self { definition, turns, .. } = self;
+        let initial = &definition.initial;
+        let mut quaternion = [self.rotation(stream), self.rotation(stream)];
+        let mut whole = 0.0;
+        match place {
+            Place::Little if turns[1] => {
+                let little = self.little(bits, stream);
+                quaternion[1] = if turns[0] { compose(quaternion[0], little) } else { little };
+            }
+            Place::Turns if turns[1] => whole = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0][(bits % 6) as usize],
+            _ => {}
+        }
+        let mut pair = *initial;
+        let mut increment = Increment::none();
+        for (end, node) in [&mut pair.a, &mut pair.b].into_iter().enumerate() {
+            self.place_node(node, end, stream);
+            if turns[end] {
+                node.triad = product(&matrix(quaternion[end]), &node.triad);
+            }
+            increment.flow[end] = node.flow - [&initial.a, &initial.b][end].flow;
+        }
+        if place == Place::RightAngles && *turns == [true; 2] && !definition.planar {
+            let of = |at: u64| self.cubes.get((at % 24) as usize).copied();
+            (pair.a.triad, pair.b.triad) =
+                (of(bits >> 8).unwrap_or(pair.a.triad), of(bits >> 40).unwrap_or(pair.b.triad));
+        }
+        if self.has_one_form {
+            increment = Step::between(initial, pair).increment;
+        }
+        if whole != 0.0 {
+            let [_, x, y, z] = quaternion[1];
+            let size = norm([x, y, z]);
+            if size > 0.0 {
+                increment.whole_turns[1] = scale([x, y, z], whole * TAU / size);
+                increment.rotation[1] = add(increment.rotation[1], increment.whole_turns[1]);
+            }
+        }
+        Drawn { pair, increment, place }
+    }
+
+    /// Moves a node, where it can be.
+    fn place_node(&self, node: &mut Node<f64>, end: usize, stream: &mut Stream) {
+        let [x, y, z] = stream.cube(self.length * [0.5, 1.0][end]);
+        let [flow, _] = if self.definition.connection.flow[end] { stream.signed() } else { [0.0; 2] };
+        if self.definition.moves[end] {
+            node.displacement = [x, y, if self.definition.planar { 0.0 } else { z }];
+            node.flow = 0.2 * self.length * flow;
+        }
+    }
+
+    /// Uniform on the rotations that there are (Marsaglia, "Choosing a point from the surface of a sphere", 1972).
+    fn rotation(&self, stream: &mut Stream) -> Quaternion<f64> {
+        let ([x, y], first) = stream.disc();
+        if self.definition.planar {
+            let size = norm([x, y]);
+            return [x / size, 0.0, 0.0, y / size];
+        }
+        let ([z, w], second) = stream.disc();
+        let factor = ((1.0 - first) / second).sqrt();
+        [x, y, z * factor, w * factor]
+    }
+
+    /// By 2⁻⁴⁰ to 1 rad about any axis.
+    fn little(&self, bits: u64, stream: &mut Stream) -> Quaternion<f64> {
+        let size = f64::from_bits((1022 - (bits >> 8) % 40) << 52);
+        let ([x, y], square) = stream.disc();
+        let axis: Vector<f64> = if self.definition.planar {
+            [0.0, 0.0, x]
+        } else {
+            let root = (1.0 - square).sqrt();
+            [2.0 * x * root, 2.0 * y * root, 1.0 - 2.0 * square]
+        };
+        let [x, y, z] = scale(axis, 0.5 * size);
+        let norm = norm([1.0, x, y, z]);
+        [1.0 / norm, x / norm, y / norm, z / norm]
+    }
+
+    /// As a case of the audit, which judges its end.
+    pub fn case(&self, name: &str, index: u64, drawn: &Drawn) -> Case {
+        let step = Step { state: drawn.state(), increment: drawn.increment };
+        Case {
+            name: format!("{name}, state {index}"),
+            definition: self.definition.clone(),
+            start: None,
+            length: self.length.max(norm(drawn.pair.separation())),
+            path: vec![step],
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! What is known of many states in the end: it merges exactly, in any order.
+
+use crate::SweepError;
+use crate::bins::{Bins, Map};
+use crate::plan::sha256;
+use crate::ranges::Ranges;
+use crate::states::Place;
+use pintle_audit::{Finding, Quantity, Verdict};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+
+/// The form of a summary.
+pub const SCHEMA: &str = "pintle-sweep/1";
+
+/// How many of the worst states are kept of each subject and quantity.
+pub const WORST: usize = 4;
+
+/// Bytes in hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    let digit = |nibble: u8| char::from(DIGITS[usize::from(nibble & 15)]);
+    bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(*byte)]).collect()
+}
+
+/// A double, written as its bits: infinite ones, and those that are no number, are written too.
+#[derive(Clone, Copy, Debug)]
+pub struct Bits(pub f64);
+
+impl PartialEq for Bits {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_bits() == other.0.to_bits()
+    }
+}
+
+impl Serialize for Bits {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&format!("{:016x}", self.0.to_bits()))
+    }
+}
+
+impl<'de> Deserialize<'de> for Bits {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(from)?;
+        let bits = u64::from_str_radix(&text, 16).map_err(serde::de::Error::custom)?;
+        Ok(Self(f64::from_bits(bits)))
+    }
+}
+
+/// The largest of many numbers, and the first state that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Largest {
+    /// The number.
+    pub value: Bits,
+    /// The index of the state.
+    pub index: u64,
+}
+
+impl Largest {
+    fn beats(self, other: Self) -> bool {
+        self.value.0.total_cmp(&other.value.0).then(other.index.cmp(&self.index)).is_gt()
+    }
+
+    /// The larger one, of equal ones the first.
+    pub fn of(known: Option<Self>, other: Option<Self>) -> Option<Self> {
+        match (known, other) {
+            (Some(a), Some(b)) => Some(if b.beats(a) { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// A state that is among the worst.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// The error in units of the bound.
+    pub units: Bits,
+    /// The index of the state.
+    pub index: u64,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The entry.
+    pub entry: String,
+    /// What was given.
+    pub got: Bits,
+    /// What it must be.
+    pub want: Bits,
+    /// How far apart they may be.
+    pub tolerance: Bits,
+}
+
+impl Worst {
+    /// From what the audit found at a state.
+    pub fn new(index: u64, verdict: Verdict, finding: &Finding) -> Self {
+        Self {
+            units: Bits(finding.units),
+            index,
+            verdict,
+            entry: finding.entry.clone(),
+            got: Bits(finding.got),
+            want: Bits(finding.want),
+            tolerance: Bits(finding.tolerance),
+        }
+    }
+
+    fn as_largest(&self) -> Largest {
+        Largest { value: self.units, index: self.index }
+    }
+}
+
+/// What 237 bits said of one quantity.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OfQuantity {
+    /// The states by verdict.
+    pub verdicts: BTreeMap<Verdict, u64>,
+    /// The entries compared.
+    pub compared: u64,
+    /// The states by the exponents of their distance to the nearest singular set and of their error in units of the bound.
+    pub map: Map,
+    /// The worst states, the worst first.
+    pub worst: Vec<Worst>,
+}
+
+impl OfQuantity {
+    /// Adds a state at that distance from its singular sets.
+    pub fn add(&mut self, nearness: f64, measured: &pintle_audit::Measured, index: u64) {
+        let verdict = measured.verdict;
+        *self.verdicts.entry(verdict).or_default() += 1;
+        self.compared += measured.compared;
+        let Some(finding) = &measured.worst else { return };
+        // On a kink or at a singular point there is nothing that an error could be of.
+        if matches!(verdict, Verdict::Pass | Verdict::IllConditioned) || verdict.is_mismatch() {
+            self.map.add([nearness, finding.units]);
+            self.keep(Worst::new(index, verdict, finding));
+        }
+    }
+
+    fn keep(&mut self, one: Worst) {
+        let is_kept = self.worst.len() < WORST
+            || self.worst.last().is_some_and(|last| one.as_largest().beats(last.as_largest()));
+        if is_kept {
+            let at = self.worst.partition_point(|known| known.as_largest().beats(one.as_largest()));
+            self.worst.insert(at, one);
+            self.worst.truncate(WORST);
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for (verdict, count) in &other.verdicts {
+            *self.verdicts.entry(*verdict).or_default() += count;
+        }
+        self.compared += other.compared;
+        self.map.merge(&other.map);
+        other.worst.iter().for_each(|one| self.keep(one.clone()));
+    }
+}
+
+/// What is known of one subject.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OfSubject {
+    /// Its name.
+    pub name: String,
+    /// The states by where they lie.
+    pub places: BTreeMap<Place, u64>,
+    /// The numbers computed of them, values and entries of rows.
+    pub numbers: u64,
+    /// The states with a number that is not finite, and the first of them.
+    pub not_finite: u64,
+    /// The first of them.
+    pub first_not_finite: Option<u64>,
+    /// The states by the exponent of sin²(θ/2), θ the angle by which b is turned against a.
+    pub turned: Bins,
+    /// The states by the exponent of |d|², in lengths of the connector.
+    pub apart: Bins,
+    /// The states by the exponent of what is left of rows along rigid motions, in roundings of what is added up.
+    pub rigid: Bins,
+    /// The largest of that.
+    pub largest_rigid: Option<Largest>,
+    /// The states beyond [`crate::sweep::RIGID`].
+    pub not_rigid: u64,
+    /// The states judged on 237 bits.
+    pub judged: u64,
+    /// What was said of their values.
+    pub value: OfQuantity,
+    /// What was said of their rows.
+    pub row: OfQuantity,
+}
+
+impl OfSubject {
+    fn merge(&mut self, other: &Self) {
+        for (place, count) in &other.places {
+            *self.places.entry(*place).or_default() += count;
+        }
+        self.numbers += other.numbers;
+        self.not_finite += other.not_finite;
+        self.first_not_finite = match (self.first_not_finite, other.first_not_finite) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        self.turned.merge(&other.turned);
+        self.apart.merge(&other.apart);
+        self.rigid.merge(&other.rigid);
+        self.largest_rigid = Largest::of(self.largest_rigid, other.largest_rigid);
+        self.not_rigid += other.not_rigid;
+        self.judged += other.judged;
+        self.value.merge(&other.value);
+        self.row.merge(&other.row);
+    }
+
+    /// The quantities with their names.
+    pub const fn quantities(&self) -> [(Quantity, &OfQuantity); 2] {
+        [(Quantity::Value, &self.value), (Quantity::FirstDerivatives, &self.row)]
+    }
+
+    /// The states of it.
+    pub fn states(&self) -> u64 {
+        self.places.values().sum()
+    }
+
+    /// The states at which something is wrong: of each law and quantity the number, added up.
+    pub fn wrong(&self) -> u64 {
+        let of = |quantity: &OfQuantity| -> u64 {
+            quantity
+                .verdicts
+                .iter()
+                .filter(|(verdict, _)| verdict.is_mismatch())
+                .map(|(_, count)| count)
+                .sum()
+        };
+        self.not_finite + self.not_rigid + of(&self.value) + of(&self.row)
+    }
+}
+
+/// What is known of all states.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The SHA-256 of the text of the plan.
+    pub plan: String,
+    /// The vector unit on which numbers were computed: others round otherwise.
+    pub arithmetic: String,
+    /// The indices of the states.
+    pub states: Ranges,
+    /// The sum, modulo 2⁶⁴, of a hash of all bits of all numbers of each state.
+    #[serde(with = "as_hex")]
+    pub fingerprint: u64,
+    /// By subject.
+    pub subjects: Vec<OfSubject>,
+}
+
+/// A number of 64 bits as hexadecimal digits: JSON has no such integers everywhere.
+mod as_hex {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(number: &u64, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&format!("{number:016x}"))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+        let text = String::deserialize(from)?;
+        u64::from_str_radix(&text, 16).map_err(serde::de::Error::custom)
+    }
+}
+
+impl Summary {
+    /// Of no state.
+    pub fn empty(plan: &str, arithmetic: &str, names: impl Iterator<Item = String>) -> Self {
+        Self {
+            schema: SCHEMA.into(),
+            plan: plan.into(),
+            arithmetic: arithmetic.into(),
+            states: Ranges::default(),
+            fingerprint: 0,
+            subjects: names.map(|name| OfSubject { name, ..OfSubject::default() }).collect(),
+        }
+    }
+
+    /// Adds what is known of other states.
+    ///
+    /// # Errors
+    /// Summaries of different plans, of numbers that were rounded otherwise, or of one state twice.
+    pub fn merge(&mut self, other: &Self) -> Result<(), SweepError> {
+        let refused = |what: String| Err(SweepError::Merge(what));
+        if self.plan != other.plan || self.subjects.len() != other.subjects.len() {
+            return refused(
+                "two summaries are of different plans: sweep each into a folder of its own".into(),
+            );
+        }
+        if self.arithmetic != other.arithmetic {
+            return refused(format!(
+                "two summaries were computed on {} and on {}, which round otherwise: sweep on processors of one kind",
+                self.arithmetic, other.arithmetic
+            ));
+        }
+        if let Some(index) = self.states.overlap(&other.states) {
+            return refused(format!("state {index} is in two summaries: delete the file of one of them"));
+        }
+        self.states.add(&other.states);
+        self.fingerprint = self.fingerprint.wrapping_add(other.fingerprint);
+        self.subjects.iter_mut().zip(&other.subjects).for_each(|(own, other)| own.merge(other));
+        Ok(())
+    }
+
+    /// As its one text.
+    ///
+    /// # Errors
+    /// Never: every number of it is an integer.
+    pub fn text(&self) -> Result<String, SweepError> {
+        serde_json::to_string(self).map_err(|error| SweepError::Merge(error.to_string()))
+    }
+
+    /// The SHA-256 of its text.
+    ///
+    /// # Errors
+    /// As [`Summary::text`].
+    pub fn digest(&self) -> Result<String, SweepError> {
+        Ok(sha256(&self.text()?))
+    }
+
+    /// The number of states at which something is wrong, as [`OfSubject::wrong`].
+    pub fn wrong(&self) -> u64 {
+        self.subjects.iter().map(OfSubject::wrong).sum()
+    }
+}

@@ -1,0 +1,144 @@
+//! `pintle sweep`: one digest, whoever computes what, and whoever is killed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn pintle(words: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pintle"));
+    command.args(words).env("NO_COLOR", "1").env_remove("COLUMNS");
+    command
+}
+
+fn run(words: &[&str]) -> Output {
+    pintle(words).output().expect("it runs")
+}
+
+/// The lines of a table that begin with a word.
+fn line(output: &Output, word: &str) -> String {
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let found = text.lines().find(|line| line.starts_with(word));
+    found
+        .unwrap_or_else(|| panic!("no {word} in {text}{}", String::from_utf8_lossy(&output.stderr)))
+        .to_string()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("pintle-sweep-{name}-{}", std::process::id()));
+    _ = fs::remove_dir_all(&path);
+    path
+}
+
+fn chunks(path: &Path) -> usize {
+    let names = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    names.filter(|name| name.to_string_lossy().starts_with("chunk-")).count()
+}
+
+const STATES: &str = "60000";
+const SHARE: [&str; 2] = ["--oracle-share", "0.002"];
+
+fn of(out: &str, more: &[&str]) -> Vec<String> {
+    let words = ["sweep", "--states", STATES, "--chunk", "4000", "--out", out];
+    words.into_iter().chain(SHARE).chain(more.iter().copied()).map(String::from).collect()
+}
+
+fn kill(child: &mut Child) {
+    // SIGKILL, which no program can handle.
+    child.kill().expect("it can be killed");
+    child.wait().expect("it has ended");
+}
+
+/// One run, one thread, parts in any order, and a run that is killed again and again: one digest.
+#[test]
+fn a_sweep_has_one_digest_whoever_is_killed() {
+    let whole = run(&["sweep", "--states", STATES, SHARE[0], SHARE[1]]);
+    assert!(whole.status.success(), "{}", String::from_utf8_lossy(&whole.stderr));
+    let digest = line(&whole, "digest");
+    assert!(line(&whole, "states").starts_with("states    60,000, "), "{}", line(&whole, "states"));
+
+    let parts = folder("parts");
+    let name = parts.to_str().expect("a path");
+    for part in ["2/3", "0/3", "1/3"] {
+        let words = of(name, &["--range", part, "--threads", "1"]);
+        let found = pintle(&words.iter().map(String::as_str).collect::<Vec<_>>()).output().expect("it runs");
+        assert_eq!(line(&found, "digest") == digest, part == "1/3", "{part}");
+    }
+    assert_eq!(chunks(&parts), 15);
+    assert_eq!(line(&run(&["sweep", "--merge", name]), "digest"), digest);
+
+    let killed = folder("killed");
+    let name = killed.to_str().expect("a path");
+    let words = of(name, &["--threads", "1"]);
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let (mut kills, mut before) = (0, 0);
+    while kills < 4 {
+        let mut child =
+            pintle(&words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+        let begun = Instant::now();
+        // As soon as there is one more chunk, the next is in flight.
+        while chunks(&killed) <= before && begun.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        kill(&mut child);
+        let now = chunks(&killed);
+        assert!(now > before, "a killed run keeps what it wrote");
+        (before, kills) = (now, kills + 1);
+        if now >= 14 {
+            break;
+        }
+    }
+    assert!(kills >= 2 && before < 15, "{kills} kills, {before} chunks");
+    let resumed = run(&words);
+    assert_eq!((line(&resumed, "digest"), chunks(&killed)), (digest, 15));
+    for path in [parts, killed] {
+        fs::remove_dir_all(path).expect("a folder");
+    }
+}
+
+/// Bad words and folders are refused, each in one line with its remedy.
+#[test]
+fn what_cannot_be_swept_is_refused() {
+    let path = folder("refused");
+    let name = path.to_str().expect("a path");
+    let first = run(&["sweep", "HINGE", "--states", "100", "--out", name]);
+    assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
+    let cases: [(&[&str], i32, &str); 8] = [
+        (&["sweep", "--states", "0"], 2, "no count"),
+        (&["sweep", "--states", "1.5"], 2, "no count"),
+        (&["sweep", "--range", "3/3"], 2, "write i/n"),
+        (&["sweep", "--oracle-share", "2"], 2, "between 0 and 1"),
+        (&["sweep", "HINGEE"], 2, "did you mean HINGE"),
+        (&["sweep", "gallery:nothing"], 2, "the gallery has no scene"),
+        (&["sweep", "WELD", "--states", "100", "--out", name], 6, "give another folder"),
+        (&["sweep", "--merge", "/nowhere"], 7, "plan.json"),
+    ];
+    for (words, code, told) in cases {
+        let found = run(words);
+        let text = String::from_utf8_lossy(&found.stderr).into_owned();
+        assert_eq!(found.status.code(), Some(code), "{words:?}: {text}");
+        assert!(text.contains(told), "{words:?}: {text}");
+    }
+    fs::remove_dir_all(path).expect("a folder");
+}
+
+/// A scene's connectors are swept one by one; the picture is a file; a state is printed with all its bits.
+#[test]
+fn scenes_pictures_and_states() {
+    let path = folder("picture");
+    fs::create_dir_all(&path).expect("a folder");
+    let file = path.join("worst.svg");
+    let name = file.to_str().expect("a path");
+    let words =
+        ["sweep", "gallery:slider_crank", "--states", "3000", "--oracle-share", "0.05", "--picture", name];
+    let found = run(&words);
+    assert!(found.status.success(), "{}", String::from_utf8_lossy(&found.stderr));
+    assert!(line(&found, "TRANSLATOR 106").contains(" 480 "), "{}", line(&found, "TRANSLATOR 106"));
+    let svg = fs::read_to_string(&file).expect("a picture");
+    assert!(svg.starts_with("<svg") && svg.contains("TRANSLATOR 106") && svg.contains("below 2^"));
+    assert_eq!(run(&words).status.code(), Some(7), "no file is overwritten");
+    let state = |seed: &str| run(&["sweep", "HINGE", "--state", "12345", "--seed", seed]).stdout;
+    assert!(state("a") == state("a") && state("a") != state("b"));
+    assert!(String::from_utf8_lossy(&state("a")).contains("\"index\": 12345"));
+    fs::remove_dir_all(path).expect("a folder");
+}
