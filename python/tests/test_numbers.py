@@ -242,4 +242,4 @@ def test_stubs_name_what_there_is():
             names = [one.arg for one in (*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs)]
             assert names == list(inspect.signature(getattr(module, item.name)).parameters), item.name
             compared += 1
-    assert compared == 8 and all(hasattr(pintle, name) for name in pintle.__all__)
+    assert compared == 9 and all(hasattr(pintle, name) for name in pintle.__all__)
