@@ -31,7 +31,8 @@ fn document() -> String {
     format!("{{\"schema\": \"pintle-forces/1\", \"states\": [{}]}}", states.join(", "))
 }
 
-fn scene() -> [String; 2] {
+/// The deck and its states, of a test of this name: tests run side by side.
+fn scene(test: &str) -> [String; 2] {
     let deck = "*NODE\n1, 0., 0., 0.\n2, 2., 0.5, 0.\n*ORIENTATION, NAME=O\n0.6, 0.8, 0., -0.8, 0.6, 0.\n\
                 *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nWELD\nO,\n";
     let mut states = "state,time,node,u1,ur1,ur2\n".to_string();
@@ -39,12 +40,12 @@ fn scene() -> [String; 2] {
         let at = 0.25 * state as f64;
         writeln!(states, "{state},{at},2,{at},{at},0.125").unwrap();
     }
-    [file("streamed-forces.inp", deck), file("streamed-forces.csv", &states)]
+    [file(&format!("{test}.inp"), deck), file(&format!("{test}-states.csv"), &states)]
 }
 
 #[test]
 fn the_order_of_forces_changes_nothing() {
-    let [deck, states] = scene();
+    let [deck, states] = scene("streamed-forces-1");
     let run = |name: &str, text: &str| {
         let forces = file(name, text);
         let of = ["--forces", &forces, "--outputs", "CTF,NF,DNF", "--format", "csv"];
@@ -68,7 +69,7 @@ fn the_order_of_forces_changes_nothing() {
 /// What is wrong with the last of them is said before anything is written, with its line.
 #[test]
 fn wrong_forces_are_refused_before_the_first_state() {
-    let [deck, states] = scene();
+    let [deck, states] = scene("streamed-forces-2");
     for (name, row, part) in [
         ("unknown", "5,8,1,1,1,1,1,1\n", "there is no connector element 8"),
         ("missing", "5,7,1,1,1,1,1,\n", "its force m3 is missing"),
