@@ -195,6 +195,29 @@ fn rows_of_arrays_are_those_of_tiles() {
     assert!(types >= 25 && compared > 1_000_000, "{compared} numbers of {types} types");
 }
 
+/// So many states that longer parts are computed at a time.
+#[test]
+fn very_many_states_are_many() {
+    let draw = &mut Draw::new("rows, many");
+    let connection = ConnectionType::named("UJOINT", None).unwrap();
+    let case = case(&connection, draw, 16_386).unwrap();
+    let expected = case.expected();
+    let x = [case.flat(|s| case.pairs[s].a.displacement), case.flat(|s| case.pairs[s].b.displacement)];
+    let triad = [case.flat(|s| nine(&case.pairs[s].a.triad)), case.flat(|s| nine(&case.pairs[s].b.triad))];
+    let node = |end: usize| Nodes {
+        displacement: Array::new(&x[end], 3),
+        orientation: Orientation::Triad(Array::new(&triad[end], 9)),
+    };
+    let states = States {
+        count: case.pairs.len(),
+        reference: Array::shared(&case.pairs[0].reference),
+        nodes: [node(0), node(1)],
+        sections: &case.sections,
+        histories: &case.histories,
+    };
+    assert!(compare("many", &case.batch, &states, &expected, 0.0) > 1_000_000);
+}
+
 /// One array of 27 numbers a state, one node for all, and a section for each tile.
 #[test]
 fn arrays_lie_as_they_do() {

@@ -162,6 +162,18 @@ pub const COMPACT: [usize; 9] = [3, 4, 5, 6, 7, 8, 9, 10, 11];
 
 /// How many states are computed at a time: they stay in the first cache with up to three rows.
 const AT_ONCE: usize = 64;
+/// Of more states than the second cache holds with their rows, longer parts of their arrays are read at a time.
+const MANY: usize = 16_384;
+const AT_ONCE_OF_MANY: usize = 512;
+
+/// How many of `count` states with so many rows are computed at a time.
+const fn at_once(count: usize, each: usize) -> usize {
+    match (count, each) {
+        (MANY.., _) => AT_ONCE_OF_MANY,
+        (_, 4..) => AT_ONCE / 2,
+        _ => AT_ONCE,
+    }
+}
 
 /// Twelve columns.
 type Dense = [f64; 12];
@@ -265,7 +277,7 @@ impl Batch {
         let work = &mut Work::new(self, states);
         let is_dense = matches!(columns, Columns::Twelve);
         let pattern = if is_dense { Vec::new() } else { self.pattern() };
-        let at_once = if each > 3 { AT_ONCE / 2 } else { AT_ONCE };
+        let at_once = at_once(count, each);
         for first in (0..count).step_by(at_once) {
             let these = first..count.min(first + at_once);
             let value = values.get_mut(these.start * each..these.end * each);
@@ -335,7 +347,7 @@ struct Work {
 
 impl Work {
     fn new(batch: &Batch, states: &States<'_>) -> Self {
-        let tiles = states.count.min(AT_ONCE).div_ceil(LANES);
+        let tiles = states.count.min(at_once(states.count, batch.rows())).div_ceil(LANES);
         let still = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
         let still = Tile::new(&[Pair { reference: [0.0; 3], a: still, b: still }; LANES]);
         let needed = batch.measures().iter().map(|(_, measure)| measure.dependence());
