@@ -54,7 +54,7 @@ impl<'a> Array<'a> {
         'a: 'b,
     {
         if self.stride == N
-            && states.len() % LANES == 0
+            && states.len().is_multiple_of(LANES)
             && let Some(numbers) = self.numbers.get(states.start * N..states.end * N)
         {
             return numbers.as_chunks::<N>().0;
@@ -286,7 +286,7 @@ impl Batch {
                 break;
             };
             work.evaluate(self, states, &these)?;
-            if is_dense && these.len() % LANES == 0 {
+            if is_dense && these.len().is_multiple_of(LANES) {
                 work.spread(self, value, row.as_chunks_mut::<12>().0);
                 continue;
             }
