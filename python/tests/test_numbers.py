@@ -239,7 +239,9 @@ def test_stubs_name_what_there_is():
         for item in ast.parse(open(f"{folder}/{stub}.pyi").read()).body:
             if not isinstance(item, ast.FunctionDef):
                 continue
-            names = [one.arg for one in (*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs)]
+            given = item.args
+            every = (*given.posonlyargs, *given.args, given.vararg, *given.kwonlyargs)
+            names = [one.arg for one in every if one is not None]
             assert names == list(inspect.signature(getattr(module, item.name)).parameters), item.name
             compared += 1
     assert compared == 9 and all(hasattr(pintle, name) for name in pintle.__all__)
