@@ -1,8 +1,9 @@
 //! What flags say, in words.
 
-use pintle_kinematics::connector::{Flag, Holding, Turned};
+use pintle_kinematics::connector::{CERTAIN_INCREMENT, Flag, Holding, Turned};
 use pintle_kinematics::measure::SingularClass;
 use pintle_scene::grammar::number;
+use std::f64::consts::PI;
 
 /// What a flag says.
 pub fn flag_in_words(flag: &Flag) -> String {
@@ -155,6 +156,9 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
         Flag::AmbiguousTurn { node, taken, other, .. } => format!(
             "the rotation vectors of node {node} fit a turn of {taken:.6} rad since the previous state, which is taken, and one of {other:.6} rad: give more states, or quaternions"
         ),
+        Flag::LargeIncrement { change, .. } if change.abs() <= CERTAIN_INCREMENT * PI => format!(
+            "whole turns of the nodes since the previous state were not about the axis of {components}: its turns are not certain"
+        ),
         Flag::LargeIncrement { of, change, .. } => {
             let follow = if group.len() == 1 { "follows" } else { "follow" };
             let turned = match of {
@@ -168,5 +172,20 @@ fn in_words(flag: &Flag, group: &[Flag]) -> String {
                 "{turned} by {change:.6} rad since the previous state, more than 0.9 π: its turns are not certain"
             )
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::flag_in_words;
+    use pintle_kinematics::connector::{Flag, Turned};
+
+    /// An angle that hardly moved did not move by more than 0.9 π.
+    #[test]
+    fn a_large_increment_says_which_of_two_it_is() {
+        let told =
+            |change| flag_in_words(&Flag::LargeIncrement { component: "ur3", of: Turned::Component, change });
+        assert!(told(-3.1).contains("ur3 moved by -3.100000 rad since the previous state, more than 0.9 π"));
+        assert!(told(-1e-17).contains("were not about the axis of ur3"), "{}", told(-1e-17));
     }
 }
