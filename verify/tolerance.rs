@@ -142,8 +142,8 @@ pub(crate) const WIDE: f64 = 1e-60;
 /// digits plus two roundings of the natural size.
 pub(crate) const GOLDEN: f64 = 4.0;
 
-/// Forces of behaviour and their slopes against JAX, over 1 + |value|: sums of a dozen products of numbers below 500, and tables of a
-/// few segments, by other formulas that round otherwise; the steepest segment of a table multiplies the rounding of its argument.
+/// Forces of behaviour and their slopes against JAX, over 1 + |value|. They are sums of a dozen products of numbers below 500, and tables
+/// of a few segments, by other formulas. The steepest segment of a table multiplies the rounding of its argument.
 pub(crate) const BEHAVIOR_JAX: f64 = 1e-11;
 
 /// Slopes of forces against wide differences, and energies' against forces, over 1 + |value|: a slope is one quotient, or a sum of
@@ -189,8 +189,8 @@ pub(crate) const ROWS_OF_TURNS: f64 = 1e-13;
 /// Four lanes against one element at a time, in roundings of the conditioned scale: value, first, second derivatives.
 pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];
 
-/// The same beside singular points: lanes take triads as they are, not the rotation nearest to them, and triads there are products
-/// with errors of two roundings, which a rotation vector of length π has for roundings of its length.
+/// The same beside singular points. Lanes take triads as they are, not the rotation nearest to them. Triads there are products with
+/// errors of two roundings, which a rotation vector of length π has for roundings of its length.
 pub(crate) const BATCH_NEAR: [f64; 3] = [3.0, 2.5, 1.5];
 
 /// Consistent tangents of component forces against wide differences, relative to the largest slope.
@@ -199,8 +199,8 @@ pub(crate) const TANGENT: f64 = 1e-13;
 /// Tangents of nodal forces against wide differences, relative to the largest entry: lengths and angles are about 1 there.
 pub(crate) const NODAL_TANGENT: f64 = 1e-13;
 
-/// CSF2 of a belt that slips against T2 − T1 of the known solution, over T2: the deck gives the angle of wrap to eight digits and both
-/// sides use them; what is left is 1e5 times the rounding of strains.
+/// CSF2 of a belt that slips against T2 − T1 of the known solution, over T2. The deck gives the angle of wrap to eight digits, and both
+/// sides use them. What is left is 1e5 times the rounding of strains.
 pub(crate) const BELT_FRICTION: f64 = 1e-12;
 
 /// Slopes of an angle of wrap against central differences on doubles with a step of 1e-5: its square, and rounding over the step.

@@ -1,5 +1,5 @@
 //! Is it right, and how do we know? Numbers judged against oracles that share as little with them as possible, by a bound that
-//! follows from the conditioning of the state, with mutants of the same numbers as proof that the check would have spoken.
+//! follows from the conditioning of the state. Mutants of the same numbers prove that the check would have spoken.
 //!
 //! A *case* ([`Case`]) is a connector, its history and a state. Its *numbers* ([`Quantity`]) are compared with what *oracles*
 //! ([`Oracle`]) say, within the *bound* ([`judge::bound`]); *laws* ([`Invariant`]) relate the numbers to each other and need no

@@ -38,7 +38,8 @@ fn there(arguments: &[&str]) -> Command {
     command
 }
 
-fn python() -> bool {
+/// Whether there is a Python, which continuous integration has.
+pub(super) fn has_python() -> bool {
     let found = std::process::Command::new("python3").arg("--version").output().is_ok();
     assert!(found || std::env::var_os("CI").is_none(), "CI has no python3");
     if !found {
@@ -50,7 +51,7 @@ fn python() -> bool {
 /// A Python routine is right, or the entry that is wrong is named.
 #[test]
 fn python_routines_are_judged() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let right = format!("{EXAMPLE}:cartesian");
@@ -97,7 +98,7 @@ const CLOSE: &str = "break";
 /// Every misbehaviour is told as what it is, in time, with exit code 6; nothing of the process is left.
 #[test]
 fn misbehaviours_are_named() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let cases = [
@@ -237,7 +238,7 @@ fn misbehaviours_are_named() {
 /// What a routine declares of its conventions is undone; what it does not offer is not asked of it.
 #[test]
 fn conventions_are_undone() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let hello = |convention: &str| {

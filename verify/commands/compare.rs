@@ -99,7 +99,7 @@ const FAULTS: [Fault; 7] = [
     ),
 ];
 
-/// Faults drawn into any output of any of these types are found, where they are, with their cause; what is right agrees at any number of
+/// Faults drawn into any output of any of these types are found, where they are, with their cause. What is right agrees at any number of
 /// digits, and nothing that is right is called wrong.
 #[test]
 fn drawn_faults_of_results_are_found_and_named() {

@@ -8,8 +8,8 @@ use pintle_kinematics::vector::{Vector, add, apply, product, sub, transpose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The names of what has a range: the place of b seen from a, along the axes of a, and how b has turned against a since the initial state, as
-/// a rotation vector along the axes of a (rad).
+/// The names of what has a range, along the axes of a: the place of b seen from a (length), and the rotation vector by which b has turned
+/// against a since the initial state (rad).
 const NAMES: [&str; 6] = ["x1", "x2", "x3", "r1", "r2", "r3"];
 
 /// Ranges of relative places and angles; what has none is free.

@@ -80,8 +80,8 @@ fn largest(of: &[f64]) -> f64 {
     of.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// The relative error of the largest of some first derivatives, each with its conditioned scale, that a rung would notice: beyond what it may
-/// be off, [`C`] units u of that scale, whatever it is off by already.
+/// The relative error of the largest of some first derivatives, each with its conditioned scale, that a rung would notice.
+/// It exceeds what the derivative may be off, [`C`] units u of that scale, whatever it is off by already.
 fn detectable(first: impl Iterator<Item = (f64, f64)>) -> f64 {
     let largest = first.max_by(|x, y| x.0.abs().total_cmp(&y.0.abs()));
     let least = largest.map_or(f64::INFINITY, |(first, scale)| 2.0 * C * U * scale / first.abs());
@@ -253,8 +253,14 @@ fn of_component(case: &Case, k: usize, site: &Site) -> Option<Beside> {
 /// From one side, from the other, and from the side, towards one and the same point: signs and azimuths (rad).
 pub const SIDES: [(f64, f64); 4] = [(1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (1.0, -2.0)];
 
-/// What happens at a point that is approached from some sides: derivatives that grow without bound from every side, a value that jumps, with
-/// derivatives that jump or without, derivatives that jump alone, or nothing. None of these where a number is not finite, or a length jumps.
+/// What happens at a point that is approached from some sides:
+///
+/// - derivatives grow without bound from every side
+/// - a value jumps, with derivatives that jump or without
+/// - derivatives jump alone
+/// - nothing
+///
+/// None of these where a number is not finite, or a length jumps.
 pub fn classify(
     sides: &[(f64, f64)],
     unit: Unit,

@@ -6,8 +6,10 @@
 //! are compiled with this crate, and not again by its callers. Results differ from those of [`crate::connector`] by roundings
 //! of the numbers that they are computed from. A value differs by at most 2 of them (beside singular points 3), a row by 2.5, second
 //! derivatives by 1.5. That is so for triads that are orthonormal to rounding and lengths between 1e−300 and 1e300. What is no number stays in its lane.
-//! A connector takes the rotation that is nearest to its triads; a batch does not: triads that are off by δ (of single precision,
+//! A connector takes the rotation that is nearest to its triads; a batch does not. Triads that are off by δ (of single precision,
 //! 1e−7) put its rotation vectors off by about 0.4 δ.
+//!
+//! Whoever has arrays of states takes [`Batch::spread`], which makes tiles of them and arrays of the rows.
 //!
 //! States come in [`Tile`]s: each number of a state as an array of four, one for each lane. Rows go to arrays of the same kind. The
 //! loops are made to be optimised: without optimisation they need a stack of more than 8 MB (here a thread that the page hides).
@@ -145,7 +147,7 @@ impl Batch {
 /// The degree of freedom of each column of a row, by its place in [`crate::node::DOF`]: all but material flow.
 pub const COLUMNS: [usize; DOFS - 2] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
 
-/// The vector unit that batches run on here, chosen at run time: AVX2 with fused products, NEON; `None` where there is none, and every lane is
+/// The vector unit that batches run on here, chosen at run time: AVX2 with fused products, or NEON. `None` where there is none: every lane is
 /// computed in the instructions that the program was built for.
 pub fn vector_unit() -> Option<&'static str> {
     struct Width;

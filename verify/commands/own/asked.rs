@@ -1,5 +1,6 @@
 //! Where and how a routine is asked: all connectors of a scene, within a domain, at arrays of NumPy, with steps that are taken back.
 
+use crate::commands::check::has_python;
 use crate::commands::cli::{pintle, stderr, stdout};
 use assert_cmd::Command;
 use serde_json::Value;
@@ -94,15 +95,6 @@ CARTESIAN,
 AXIAL,
 ";
 
-fn python() -> bool {
-    let found = std::process::Command::new("python3").arg("--version").output().is_ok();
-    assert!(found || std::env::var_os("CI").is_none(), "CI has no python3");
-    if !found {
-        eprintln!("SKIPPED: there is no python3");
-    }
-    found
-}
-
 /// A folder of the test's own, with the routines and what each door needs besides.
 fn folder(name: &str, besides: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("asked-{name}"));
@@ -136,7 +128,7 @@ fn lines(name: &str, hello: &str) -> String {
 /// so is one that does not commit.
 #[test]
 fn steps_are_taken_back() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let folder = folder("commits", "");
@@ -162,7 +154,7 @@ fn steps_are_taken_back() {
 /// States lie within a domain, whoever declares it.
 #[test]
 fn states_are_drawn_within_a_domain() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let folder = folder("domain", "DOMAIN = {'x1': [-0.1, 0.1]}");
@@ -202,7 +194,7 @@ fn states_are_drawn_within_a_domain() {
 /// Of a scene all connectors are asked that the routine covers, and those that it does not cover are named.
 #[test]
 fn all_connectors_of_a_scene_are_asked() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let folder = folder("scene", "TYPES = ['CARTESIAN']");
@@ -227,7 +219,7 @@ fn all_connectors_of_a_scene_are_asked() {
 /// What `pintle states` writes for NumPy is read again, and so is an array of records.
 #[test]
 fn states_are_read_from_arrays() {
-    if !python() {
+    if !has_python() {
         return;
     }
     let folder = folder("arrays", "");

@@ -7,7 +7,7 @@ use crate::commands::cli::{pintle, stderr, stdout};
 use std::fs;
 use std::path::Path;
 
-/// The events of the block in closed form: slip at 0.05, a turn, rest; then its states evaluate to what was solved, and go on from a state
+/// The events of the block in closed form: slip at 0.05, a turn, rest. Its states evaluate to what was solved, and go on from a state
 /// in the middle to the same rest.
 #[test]
 fn a_block_is_solved_read_back_and_continued() {

@@ -161,7 +161,7 @@ pub(crate) struct Audit {
     /// States per connector of a scene that gives none, drawn about its initial state
     #[arg(long, value_name = "COUNT", default_value_t = Settings::default().drawn_states)]
     drawn_states: usize,
-    /// How long the audit may take, as 60s, 5m or 2h: judges an even sample of connectors and states, and says what share
+    /// How long the audit may take, as 60s, 5m or 2h. It judges an even sample of connectors and states, and says what share.
     /// [default: all, or of a large scene a sample that does not depend on the machine]
     #[arg(long, value_name = "TIME", value_parser = seconds, requires = "scene")]
     budget: Option<f64>,

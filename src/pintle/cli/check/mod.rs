@@ -69,8 +69,8 @@ Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.
 #[command(after_long_help = HELP)]
 #[command(group(ArgGroup::new("door").required(true).args(["with", "python", "library", "header", "answers"])))]
 pub(crate) struct Check {
-    /// A connection type, or two basic ones in quotes; a connector of a scene, SCENE:ELEMENT, or all of them, SCENE; a constraint, "MPC KIND" or
-    /// "MPC SCENE:S-M…" by its nodes; or the friction of a type or connector, "FRICTION TYPE"
+    /// A connection type, or two basic ones in quotes. A connector of a scene is SCENE:ELEMENT, all of them are SCENE. A constraint is
+    /// "MPC KIND", or "MPC SCENE:S-M…" by its nodes. The friction of a type or connector is "FRICTION TYPE"
     #[arg(value_name = "TYPE|SCENE[:ELEMENT]|MPC …|FRICTION …", required_unless_present = "header")]
     of: Option<String>,
     /// The command that starts the routine, for a shell
