@@ -177,7 +177,9 @@ impl Arrays {
             sections,
             histories,
         };
-        case.batch.spread(black_box(&states), Columns::Twelve, black_box(values), black_box(rows)).unwrap();
+        case.batch
+            .rows_of_states(black_box(&states), Columns::Twelve, black_box(values), black_box(rows))
+            .unwrap();
     }
 
     /// The entries of a row of a state.

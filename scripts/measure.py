@@ -47,7 +47,7 @@ TILES, MOVED = "pintle, tiles", "the same bytes, moved"
 # The least speed over each peer that pintle aims at, and with a hundred thousand states, which stay in no cache.
 AIMS = {"JAX": (45, 45), "JAX, relative": (8, 8), "CasADi C": (2.8, 1.5), "num-dual": (15, 9)}
 WHAT = {
-    OURS: "`Batch::spread`: arrays of states to dense rows, four elements at a time, three relative derivatives",
+    OURS: "`Batch::rows_of_states`: arrays of states to dense rows, four elements at a time, three relative derivatives",
     TILES: "`Batch::rows_of`: the same from tiles of four states to tiles of four rows",
     MOVED: "sums what is read, and writes one number everywhere",
     "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom; one unit of compilation, `target-cpu=native`",

@@ -191,7 +191,7 @@ impl Rows {
         let histories = self.histories(&states);
         states.histories = &histories;
         let [values, rows] = out;
-        self.batch.spread(&states, wanted.columns(), values, rows).map_err(|error| error.to_string())
+        self.batch.rows_of_states(&states, wanted.columns(), values, rows).map_err(|error| error.to_string())
     }
 }
 

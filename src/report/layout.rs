@@ -19,6 +19,19 @@ pub(crate) fn width(text: &str) -> usize {
     text.width()
 }
 
+/// A count with a separator between thousands.
+pub(crate) fn grouped(n: u64, separator: char) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(separator);
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// A text in a style. The codes take no cells; a stream that is no terminal drops them.
 pub(crate) fn styled(style: Style, text: impl Display) -> String {
     format!("{style}{text}{style:#}")

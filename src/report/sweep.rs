@@ -8,15 +8,7 @@ use std::io::{self, Write};
 
 /// A count with its thousands apart.
 fn count(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    layout::grouped(number, ',')
 }
 
 fn units(worst: Option<&Worst>) -> String {

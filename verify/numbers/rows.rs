@@ -100,7 +100,7 @@ fn compare(what: &str, batch: &Batch, states: &States<'_>, expected: &[Vec<Found
         let width = batch.width(columns);
         let mut values = vec![f64::NAN; states.count * each];
         let mut rows = vec![f64::NAN; states.count * width];
-        batch.spread(states, columns, &mut values, &mut rows).unwrap();
+        batch.rows_of_states(states, columns, &mut values, &mut rows).unwrap();
         for (s, truth) in expected.iter().enumerate() {
             let mut wanted = Vec::new();
             for (r, (value, row)) in truth.iter().enumerate() {
@@ -260,7 +260,7 @@ fn arrays_lie_as_they_do() {
         assert!(compare("strides", &case.batch, &states, &expected, 0.0) > 10_000);
         let (mut values, mut rows) = (vec![0.0; 70 * 6], vec![0.0; 70 * 72]);
         let refused = |states: &States<'_>, values: &mut [f64], rows: &mut [f64]| {
-            case.batch.spread(states, Columns::Twelve, values, rows).unwrap_err().to_string()
+            case.batch.rows_of_states(states, Columns::Twelve, values, rows).unwrap_err().to_string()
         };
         assert_eq!(refused(&states, &mut values, &mut rows[1..]), "rows: 5039 where 5040 are needed");
         assert_eq!(refused(&states, &mut values[1..], &mut rows), "values: 419 where 420 are needed");
@@ -273,9 +273,9 @@ fn arrays_lie_as_they_do() {
             "numbers of displacements: 899 where 900 are needed"
         );
         let none = States { count: 0, sections: &case.sections, histories: &case.histories, ..states };
-        assert_eq!(case.batch.spread(&none, Columns::Sparse, &mut [], &mut []), Ok(()));
+        assert_eq!(case.batch.rows_of_states(&none, Columns::Sparse, &mut [], &mut []), Ok(()));
         assert_eq!(
-            case.batch.spread(&states, Columns::Chosen(&[3, 12]), &mut values, &mut rows),
+            case.batch.rows_of_states(&states, Columns::Chosen(&[3, 12]), &mut values, &mut rows),
             Err(BatchError::Column(12))
         );
     }

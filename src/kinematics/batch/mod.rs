@@ -9,7 +9,7 @@
 //! A connector takes the rotation that is nearest to its triads; a batch does not. Triads that are off by δ (of single precision,
 //! 1e−7) put its rotation vectors off by about 0.4 δ.
 //!
-//! Whoever has arrays of states takes [`Batch::spread`], which makes tiles of them and arrays of the rows.
+//! Whoever has arrays of states takes [`Batch::rows_of_states`], which makes tiles of them and arrays of the rows.
 //!
 //! States come in [`Tile`]s: each number of a state as an array of four, one for each lane. Rows go to arrays of the same kind. The
 //! loops are made to be optimised: without optimisation they need a stack of more than 8 MB (here a thread that the page hides).

@@ -3,9 +3,9 @@
 use crate::batch::layout::CompactRow;
 use crate::batch::tile::Four;
 use crate::batch::unit::{Any, Unit};
-use crate::batch::{Batch, BatchError, COLUMNS, History, Section, Tile, same_length};
+use crate::batch::{Batch, BatchError, History, Section, Tile, same_length};
 use crate::measure::Measure;
-use crate::node::{DOFS, Dependence, Node, Pair};
+use crate::node::{Dependence, Node, Pair};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::so3;
 use crate::vector::{Matrix, identity, product};
@@ -177,6 +177,8 @@ const fn at_once(count: usize, each: usize) -> usize {
 
 /// Twelve columns.
 type Dense = [f64; 12];
+/// The place of a column that is none of them.
+const NONE: usize = 12;
 
 impl Batch {
     /// The columns (of twelve) that may differ from zero, row by row.
@@ -190,19 +192,27 @@ impl Batch {
         self.measures().iter().map(|(_, measure)| of(measure)).collect()
     }
 
-    /// How many numbers of rows a state has.
-    pub fn width(&self, columns: Columns<'_>) -> usize {
-        match columns {
-            Columns::Twelve => 12 * self.rows(),
-            Columns::Fourteen => DOFS * self.rows(),
-            Columns::Chosen(places) => places.len() * self.rows(),
-            Columns::Sparse => self.pattern().iter().map(Vec::len).sum(),
-        }
+    /// The places among the twelve of the columns of each row; [`NONE`] of those of material flow, which are zero.
+    fn places(&self, columns: Columns<'_>) -> Vec<Vec<usize>> {
+        let each = match columns {
+            Columns::Sparse => return self.pattern(),
+            Columns::Twelve => (0..12).collect(),
+            Columns::Fourteen => (0..6).chain([NONE]).chain(6..12).chain([NONE]).collect(),
+            Columns::Chosen(places) => places.to_vec(),
+        };
+        vec![each; self.rows()]
     }
 
-    /// Values and rows of many states, into memory of the caller: `values` (count, [`Batch::rows`]) and `rows`
-    /// (count, [`Batch::width`]), in C order. Angles are principal but for what the histories say; derivatives by spatial
-    /// variations of rotations. Numbers are those of [`Batch::rows_of`], bit by bit, where triads are given.
+    /// How many numbers of rows a state has.
+    pub fn width(&self, columns: Columns<'_>) -> usize {
+        self.places(columns).iter().map(Vec::len).sum()
+    }
+
+    /// Values and rows of many states, into memory of the caller, in C order: those of [`Batch::rows_of`], bit by bit where triads are
+    /// given but for the sign of zeros.
+    ///
+    /// - `values` (count, [`Batch::rows`]): lengths, and angles (rad), principal but for what the histories say
+    /// - `rows` (count, [`Batch::width`]): ∂value/∂x (global components) and ∂value/∂θ, with C(new) = exp(δθ^) C
     ///
     /// ```
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -233,7 +243,7 @@ impl Batch {
     ///     histories: &[History::new(&[connector.initial_branch(); 4])],
     /// };
     /// let (mut values, mut rows) = (vec![0.0; 3 * batch.rows()], vec![0.0; 3 * batch.width(Columns::Twelve)]);
-    /// batch.spread(&states, Columns::Twelve, &mut values, &mut rows)?;
+    /// batch.rows_of_states(&states, Columns::Twelve, &mut values, &mut rows)?;
     /// assert!((values[3] - 0.5).abs() < 4e-16); // ur1 of the second state
     /// assert!((rows[3 * 12 + 9] - 1.0).abs() < 4e-16); // ∂ur1/∂θb1
     /// # Ok(())
@@ -243,7 +253,7 @@ impl Batch {
     /// # Errors
     /// [`BatchError::Length`] where an array is too short, or `values` or `rows` have another length; [`BatchError::Column`] for a
     /// place beyond the twelve.
-    pub fn spread(
+    pub fn rows_of_states(
         &self,
         states: &States<'_>,
         columns: Columns<'_>,
@@ -264,11 +274,12 @@ impl Batch {
             }
         }
         if let Columns::Chosen(places) = columns
-            && let Some(place) = places.iter().find(|place| **place >= 12)
+            && let Some(place) = places.iter().find(|place| **place >= NONE)
         {
             return Err(BatchError::Column(*place));
         }
-        let width = self.width(columns);
+        let places = self.places(columns);
+        let width = places.iter().map(Vec::len).sum::<usize>();
         same_length("values", values.len(), count.saturating_mul(each))?;
         same_length("rows", rows.len(), count.saturating_mul(width))?;
         if count == 0 || each == 0 {
@@ -276,7 +287,6 @@ impl Batch {
         }
         let work = &mut Work::new(self, states);
         let is_dense = matches!(columns, Columns::Twelve);
-        let pattern = if is_dense { Vec::new() } else { self.pattern() };
         let at_once = at_once(count, each);
         for first in (0..count).step_by(at_once) {
             let these = first..count.min(first + at_once);
@@ -292,39 +302,12 @@ impl Batch {
             }
             work.spread_apart(self);
             value.iter_mut().zip(&work.values).for_each(|(to, from)| *to = *from);
-            columns.copy(work.dense.get(..these.len() * each).unwrap_or_default(), &pattern, row);
+            let found = work.dense.iter().zip(places.iter().cycle());
+            let numbers = found
+                .flat_map(|(row, places)| places.iter().map(|place| row.get(*place).copied().unwrap_or(0.0)));
+            row.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
         }
         Ok(())
-    }
-}
-
-impl Columns<'_> {
-    /// Some columns of dense rows, of which `pattern` names those of each row of a state that may differ from zero.
-    fn copy(self, from: &[Dense], pattern: &[Vec<usize>], to: &mut [f64]) {
-        match self {
-            Self::Twelve => to.iter_mut().zip(from.as_flattened()).for_each(|(to, from)| *to = *from),
-            Self::Fourteen => {
-                let (to, _) = to.as_chunks_mut::<DOFS>();
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to = [0.0; DOFS];
-                    for (j, x) in COLUMNS.iter().zip(from) {
-                        to[*j] = *x;
-                    }
-                }
-            }
-            Self::Chosen(places) => {
-                for (to, from) in to.chunks_exact_mut(places.len().max(1)).zip(from) {
-                    for (to, place) in to.iter_mut().zip(places) {
-                        *to = from.get(*place).copied().unwrap_or(f64::NAN);
-                    }
-                }
-            }
-            Self::Sparse => {
-                let names = from.iter().zip(pattern.iter().cycle());
-                let numbers = names.flat_map(|(row, places)| places.iter().map(|place| row[*place]));
-                to.iter_mut().zip(numbers).for_each(|(to, from)| *to = from);
-            }
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! How a text becomes a sentence of the page.
 
 use crate::audit::summary;
+use crate::layout;
 use pintle_audit::Subject;
 
 /// With a capital, where it begins with a word of the language: symbols stay what they are (μ, ur1, e1a, x_b).
@@ -31,15 +32,7 @@ pub(super) fn sentence(text: &str) -> String {
 
 /// A count with thin spaces between thousands.
 pub(super) fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    text
+    layout::grouped(n, '\u{202f}')
 }
 
 /// The same of a number that may be negative.
