@@ -25,6 +25,10 @@ pub enum Motion {
     AngularAcceleration(usize),
     /// Ψ (length).
     Flow,
+    /// Ψ̇ (length/time).
+    FlowVelocity,
+    /// Ψ̈ (length/time²).
+    FlowAcceleration,
 }
 
 /// A force at a node, global components: three forces, then three moments.
@@ -186,6 +190,8 @@ fn standard(heading: &str) -> Column {
         "NODE" | "NODELABEL" | "NODEID" => return Column::Node,
         "ELEMENT" | "ELEMENTLABEL" | "CONNECTOR" | "ELEMENTID" => return Column::Element,
         "FLOW" => return Column::Motion(Motion::Flow),
+        "FLOWVELOCITY" => return Column::Motion(Motion::FlowVelocity),
+        "FLOWACCELERATION" => return Column::Motion(Motion::FlowAcceleration),
         _ => {}
     }
     // U-U1 of a report is U1; a magnitude is none of its components.

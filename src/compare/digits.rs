@@ -2,6 +2,7 @@
 
 use crate::column::Motion;
 use crate::evaluate::Of;
+use crate::motion::in_files;
 use crate::read::Results;
 use pintle_kinematics::connector::Output;
 use pintle_report::{table, wrap};
@@ -321,6 +322,8 @@ fn name(motion: Motion) -> String {
         Motion::Acceleration(k) => format!("A{}", k + 1),
         Motion::AngularAcceleration(k) => format!("AR{}", k + 1),
         Motion::Flow => "FLOW".to_string(),
+        Motion::FlowVelocity => "FLOW_VELOCITY".to_string(),
+        Motion::FlowAcceleration => "FLOW_ACCELERATION".to_string(),
     }
 }
 
@@ -333,7 +336,7 @@ struct Places {
 impl Places {
     fn of<R>(solution: &Solution<R>) -> Self {
         let named = |labels: &mut dyn Iterator<Item = &Label>| {
-            labels.enumerate().map(|(place, label)| (label.to_string().to_ascii_uppercase(), place)).collect()
+            labels.enumerate().map(|(place, label)| (in_files(label), place)).collect()
         };
         Self {
             nodes: named(&mut solution.nodes.iter()),
@@ -353,7 +356,10 @@ impl Places {
                     Motion::AngularVelocity(k) => of.velocity[3 + k],
                     Motion::Acceleration(k) => of.acceleration[k],
                     Motion::AngularAcceleration(k) => of.acceleration[3 + k],
-                    Motion::Quaternion(_) | Motion::Flow => return None,
+                    Motion::Quaternion(_)
+                    | Motion::Flow
+                    | Motion::FlowVelocity
+                    | Motion::FlowAcceleration => return None,
                 }
             }
             Key::Connector(label, output, k) => {

@@ -16,9 +16,14 @@ pub(crate) struct Motions {
     turned: BTreeMap<Label, Matrix<f64>>,
 }
 
+/// The name that files have for a node or an element.
+pub(crate) fn in_files(label: &Label) -> String {
+    label.to_string().to_ascii_uppercase()
+}
+
 /// The nodes of a scene by the names that files have.
 pub(crate) fn labels(scene: &Scene) -> BTreeMap<String, Label> {
-    scene.nodes.keys().map(|label| (label.to_string().to_ascii_uppercase(), *label)).collect()
+    scene.nodes.keys().map(|label| (in_files(label), *label)).collect()
 }
 
 impl Motions {
@@ -60,6 +65,8 @@ fn of_node(motions: &[(Motion, Printed)]) -> Result<NodeMotion, String> {
             Motion::Acceleration(i) => found.acceleration[*i] = x,
             Motion::AngularAcceleration(i) => found.angular_acceleration[*i] = x,
             Motion::Flow => found.flow = x,
+            Motion::FlowVelocity => found.flow_velocity = x,
+            Motion::FlowAcceleration => found.flow_acceleration = x,
         }
     }
     found.rotation = match quaternion {
@@ -86,7 +93,7 @@ pub fn states(scene: &Scene, results: &Results) -> Result<Vec<State>, String> {
     results.each(|frame| {
         if frame.moves {
             let mut state = motions.state(frame)?;
-            state.number = Some(found.len() as u64);
+            state.number = state.number.or(Some(found.len() as u64));
             found.push(state);
         }
         Ok(())
@@ -116,6 +123,8 @@ pub(crate) fn shift(node: &mut NodeMotion, motion: Motion, by: f64) {
         (Motion::Acceleration(i), _) => node.acceleration[i] += by,
         (Motion::AngularAcceleration(i), _) => node.angular_acceleration[i] += by,
         (Motion::Flow, _) => node.flow += by,
+        (Motion::FlowVelocity, _) => node.flow_velocity += by,
+        (Motion::FlowAcceleration, _) => node.flow_acceleration += by,
     }
 }
 

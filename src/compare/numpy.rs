@@ -44,7 +44,7 @@ impl Stored {
             b'f' => matches!(size, 4 | 8),
             b'i' | b'u' => matches!(size, 1 | 2 | 4 | 8),
             b'b' => size == 1,
-            b'U' | b'S' => size <= TEXT,
+            b'U' | b'S' => (1..=TEXT).contains(&size),
             _ => false,
         };
         let size = if letter == b'U' { 4 * size } else { size };
@@ -150,11 +150,12 @@ impl Array {
 
     /// All entries of an array of labels, whole numbers or texts.
     pub(crate) fn labels(&mut self) -> Result<Vec<String>, String> {
-        let count = self.shape.iter().product::<usize>();
+        let all = self.shape.iter().try_fold(1, |all: usize, size| all.checked_mul(*size));
+        let count = all.ok_or_else(|| format!("its shape {:?} is too large", self.shape))?;
         if !self.is_text() {
             return Ok(self.take(count)?.into_iter().map(|number| number.x.to_string()).collect());
         }
-        let stored = self.stored[0];
+        let [stored] = self.stored[..] else { return Err("its labels have fields".into()) };
         let mut found = Vec::new();
         let mut bytes = vec![0_u8; stored.size];
         for _ in 0..count {
@@ -166,6 +167,9 @@ impl Array {
 
     /// The next record; `None` at the end of the stream.
     pub(crate) fn next(&mut self) -> Result<Option<Vec<Printed>>, String> {
+        if self.is_text() {
+            return Err(format!("{} has texts, and is no array of numbers: leave it out", self.name));
+        }
         let size: usize = self.stored.iter().map(|of| of.size).sum();
         let mut bytes = vec![0_u8; size];
         match self.from.read_exact(&mut bytes) {
@@ -257,6 +261,21 @@ mod tests {
         Array::read(String::new(), Box::new(std::io::Cursor::new(bytes)))
     }
 
+    /// Texts are labels, and no numbers, however long: a matrix of them is refused.
+    #[test]
+    fn texts_are_labels_only() {
+        let mut bytes = header("'<U5'", "(2, 1)", false);
+        for text in ["A-1", "node2"] {
+            bytes.extend(
+                text.chars().chain(std::iter::repeat('\0')).take(5).flat_map(|c| u32::from(c).to_le_bytes()),
+            );
+        }
+        assert!(read(bytes.clone()).unwrap().next().unwrap_err().contains("has texts"));
+        assert_eq!(read(bytes).unwrap().labels().unwrap(), ["A-1", "node2"]);
+        let huge = header("'<U1'", &format!("({0}, {0})", usize::MAX), false);
+        assert!(read(huge).unwrap().labels().unwrap_err().contains("too large"));
+    }
+
     #[test]
     fn arrays_are_read_with_what_their_numbers_can_tell() {
         let mut bytes = header("[('time', '<f8'), ('U1', '>f4'), ('node', '<i2')]", "(2,)", false);
@@ -278,6 +297,7 @@ mod tests {
         for (wrong, words) in [
             (header("'<c16'", "(2,)", false), "c16"),
             (header("[('U', '<f8', (3,))]", "(2,)", false), "fields that are arrays"),
+            (header("'<U0'", "(2,)", false), "U0"),
             (b"not an array".to_vec(), "no array of NumPy"),
             (vec![], "fill whole buffer"),
         ] {

@@ -7,7 +7,7 @@ use crate::numpy::{self, Array};
 use crate::printed::Printed;
 use pintle_kinematics::connector::Output;
 use serde_json::value::RawValue;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::ops::ControlFlow;
@@ -521,9 +521,6 @@ fn array_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
     if all.iter().any(|array| array.shape.len() == 3) && all.iter().any(|array| array.name == "node") {
         return state_rows(file, all, map);
     }
-    if let Some(text) = all.iter().find(|array| array.is_text()) {
-        return Err(format!("{file}: {} has texts, and is no array of numbers: leave it out", text.name));
-    }
     table_rows(file, all, map)
 }
 
@@ -537,21 +534,21 @@ fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
             continue;
         }
         let name = array.name.clone();
-        let columns: Option<Vec<Column>> = match name.as_str() {
-            "state" => Some(vec![Column::State]),
-            "time" => Some(vec![Column::Time]),
-            "flow" => Some(vec![Column::Motion(Motion::Flow)]),
-            "u" => Some((0..3).map(|i| Column::Motion(Motion::Displacement(i))).collect()),
-            "quaternion" => Some((0..4).map(|i| Column::Motion(Motion::Quaternion(i))).collect()),
-            "rotation_vector" => Some((0..3).map(|i| Column::Motion(Motion::Rotation(i))).collect()),
-            "velocity" => Some((0..3).map(|i| Column::Motion(Motion::Velocity(i))).collect()),
-            "angular_velocity" => Some((0..3).map(|i| Column::Motion(Motion::AngularVelocity(i))).collect()),
-            "acceleration" => Some((0..3).map(|i| Column::Motion(Motion::Acceleration(i))).collect()),
+        let columns: Vec<Column> = match name.as_str() {
+            "state" => vec![Column::State],
+            "time" => vec![Column::Time],
+            "flow" => vec![Column::Motion(Motion::Flow)],
+            "u" => (0..3).map(|i| Column::Motion(Motion::Displacement(i))).collect(),
+            "quaternion" => (0..4).map(|i| Column::Motion(Motion::Quaternion(i))).collect(),
+            "rotation_vector" => (0..3).map(|i| Column::Motion(Motion::Rotation(i))).collect(),
+            "velocity" => (0..3).map(|i| Column::Motion(Motion::Velocity(i))).collect(),
+            "angular_velocity" => (0..3).map(|i| Column::Motion(Motion::AngularVelocity(i))).collect(),
+            "acceleration" => (0..3).map(|i| Column::Motion(Motion::Acceleration(i))).collect(),
             "angular_acceleration" => {
-                Some((0..3).map(|i| Column::Motion(Motion::AngularAcceleration(i))).collect())
+                (0..3).map(|i| Column::Motion(Motion::AngularAcceleration(i))).collect()
             }
-            // The rates of flows are those of no output of a file.
-            "flow_velocity" | "flow_acceleration" => None,
+            "flow_velocity" => vec![Column::Motion(Motion::FlowVelocity)],
+            "flow_acceleration" => vec![Column::Motion(Motion::FlowAcceleration)],
             other => {
                 return Err(format!(
                     "{file}: there is no array {other} of states by node; there are state, time, node, u, quaternion or \
@@ -559,7 +556,6 @@ fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
                 ));
             }
         };
-        let Some(columns) = columns else { continue };
         let (is_by_state, wanted) = match columns.first() {
             Some(Column::State | Column::Time) => (true, 1),
             _ => (false, if columns.len() == 1 { 2 } else { 3 }),
@@ -590,9 +586,19 @@ fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
     if labels.len() != nodes {
         return Err(format!("{file}: {} labels in node, and motions of {nodes} nodes", labels.len()));
     }
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = labels.iter().find(|label| !seen.insert(label.to_ascii_uppercase())) {
+        return Err(format!("{file}: node has {twice} twice"));
+    }
+    if let Some((array, _)) = by_state.iter().find(|(array, _): &&(Array, _)| array.shape != [states]) {
+        return Err(format!("{file}: {} has {:?} states, and others {states}", array.name, array.shape));
+    }
+    let count = states
+        .checked_mul(nodes)
+        .ok_or_else(|| format!("{file}: {states} states of {nodes} nodes are too many"))?;
     let (mut read, mut number, mut time) = (0, None, None);
     Ok(Box::new(std::iter::from_fn(move || {
-        if read == states * nodes {
+        if read == count {
             return None;
         }
         let (state, node) = (read / nodes, read % nodes);

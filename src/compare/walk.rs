@@ -49,10 +49,15 @@ impl Survey {
                 if turns && !survey.turned.contains(node) {
                     survey.turned.insert(node.clone());
                 }
-                survey.has_rates[0] |=
-                    is(|of| matches!(of, Motion::Velocity(_) | Motion::AngularVelocity(_)));
-                survey.has_rates[1] |=
-                    is(|of| matches!(of, Motion::Acceleration(_) | Motion::AngularAcceleration(_)));
+                survey.has_rates[0] |= is(|of| {
+                    matches!(of, Motion::Velocity(_) | Motion::AngularVelocity(_) | Motion::FlowVelocity)
+                });
+                survey.has_rates[1] |= is(|of| {
+                    matches!(
+                        of,
+                        Motion::Acceleration(_) | Motion::AngularAcceleration(_) | Motion::FlowAcceleration
+                    )
+                });
             }
             survey.has_motion |= frame.moves;
             survey.has_outputs |= !frame.elements.is_empty();

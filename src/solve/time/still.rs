@@ -32,6 +32,13 @@ pub(crate) struct Found<R: Number> {
     sign: f64,
 }
 
+/// How many roundings a slip may be off: that of each of two positions, which come from two triads, a difference of points and a
+/// product with a direction, some thirty operations.
+const SLIP_ROUNDINGS: f64 = 64.0;
+
+/// A step that leaves less than this part of itself goes to the end: of a rest as small as rounding, forth and back are the same.
+const REST: f64 = 1e-6;
+
 impl<R: Number> Assembled<R> {
     /// At rest: unit masses, and no accelerations that are prescribed.
     pub(crate) fn rest(&mut self, length: f64) {
@@ -246,15 +253,16 @@ impl<R: Number> Run<'_, R> {
         found.state.sums[WORKS + s] - self.state.sums[WORKS + s]
     }
 
-    /// What rounding leaves of a slip between two states, for each is a difference of positions.
+    /// What rounding leaves of a slip between two states (length, or rad by the radius of a component): [`SLIP_ROUNDINGS`] of the positions,
+    /// or of the unit that they are solved in, and of the sum that the slip is added to.
     fn slip_noise(&self, at: &Assembled<R>, s: usize) -> R {
         let slider = &self.mechanism.sliders[s];
         let position = &at.joints[slider.joint].position;
-        let sum = slider.components.iter().fold(R::integer(0), |sum, (k, radius)| {
+        let moved = slider.components.iter().fold(R::integer(0), |sum, (k, radius)| {
             let unit = if *k < 3 { self.mechanism.length } else { 1.0 };
             sum + R::from_f64(*radius) * larger(position[*k].magnitude(), R::from_f64(unit))
         });
-        sum * R::from_f64(64.0 * R::ROUNDING)
+        (moved + self.state.sums[WORKS + s].magnitude()) * R::from_f64(SLIP_ROUNDINGS * R::ROUNDING)
     }
 
     fn slipping(&self) -> Vec<usize> {
@@ -273,8 +281,7 @@ impl<R: Number> Run<'_, R> {
                 return Err(self.stuck_in_time());
             }
             let left = goal - self.state.time;
-            // Of a rest as small as rounding no step can be told forth from back.
-            let is_last = !h.less(left * R::from_f64(1.0 - 1e-6));
+            let is_last = !h.less(left * R::from_f64(1.0 - REST));
             let time = if is_last { goal } else { self.state.time + h };
             let length = time - self.state.time;
             let found = match self.balance(time) {
