@@ -456,28 +456,24 @@ fn alternatives(
     results: &Results,
     (survey, series): (&Survey, &[Series]),
 ) -> Result<Alternatives, String> {
-    let spans: Vec<[f64; 2]> = series
-        .iter()
-        .filter(|series| series.wrong > 0)
-        .filter_map(|series| Some([series.points.first()?.at, series.points.last()?.at]))
-        .collect();
+    let kept = series.iter().filter(|series| series.wrong > 0).flat_map(|series| &series.points);
+    let last = kept.clone().fold(f64::NEG_INFINITY, |last, point| last.max(point.at));
+    let wanted: BTreeSet<u64> = kept.map(|point| point.at.to_bits()).collect();
     walk(scene, model, (results, survey), |mut walk| {
         let mut found = Alternatives::default();
-        let mut left = survey.kept();
         results.each_until(|frame| {
             let at = walk.at(frame);
-            if left == 0 || spans.iter().all(|[_, last]| at > *last) {
+            if at > last {
                 return Ok(ControlFlow::Break(()));
             }
             if !frame.moves {
                 return Ok(ControlFlow::Continue(()));
             }
-            let tells = frame.tells() && spans.iter().any(|[first, last]| (*first..=*last).contains(&at));
+            let tells = frame.tells() && wanted.contains(&at.to_bits());
             let state = walk.motions.state(frame)?;
             let known = walk.evaluator.at(&mut walk.sequence, &state, (frame, tells));
             if tells {
                 found.add(at, known, |element| frame.elements.contains_key(element));
-                left -= 1;
             }
             Ok(ControlFlow::Continue(()))
         })?;

@@ -188,12 +188,17 @@ impl Default for Fits {
 
 impl Fits {
     fn add(&mut self, fit: Fit) {
+        let is_best = fit.total() < self.best;
         self.best = self.best.min(fit.total());
-        if self.all.len() < KEPT {
-            self.all.push(fit);
-        } else {
+        if self.all.len() >= KEPT {
             self.is_cut = true;
+            if !is_best {
+                return;
+            }
+            // What is wrong somewhere is worse than this one, and would not stay.
+            self.all.retain(|known| known.wrong == 0);
         }
+        self.all.push(fit);
     }
 
     /// Without what is neither right throughout nor the simplest.
