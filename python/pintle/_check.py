@@ -213,16 +213,18 @@ def check(
     if is_jitted and memory:
         raise ValueError("a jitted function keeps no memory: pass a function on one state that calls it")
     kind = _Jax if is_jitted and not batch else _Batch if batch else _Routine
+    if domain is not None and of.split(maxsplit=1)[0].upper() in ("MPC", "FRICTION"):
+        raise ValueError(f"{of} has no domain: it limits places and turns of a connector")
     own = {"offers": list(offers), "components": components, "convention": convention or {}, "memory": memory}
     if domain is not None:
         own["domain"] = domain
-    own["commits"] = hasattr(routine, "commit") and hasattr(routine, "revert")
+    steps = _driver.own_steps(routine, None, memory)
+    own["commits"] = bool(steps)
     # The name that the command gives it, so that both say the same.
     asked = kind(routine, _name(routine, ":"), own)
     asked.is_jax = is_jitted
-    for word in ("begin", "commit", "revert"):
-        if own["commits"] and hasattr(routine, word):
-            setattr(asked, word, getattr(routine, word))
+    for word, step in steps.items():
+        setattr(asked, word, step)
     numbers = {
         "states": states,
         "near_singular_states": near_singular_states,

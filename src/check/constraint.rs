@@ -224,10 +224,7 @@ pub(crate) fn check<D: Door>(
     at: &[MpcCase],
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
-    let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
-    // Its messages are JSON alone.
-    exchange.hello.binary = false;
-    exchange.is_only_asked()?;
+    let mut exchange = Exchange::greet(door, asked.convention.as_ref())?.only_asked();
     let kind = constraint.kind();
     let reader = Reader::new(constraint, exchange.hello.convention.clone())?;
     let known: Vec<_> = protocol::OFFERS.into_iter().filter(|(_, of)| OFFERED.contains(of)).collect();
@@ -239,7 +236,7 @@ pub(crate) fn check<D: Door>(
     exchange.open(&reader.open())?;
     let offered: [bool; ROWS] =
         std::array::from_fn(|row| rows[row] && exchange.hello.has(kind.row_name(row)));
-    let name = exchange.hello.name.clone();
+    let name = asked.title(&exchange.hello.name);
     let candidate = ConstraintCandidate::new(&name, constraint)
         .settings(asked.settings)
         .offers(&offers)
@@ -263,5 +260,5 @@ pub(crate) fn check<D: Door>(
     exchange.ask_again(&|_| layout)?;
     let requests = exchange.asked();
     exchange.close()?;
-    Ok(Checked { report, states, outside, not_offered, asked: requests })
+    Ok(Checked { report, states, outside, left_out: 0, not_offered, asked: requests })
 }

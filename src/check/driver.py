@@ -130,7 +130,9 @@ class Routine:
             return {"hello": {"protocol": "pintle-candidate/1", **self.hello}}
         if "open" in message:
             self.connector = arrays(message["open"])
-            self.begin(self.connector)
+            # Constraints and frictions have equations and forces, and no steps.
+            if "components" in self.connector:
+                self.begin(self.connector)
             return {"opened": True}
         if "commit" in message:
             self.commit()
@@ -141,6 +143,12 @@ class Routine:
         if "evaluate" in message:
             asked = message["evaluate"]
             return {"id": asked["id"], "answers": self.answers(asked["states"], asked["want"])}
+def own_steps(routine, module, has_memory):
+    """begin, commit and revert of the routine itself or its object, else of its module, unless its memory is in its answers."""
+    for of in (routine, getattr(routine, "__self__", None), None if has_memory else module):
+        if all(callable(getattr(of, word, None)) for word in ("commit", "revert")):
+            return {word: getattr(of, word) for word in ("begin", "commit", "revert") if hasattr(of, word)}
+    return {}
 def main():
     import importlib, os, sys
     sys.path.insert(0, os.getcwd())
@@ -155,10 +163,11 @@ def main():
     own |= {"convention": getattr(module, "CONVENTION", {}), "memory": getattr(module, "MEMORY", False)}
     own["binary"] = numpy is not None and not own["memory"]
     own |= {key: getattr(module, key.upper()) for key in ("types", "domain") if hasattr(module, key.upper())}
-    own["commits"] = all(hasattr(module, word) for word in ("commit", "revert"))
+    steps = own_steps(routine, module, own["memory"])
+    own["commits"] = bool(steps)
     asked = Routine(routine, f"{name}:{function}", own)
-    for word in ("begin", "commit", "revert") if own["commits"] else ():
-        setattr(asked, word, getattr(module, word, getattr(asked, word)))
+    for word, step in steps.items():
+        setattr(asked, word, step)
     for line in sys.stdin.buffer:
         message, data = json.loads(line), b""
         count = message.get("evaluate", {}).get("bytes")

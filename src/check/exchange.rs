@@ -4,11 +4,13 @@ use crate::convention::{Convention, Own};
 use crate::payload;
 use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Answer, Hello, Layout, Offers, PROTOCOL};
-use pintle_audit::Quantity;
+use pintle_audit::{Domain, Quantity};
 use serde_json::{Map, Value};
 
 /// What a routine is to do with states.
 const DUE: &str = "answer";
+/// And at its begin.
+const OPEN: &str = "open the connector";
 
 /// A routine that was greeted.
 #[derive(Debug)]
@@ -19,7 +21,7 @@ pub(crate) struct Exchange<D> {
     pub(crate) present: Vec<bool>,
     asked: u64,
     /// The first question, and what came: asked again at the end, of a routine without memory.
-    first: Option<(Vec<Quantity>, Value, String)>,
+    first: Option<(Vec<Quantity>, Value, Answer)>,
 }
 
 impl<D: Door> Exchange<D> {
@@ -43,26 +45,24 @@ impl<D: Door> Exchange<D> {
         }
         let mut hello: Hello =
             serde_json::from_value(hello).map_err(|error| Misbehaviour::BadHello(error.to_string()))?;
-        if let Some(convention) = convention {
-            hello.convention = convention.clone();
-        }
         if hello.domain.is_everything() {
             hello.domain = hello.convention.domain.clone();
+        }
+        if let Some(convention) = convention {
+            hello.convention = convention.clone();
+            // What the user says of it stands before what the routine says.
+            if !convention.domain.is_everything() {
+                hello.domain = convention.domain.clone();
+            }
         }
         Ok(Self { door, hello, present: Vec::new(), asked: 0, first: None })
     }
 
-    /// That it announces nothing that connectors alone have, where it is to be something else.
-    ///
-    /// # Errors
-    /// [`Misbehaviour::BadHello`].
-    pub(crate) fn is_only_asked(&self) -> Result<(), Misbehaviour> {
-        let announced = match (self.hello.commits, self.hello.domain.is_everything()) {
-            (true, _) => "commits",
-            (_, false) => "a domain",
-            _ => return Ok(()),
-        };
-        Err(Misbehaviour::BadHello(format!("it announces {announced}, which connectors alone have")))
+    /// As something else than a connector, which alone has bytes, steps that are taken back, and a domain.
+    #[must_use]
+    pub(crate) fn only_asked(mut self) -> Self {
+        (self.hello.binary, self.hello.commits, self.hello.domain) = (false, false, Domain::default());
+        self
     }
 
     /// What it offers, of what it may.
@@ -77,40 +77,46 @@ impl<D: Door> Exchange<D> {
     /// Says what the routine is to be.
     ///
     /// # Errors
-    /// [`Misbehaviour`].
+    /// [`Misbehaviour::Refused`] where it says that it cannot be that, and what else may happen.
     pub(crate) fn open(&mut self, message: &Value) -> Result<(), Misbehaviour> {
-        const OPEN: &str = "open the connector";
-        self.door.send(message, &[], OPEN)?;
-        let answer = self.door.receive(OPEN)?;
-        if let Some(why) = answer.get("error") {
-            return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
-        }
-        if answer.get("opened") != Some(&Value::Bool(true)) {
-            let what = protocol::excerpt(&Value::Object(answer).to_string());
-            return Err(Misbehaviour::NoMessage {
-                due: OPEN,
-                what: format!("{what} is not {{\"opened\": true}}"),
-            });
-        }
-        Ok(())
+        self.done(message, OPEN, "opened", Misbehaviour::Refused)
+    }
+
+    /// Opens what was opened before: to refuse it now is a failure.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn open_again(&mut self, message: &Value) -> Result<(), Misbehaviour> {
+        self.done(message, OPEN, "opened", |why| Misbehaviour::NotDone { due: "open the connector again", why })
     }
 
     /// Tells a routine that what was tried stands (`commit`), or not (`revert`).
     ///
     /// # Errors
     /// [`Misbehaviour`].
-    pub(crate) fn tell(&mut self, word: &'static str, due: &'static str) -> Result<(), Misbehaviour> {
+    pub(crate) fn tell(&mut self, word: &'static str, done: &'static str) -> Result<(), Misbehaviour> {
+        self.done(&protocol::told(word), word, done, |why| Misbehaviour::NotDone { due: word, why })
+    }
+
+    /// Sends what is answered by `{done: true}`, or by an error.
+    fn done(
+        &mut self,
+        message: &Value,
+        due: &'static str,
+        done: &'static str,
+        failed: impl FnOnce(String) -> Misbehaviour,
+    ) -> Result<(), Misbehaviour> {
         self.door.is_silent()?;
-        self.door.send(&protocol::told(word), &[], due)?;
+        self.door.send(message, &[], due)?;
         let answer = self.door.receive(due)?;
         if let Some(why) = answer.get("error") {
-            return Err(Misbehaviour::Refused(protocol::excerpt(&why.to_string())));
+            return Err(failed(protocol::excerpt(&why.to_string())));
         }
-        if answer.get(due) == Some(&Value::Bool(true)) {
+        if answer.get(done) == Some(&Value::Bool(true)) {
             return Ok(());
         }
         let what = protocol::excerpt(&Value::Object(answer).to_string());
-        Err(Misbehaviour::NoMessage { due: word, what: format!("{what} is not {{\"{due}\": true}}") })
+        Err(Misbehaviour::NoMessage { due, what: format!("{what} is not {{\"{done}\": true}}") })
     }
 
     /// How many requests it got.
@@ -207,7 +213,7 @@ impl<D: Door> Exchange<D> {
         let first = states.first().cloned();
         let answers = self.evaluate(wants, states, layout)?;
         if let (Some(state), Some(answer), None) = (first, answers.first(), &self.first) {
-            self.first = Some((wants.to_vec(), state, format!("{answer:?}")));
+            self.first = Some((wants.to_vec(), state, answer.clone()));
         }
         let asked = self.asked;
         let given = answers.into_iter().map(|answer| match answer {
@@ -225,8 +231,7 @@ impl<D: Door> Exchange<D> {
     pub(crate) fn ask_again(&mut self, layout: &dyn Fn(Quantity) -> Layout) -> Result<(), Misbehaviour> {
         let Some((wants, state, answer)) = self.first.take() else { return Ok(()) };
         let again = self.evaluate(&wants, vec![state], layout)?;
-        // Bit for bit, NaN included.
-        let is_same = again.first().is_some_and(|again| format!("{again:?}") == answer);
+        let is_same = again.first().is_some_and(|again| again.is_same_as(&answer));
         if is_same { Ok(()) } else { Err(Misbehaviour::Changed) }
     }
 

@@ -94,10 +94,7 @@ pub(crate) fn check<D: Door>(
     subject: &FrictionSubject,
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
-    let mut exchange = Exchange::greet(door, asked.convention.as_ref())?;
-    // Its messages are JSON alone.
-    exchange.hello.binary = false;
-    exchange.is_only_asked()?;
+    let mut exchange = Exchange::greet(door, asked.convention.as_ref())?.only_asked();
     let offers = exchange.offers(&OF_FRICTION)?;
     let Convention { storage, .. } = exchange.hello.convention;
     if exchange.hello.convention != (Convention { storage, ..Convention::default() }) {
@@ -106,7 +103,7 @@ pub(crate) fn check<D: Door>(
         ));
     }
     exchange.open(&open(subject))?;
-    let name = exchange.hello.name.clone();
+    let name = asked.title(&exchange.hello.name);
     let candidate = FrictionCandidate::new(&name, subject).settings(asked.settings).offers(&offers);
     let laid = |quantity: Quantity| layout(quantity, storage == Storage::Columns);
     let (mut states, mut outside) = (0, 0);
@@ -122,5 +119,5 @@ pub(crate) fn check<D: Door>(
     exchange.ask_again(&laid)?;
     let requests = exchange.asked();
     exchange.close()?;
-    Ok(Checked { report, states, outside, not_offered, asked: requests })
+    Ok(Checked { report, states, outside, left_out: 0, not_offered, asked: requests })
 }

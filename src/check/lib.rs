@@ -90,6 +90,8 @@ pub struct Checked {
     pub states: u64,
     /// At how many of them the routine said that it does not cover them.
     pub outside: u64,
+    /// How many of the states that were drawn the domain left out.
+    pub left_out: u64,
     /// What it does not offer: values, rows, components of the connector.
     pub not_offered: Vec<&'static str>,
     /// How many requests it got, for differences of its own values and all.
@@ -109,6 +111,15 @@ pub struct Asked {
     pub springs: [Option<f64>; 6],
     /// Where states are drawn, in place of the domain of its hello.
     pub domain: Option<Domain>,
+    /// Which of several that are asked for this is: a part of its name in the report.
+    pub among: Option<String>,
+}
+
+impl Asked {
+    /// The name of a routine in the report.
+    fn title(&self, name: &str) -> String {
+        self.among.as_ref().map_or_else(|| name.to_string(), |among| format!("{name} for {among}"))
+    }
 }
 
 impl Checked {
@@ -121,6 +132,13 @@ impl Checked {
         if self.outside > 0 {
             let (outside, states) = (self.outside, self.states);
             notes.push(format!("{outside} of {states} states are outside the domain of the routine"));
+        }
+        if self.left_out > 0 {
+            let (left_out, drawn) = (self.left_out, self.left_out + self.states);
+            notes.push(format!(
+                "{left_out} of {drawn} states that were drawn are not asked for: the connector cannot be brought from them into the domain, \
+                 or they stay near a singular set outside of it"
+            ));
         }
         notes
     }
@@ -144,9 +162,9 @@ fn check_connector<D: Door>(
     at: &[Case],
     asked: Asked,
 ) -> Result<Checked, Misbehaviour> {
-    let Asked { settings, histories, convention, springs, domain } = asked;
-    let mut session = Session::open(door, definition, convention.as_ref(), &springs)?;
-    let name = session.name().to_string();
+    let mut session = Session::open(door, definition, asked.convention.as_ref(), &asked.springs)?;
+    let name = asked.title(session.name());
+    let Asked { settings, histories, springs, domain, .. } = asked;
     let (mut states, mut outside) = (0, 0);
     let is_principal = session.is_principal();
     let domain = domain.unwrap_or_else(|| session.domain().clone());
@@ -159,6 +177,7 @@ fn check_connector<D: Door>(
         .offers(session.offers(), session.components());
     let led = if session.has_memory() { led(at) } else { at.to_vec() };
     let candidate = if led.is_empty() { candidate } else { candidate.at(&led) };
+    let left_out = candidate.left_out() as u64;
     let mut report = candidate.try_check(|asked: &[Question<'_>]| {
         let given = session.ask(asked)?;
         for (_, given) in asked.iter().zip(&given).filter(|(asked, _)| asked.is_drawn) {
@@ -175,7 +194,7 @@ fn check_connector<D: Door>(
     session.ask_again()?;
     let asked = session.asked();
     session.close()?;
-    Ok(Checked { report, states, outside, not_offered, asked })
+    Ok(Checked { report, states, outside, left_out, not_offered, asked })
 }
 
 /// States of a history, each with the whole way to it: a routine with a memory is led along.
@@ -195,13 +214,19 @@ fn led(at: &[Case]) -> Vec<Case> {
     whole
 }
 
-/// Asks a routine behind a door for rows at general states, and finds the conventions under which they are right.
+/// Asks a routine behind a door for rows at general states, of a domain or of that of its hello, and finds the conventions under which they
+/// are right.
 ///
 /// # Errors
 /// [`Misbehaviour`]; what it gives may be no rows at all.
-pub fn fit_convention<D: Door>(door: D, subject: &Subject, seed: &str) -> Result<fit::Found, Misbehaviour> {
+pub fn fit_convention<D: Door>(
+    door: D,
+    subject: &Subject,
+    seed: &str,
+    domain: Option<&Domain>,
+) -> Result<fit::Found, Misbehaviour> {
     match subject {
-        Subject::Connector(definition, _) => fit_connector(door, definition, seed),
+        Subject::Connector(definition, _) => fit_connector(door, definition, seed, domain),
         Subject::Constraint(constraint, _) => constraint::fit_convention(door, constraint, seed),
         Subject::Friction(_) => Err(Misbehaviour::NoConvention(
             "a friction has no rows: conventions are found of connectors and constraints".into(),
@@ -209,11 +234,17 @@ pub fn fit_convention<D: Door>(door: D, subject: &Subject, seed: &str) -> Result
     }
 }
 
-fn fit_connector<D: Door>(door: D, definition: &Definition, seed: &str) -> Result<fit::Found, Misbehaviour> {
+fn fit_connector<D: Door>(
+    door: D,
+    definition: &Definition,
+    seed: &str,
+    domain: Option<&Domain>,
+) -> Result<fit::Found, Misbehaviour> {
     /// One tells most; a second and a third what one leaves open by chance. One more is asked where they leave something open.
     const STATES: usize = 3;
     let plain = Convention::default();
     let mut session = Session::open(door, definition, Some(&plain), &[None; 6])?;
+    let domain = domain.unwrap_or_else(|| session.domain()).clone();
     let offers = session.offers();
     if !offers.contains(&Quantity::FirstDerivatives) {
         return Err(Misbehaviour::BadHello("it offers no rows, by which conventions are found".into()));
@@ -243,11 +274,15 @@ fn fit_connector<D: Door>(door: D, definition: &Definition, seed: &str) -> Resul
         };
         session.ask_as_it_is(&steps.iter().enumerate().map(question).collect::<Vec<_>>())
     };
-    let mut states = fit::generic_states(definition, seed, STATES);
+    let mut states = fit::generic_states(definition, seed, STATES, &domain);
+    if states.is_empty() {
+        let why = format!("the connector has no state in the domain {domain}; --within gives another one");
+        return Err(Misbehaviour::NoConvention(why));
+    }
     let mut given = ask(&states, 0)?;
     let mut found = fit::fit(definition, &states, &given).map_err(Misbehaviour::NoConvention)?;
     // What they leave open is asked where it makes a difference.
-    let others = fit::generic_states(definition, &format!("{seed}, others"), STATES + 1);
+    let others = fit::generic_states(definition, &format!("{seed}, others"), STATES + 1, &domain);
     if let Some(n) = found.separating(definition, &others) {
         given.extend(ask(&others[n..=n], states.len())?);
         states.push(others[n]);

@@ -126,6 +126,14 @@ pub enum Misbehaviour {
     /// It did not open the connector.
     #[error("the process cannot be this connector: {0}")]
     Refused(String),
+    /// It failed at what it was told besides states.
+    #[error("the process did not {due}: {why}")]
+    NotDone {
+        /// What it was told.
+        due: &'static str,
+        /// What it said.
+        why: String,
+    },
     /// An answer to another question.
     #[error("the process answered id {got}, and was asked id {asked}")]
     WrongId {
@@ -175,8 +183,8 @@ pub enum Misbehaviour {
     Changed,
     /// A step that was taken back leaves something behind.
     #[error(
-        "at state {number}, step {step} of its history, the process gave another answer when the step was taken back and taken again: \
-         revert does not restore its memory"
+        "at state {number}, step {step} of its history, the process gave another answer when the step was taken back and taken again, \
+         with other steps tried and taken back in between: what is tried and reverted must not change its memory"
     )]
     NotReverted {
         /// The state.

@@ -139,6 +139,13 @@ pub(crate) enum Answer {
     Error(String),
 }
 
+impl Answer {
+    /// Bit for bit, NaN included.
+    pub(crate) fn is_same_as(&self, other: &Self) -> bool {
+        format!("{self:?}") == format!("{other:?}")
+    }
+}
+
 /// The first message.
 pub(crate) fn hello() -> Value {
     json!({ "hello": { "protocol": PROTOCOL, "version": pintle_kinematics::VERSION } })

@@ -8,6 +8,7 @@ use crate::protocol::{self, Answer, Layout};
 use pintle_audit::{Domain, Given, Quantity, Question, Step, Tangent};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition};
+use pintle_kinematics::scalar::elementary::norm;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -148,7 +149,7 @@ impl<'a, D: Door> Session<'a, D> {
         if self.exchange.hello.memory && asked.iter().any(|asked| asked.is_drawn) {
             self.memories.clear();
             for asked in asked {
-                self.follow(asked)?;
+                self.lead(asked)?;
             }
         }
         let answers = self.answers(asked)?;
@@ -175,12 +176,17 @@ impl<'a, D: Door> Session<'a, D> {
         Ok(given)
     }
 
-    /// Leads a routine with a memory along the path to a state.
-    fn follow(&mut self, asked: &Question<'_>) -> Result<(), Misbehaviour> {
+    /// Leads a routine that keeps something from the initial state along the path to a state.
+    fn lead(&mut self, asked: &Question<'_>) -> Result<(), Misbehaviour> {
+        let commits = self.exchange.hello.commits;
         self.memories.remove(&asked.number);
+        self.led = None;
+        if commits {
+            self.exchange.open_again(&self.opening)?;
+        }
         for (i, step) in asked.path.iter().enumerate() {
             let on_the_way = Question { step, path: &asked.path[..i], values_before: [None; 6], ..*asked };
-            match self.answers(&[on_the_way])?.pop() {
+            match self.evaluated(&[on_the_way])?.pop() {
                 Some(Answer::Given(own)) => {
                     self.memories.extend(own.memory.map(|memory| (asked.number, memory)));
                 }
@@ -189,7 +195,11 @@ impl<'a, D: Door> Session<'a, D> {
                 }
                 _ => {}
             }
+            if commits {
+                self.exchange.tell("commit", "committed")?;
+            }
         }
+        self.led = Some(asked.number);
         Ok(())
     }
 
@@ -198,33 +208,26 @@ impl<'a, D: Door> Session<'a, D> {
             return self.evaluated(asked);
         }
         let mut answers = Vec::with_capacity(asked.len());
-        for asked in asked {
-            if asked.is_drawn || self.led != Some(asked.number) {
-                self.lead(asked)?;
+        for (place, one) in asked.iter().enumerate() {
+            if one.is_drawn || self.led != Some(one.number) {
+                self.lead(one)?;
             }
-            let answer = self.tried(asked)?;
-            // A step that was taken back and is taken again gives the same.
-            if asked.is_drawn && format!("{:?}", self.tried(asked)?) != format!("{answer:?}") {
-                return Err(Misbehaviour::NotReverted { number: asked.number, step: asked.path.len() + 1 });
+            let answer = self.tried(one)?;
+            if one.is_drawn {
+                // Elsewhere it may fail: whatever it answers there is taken back.
+                for step in elsewhere(asked, place) {
+                    let before = one.before().map_or(self.definition.initial, |before| before.pair);
+                    let moved = Step::between(&before, step.state.pair);
+                    let step = Step { state: step.state, ..moved };
+                    self.tried(&Question { step: &step, ..*one })?;
+                }
+                if !self.tried(one)?.is_same_as(&answer) {
+                    return Err(Misbehaviour::NotReverted { number: one.number, step: one.path.len() + 1 });
+                }
             }
             answers.push(answer);
         }
         Ok(answers)
-    }
-
-    /// Leads a routine that commits from the initial state along the path to a state.
-    fn lead(&mut self, asked: &Question<'_>) -> Result<(), Misbehaviour> {
-        self.led = None;
-        self.exchange.open(&self.opening)?;
-        for (i, step) in asked.path.iter().enumerate() {
-            let on_the_way = Question { step, path: &asked.path[..i], values_before: [None; 6], ..*asked };
-            if let Some(Answer::Error(why)) = self.evaluated(&[on_the_way])?.pop() {
-                return Err(Misbehaviour::Failed { id: self.exchange.asked(), why });
-            }
-            self.exchange.tell("commit", "committed")?;
-        }
-        self.led = Some(asked.number);
-        Ok(())
     }
 
     /// The answer at a state, which is then taken back.
@@ -288,11 +291,10 @@ impl<'a, D: Door> Session<'a, D> {
         let offers = self.offers.clone();
         let asked = Question { number, step, path: before, values_before, wants: &offers, is_drawn: true };
         if self.exchange.hello.memory {
-            self.follow(&asked)?;
+            self.lead(&asked)?;
         }
         let again = self.answers(&[asked])?;
-        // Bit for bit, NaN included.
-        if format!("{:?}", again.first()) == format!("{:?}", Some(&answer)) {
+        if again.first().is_some_and(|again| again.is_same_as(&answer)) {
             Ok(())
         } else {
             Err(Misbehaviour::Changed)
@@ -306,4 +308,28 @@ impl<'a, D: Door> Session<'a, D> {
     pub fn close(self) -> Result<(), Misbehaviour> {
         self.exchange.close()
     }
+}
+
+/// Steps that are tried and taken back between a step and the same step once more. Of a history they walk back to its begin, each within a
+/// radian where its increments are: what takes a trial for its memory has lost the turns on the way. One state alone has others beside it.
+fn elsewhere<'a>(asked: &[Question<'a>], place: usize) -> Vec<&'a Step> {
+    /// Three may go around a turn.
+    const BESIDE: usize = 3;
+    const WITHIN: f64 = 1.0;
+    let one = &asked[place];
+    if one.path.is_empty() {
+        let others = asked[place + 1..].iter().chain(&asked[..place]);
+        return others.filter(|other| other.is_drawn).map(|other| other.step).take(BESIDE).collect();
+    }
+    let turn = |step: &Step| step.increment.rotation.map(norm).iter().sum::<f64>();
+    let mut found = Vec::new();
+    let mut turned = turn(one.step);
+    for (i, step) in one.path.iter().enumerate().rev() {
+        if i == 0 || turned + turn(step) > WITHIN {
+            found.push(step);
+            turned = 0.0;
+        }
+        turned += turn(step);
+    }
+    found
 }

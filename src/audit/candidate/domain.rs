@@ -3,10 +3,13 @@
 use crate::case::{Case, Step};
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::node::Pair;
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Vector, add, apply, product, sub, transpose};
+use pintle_kinematics::vector::{Vector, add, apply, dot, product, scale, sub, transpose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::fmt;
 
 /// The names of what has a range, along the axes of a: the place of b seen from a (length), and the rotation vector by which b has turned
 /// against a since the initial state (rad).
@@ -29,10 +32,15 @@ impl TryFrom<BTreeMap<String, [f64; 2]>> for Domain {
             if !(low.is_finite() && high.is_finite() && low <= high) {
                 return Err(format!("the domain of {name} is {low} to {high}: no range of finite numbers"));
             }
-            if place >= 3 && (low <= -std::f64::consts::PI || high >= std::f64::consts::PI) {
+            if place >= 3 && (low <= -PI || high >= PI) {
                 return Err(format!("the domain of {name} is {low} to {high}: angles lie between −π and π"));
             }
             found.0[place] = Some([low, high]);
+        }
+        let least = norm(found.least_turned());
+        if least >= PI {
+            let why = "no rotation vector between −π and π is as long as that";
+            return Err(format!("the domain of r1, r2, r3 begins at a turn of {least} rad: {why}"));
         }
         Ok(found)
     }
@@ -67,6 +75,15 @@ impl std::str::FromStr for Domain {
     }
 }
 
+/// As it is read: `x1=-0.5:0.5,r3=0:1`.
+impl fmt::Display for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ranges = NAMES.iter().zip(self.0);
+        let ranges = ranges.filter_map(|(name, range)| range.map(|[low, high]| format!("{name}={low}:{high}")));
+        f.write_str(&ranges.collect::<Vec<String>>().join(","))
+    }
+}
+
 /// Up and down between the ends of a range, as often as x is beyond them: what is within stays as it is.
 fn folded(x: f64, [low, high]: [f64; 2]) -> f64 {
     let width = high - low;
@@ -96,54 +113,105 @@ impl Domain {
         x.iter().chain(&r).zip(&self.0).all(is_in)
     }
 
-    /// A drawn case brought into the domain; `None` where it is to stay where it was drawn and that is outside.
+    /// The shortest rotation vector of its ranges.
+    fn least_turned(&self) -> Vector<f64> {
+        [3, 4, 5].map(|k| self.0[k].map_or(0.0, |[low, high]| 0.0_f64.clamp(low, high)))
+    }
+
+    /// Whether it limits places (`first` = 0) or turns (`first` = 3).
+    fn limits(&self, first: usize) -> bool {
+        self.0[first..first + 3].iter().any(Option::is_some)
+    }
+
+    /// A drawn case brought into the domain, a history step by step; `None` where its nodes cannot be brought there, or where it is to stay
+    /// where it was drawn and that is outside.
     pub(super) fn brought(&self, case: Case, stays: bool) -> Option<Case> {
-        if self.is_everything() || case.path.iter().all(|step| self.holds(&case.definition, &step.state.pair))
-        {
+        let definition = &case.definition;
+        // A turn goes on along the path. Where turns are limited a routine need not know whole ones.
+        let mut turned = [0.0; 3];
+        let turns: Vec<Vector<f64>> = case
+            .path
+            .iter()
+            .map(|step| {
+                turned = continued(relative(definition, &step.state.pair).1, turned);
+                turned
+            })
+            .collect();
+        let is_known = |turned: &Vector<f64>| !self.limits(3) || norm(*turned) < PI;
+        let is_within = case.path.iter().all(|step| self.holds(definition, &step.state.pair));
+        if is_within && turns.iter().all(is_known) {
             return Some(case);
         }
         if stays {
             return None;
         }
-        let definition = &case.definition;
-        let State { pair, velocity, acceleration } = case.path.last()?.state;
-        let pair = self.nearest(definition, pair);
-        let mut step = Step::between(&definition.initial, pair);
-        step.state = State { pair, velocity, acceleration };
-        // By one step from the initial state: a way through what is outside is none.
-        Some(Case { start: None, path: vec![step], ..case })
+        let mut path: Vec<Step> = Vec::with_capacity(case.path.len());
+        let mut reached = [0.0; 3];
+        for (step, turned) in case.path.iter().zip(turns) {
+            let State { pair, velocity, acceleration } = step.state;
+            let within = self.turn_within(turned);
+            let pair = self.nearest(definition, pair, (within != turned).then_some(within));
+            if !self.holds(definition, &pair) || !is_in_plane(definition, &pair) {
+                return None;
+            }
+            let before = path.last().map_or(definition.initial, |step| step.state.pair);
+            let between = Step::between(&before, pair);
+            // Neither node turns by as much as half a turn where this bounds both.
+            let bound = norm(step.increment.rotation[0]).max(norm(step.increment.rotation[1]))
+                + norm(sub(within, reached));
+            if case.path.len() > 1 && bound >= PI {
+                return None;
+            }
+            reached = within;
+            path.push(Step { state: State { pair, velocity, acceleration }, ..between });
+        }
+        Some(Case { start: None, path, ..case })
     }
 
-    /// The pair with its relative place and rotation in the ranges: b is moved, or a where b is ground.
-    fn nearest(&self, definition: &Definition, mut pair: Pair<f64>) -> Pair<f64> {
-        let (x, r) = relative(definition, &pair);
-        let within = |x: f64, k: usize| self.0[k].map_or(x, |range| folded(x, range));
-        let initial = &definition.initial;
-        let first = product(&transpose(&initial.a.triad), &initial.b.triad);
-        let mut turned = r;
-        for (k, x) in turned.iter_mut().enumerate() {
-            *x = within(*x, k + 3);
+    /// A rotation vector with its components in the ranges, and shorter than half a turn.
+    fn turn_within(&self, turned: Vector<f64>) -> Vector<f64> {
+        /// Nearer to half a turn than that a range must ask for it.
+        const LONG: f64 = 3.0;
+        if !self.limits(3) {
+            return turned;
         }
-        let is_turned = turned != r;
-        let [moves_a, moves_b] = definition.moves;
-        let moves_b = moves_b || !moves_a;
-        let between = product(&so3::turn(turned), &first);
-        if is_turned && moves_b && definition.rotates[1] {
-            pair.b.triad = product(&pair.a.triad, &between);
-        } else if is_turned && definition.rotates[0] {
-            pair.a.triad = product(&pair.b.triad, &transpose(&between));
+        let within = [0, 1, 2].map(|k| self.0[k + 3].map_or(turned[k], |range| folded(turned[k], range)));
+        let least = self.least_turned();
+        let longest = f64::midpoint(norm(least).max(LONG), PI);
+        if norm(within) <= longest {
+            return within;
         }
-        let mut place: Vector<f64> = x;
-        for (k, x) in place.iter_mut().enumerate() {
-            *x = within(*x, k);
+        // Towards the shortest one until it is short enough: what lies between two of a box is in it.
+        let by = sub(within, least);
+        let (along, size) = (dot(least, by), dot(by, by));
+        let root = along.mul_add(along, size * (longest * longest - dot(least, least))).sqrt();
+        add(least, scale(by, (root - along) / size))
+    }
+
+    /// The pair with its relative place in the ranges, turned so if at all: b is moved, or a where b does not move.
+    fn nearest(&self, definition: &Definition, mut pair: Pair<f64>, turned: Option<Vector<f64>>) -> Pair<f64> {
+        let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
+        if let Some(turned) = turned {
+            let between = product(&so3::turn(turned), &definition.initial.relative().q);
+            if turns[1] {
+                pair.b.triad = product(&pair.a.triad, &between);
+            } else if turns[0] {
+                pair.a.triad = product(&pair.b.triad, &transpose(&between));
+            }
+        }
+        if !self.limits(0) {
+            return pair;
         }
         // Seen from a as it is now.
-        let wanted = apply(&pair.a.triad, place);
-        let now = add(pair.reference, sub(pair.b.displacement, pair.a.displacement));
-        let by = sub(wanted, now);
-        if moves_b {
+        let place = pair.relative().d;
+        let within = [0, 1, 2].map(|k| self.0[k].map_or(place[k], |range| folded(place[k], range)));
+        let mut by = apply(&pair.a.triad, sub(within, place));
+        if definition.planar {
+            by[2] = 0.0;
+        }
+        if definition.moves[1] {
             pair.b.displacement = add(pair.b.displacement, by);
-        } else {
+        } else if definition.moves[0] {
             pair.a.displacement = sub(pair.a.displacement, by);
         }
         pair
@@ -152,12 +220,29 @@ impl Domain {
 
 /// The place of b seen from a and the rotation vector of b against a since the initial state, along the axes of a.
 fn relative(definition: &Definition, pair: &Pair<f64>) -> (Vector<f64>, Vector<f64>) {
-    let apart = add(pair.reference, sub(pair.b.displacement, pair.a.displacement));
-    let seen = transpose(&pair.a.triad);
+    let now = pair.relative();
+    (now.d, so3::log(&product(&now.q, &transpose(&definition.initial.relative().q))))
+}
+
+/// The rotation vector of the same rotation that is nearest to the one before: whole turns more or less, along its axis.
+fn continued(turned: Vector<f64>, before: Vector<f64>) -> Vector<f64> {
+    let angle = norm(turned);
+    if angle <= 0.0 {
+        return turned;
+    }
+    let axis = scale(turned, 1.0 / angle);
+    scale(axis, angle + TAU * ((dot(axis, before) - angle) / TAU).round())
+}
+
+/// Whether a two-dimensional connector is in its plane.
+fn is_in_plane(definition: &Definition, pair: &Pair<f64>) -> bool {
+    /// Rounding of a product of triads.
+    const LEVEL: f64 = 1e-12;
     let initial = &definition.initial;
-    let first = product(&transpose(&initial.a.triad), &initial.b.triad);
-    let turned = product(&product(&seen, &pair.b.triad), &transpose(&first));
-    (apply(&seen, apart), so3::log(&turned))
+    // What turns about the third axis keeps what its directions have along it.
+    let is_level = |(now, first): (&f64, &f64)| (now - first).abs() <= LEVEL;
+    let mut ends = [(&pair.a, &initial.a), (&pair.b, &initial.b)].into_iter();
+    !definition.planar || ends.all(|(now, first)| now.triad[2].iter().zip(&first.triad[2]).all(is_level))
 }
 
 #[cfg(test)]
@@ -167,34 +252,118 @@ mod tests {
     use crate::{Candidate, Settings};
     use pintle_kinematics::draw::Draw;
 
+    /// Every state of every path lies within, in less than half a turn from the one before, and no turn goes on beyond the ranges; how many
+    /// states, histories, and cases of those that are drawn everywhere there are.
+    fn asked_within(definition: &Definition, domain: &Domain) -> [usize; 4] {
+        let settings = Settings { states: 60, near_singular_states: 20, ..Settings::default() };
+        let candidate = Candidate::new("within", definition).settings(settings).histories(10);
+        let within = candidate.clone().within(domain.clone());
+        let drawn = within.drawn();
+        let (mut states, mut histories) = (0, 0);
+        for case in &drawn {
+            let name = &case.name;
+            let (mut before, mut turned) = (definition.initial, [0.0; 3]);
+            for step in &case.path {
+                let pair = &step.state.pair;
+                let (_, now) = relative(definition, pair);
+                assert!(domain.holds(definition, pair), "{name}: {:?}", relative(definition, pair));
+                assert!(is_in_plane(definition, pair), "{name}: {pair:?}");
+                for (end, [now, first]) in
+                    [[&pair.a, &definition.initial.a], [&pair.b, &definition.initial.b]].into_iter().enumerate()
+                {
+                    let moves = definition.moves[end];
+                    assert!(moves || now.displacement == first.displacement, "{name}: {end} moves");
+                    let turns = moves && definition.rotates[end];
+                    assert!(turns || now.triad == first.triad, "{name}: {end} turns");
+                    let level = now.displacement[2] == first.displacement[2];
+                    assert!(!definition.planar || level, "{name}: {end} leaves the plane");
+                }
+                turned = continued(now, turned);
+                assert!(!domain.limits(3) || norm(turned) < PI, "{name}: {turned:?} is a turn");
+                let again = Step::between(&before, *pair).increment.rotation;
+                let same = again.into_iter().zip(step.increment.rotation);
+                assert!(same.into_iter().all(|(x, y)| norm(sub(x, y)) < 1e-12), "{name}");
+                before = *pair;
+                states += 1;
+            }
+            histories += usize::from(case.path.len() > 1);
+        }
+        let everywhere = candidate.drawn();
+        assert_eq!(within.left_out(), everywhere.len() - drawn.len());
+        [states, histories, drawn.len(), everywhere.len()]
+    }
+
+    fn of_type(connection: &pintle_kinematics::catalog::ConnectionType) -> Definition {
+        let draw = &mut Draw::new("a domain");
+        let relative = aligned(connection, draw);
+        definition(connection, pair([0.3, -0.4, 0.1], so3::turn([0.4, -0.3, 0.7]), &relative), 1.2)
+    }
+
+    /// Small ranges, large ones of all three turns, one that begins far from the initial state, and places alone.
     #[test]
     fn drawn_states_lie_within() {
-        let domain: Domain = "x1=-0.3:0.4, x3=0.1:0.1, r2=-0.5:0.25, r3=-1:1".parse().unwrap();
-        let (mut states, mut inside, mut wide) = (0, 0, 0);
-        for connection in types() {
-            let draw = &mut Draw::new("a domain");
-            let relative = aligned(&connection, draw);
-            let definition =
-                definition(&connection, pair([0.3, -0.4, 0.1], so3::turn([0.4, -0.3, 0.7]), &relative), 1.2);
-            let settings = Settings { states: 60, near_singular_states: 20, ..Settings::default() };
-            let candidate = Candidate::new("within", &definition).settings(settings).histories(10);
-            let drawn = candidate.clone().within(domain.clone()).drawn();
-            for case in &drawn {
-                for step in &case.path {
-                    assert!(
-                        domain.holds(&definition, &step.state.pair),
-                        "{}: {:?}",
-                        connection.name,
-                        super::relative(&definition, &step.state.pair)
-                    );
-                    states += 1;
+        let mut found = [0; 4];
+        for (domain, turns_on) in [
+            ("x1=-0.3:0.4, x3=0.1:0.1, r2=-0.5:0.25, r3=-1:1", false),
+            ("r1=-3.1:3.1, r2=-3.1:3.1, r3=-3.1:3.1", false),
+            ("r1=1.5:3, r2=-3:3, r3=2:2.5", false),
+            ("x2=-0.1:0.1", true),
+        ] {
+            let domain: Domain = domain.parse().unwrap();
+            let mut of_domain = [0; 4];
+            for connection in types() {
+                let definition = of_type(&connection);
+                let more = asked_within(&definition, &domain);
+                of_domain = std::array::from_fn(|i| of_domain[i] + more[i]);
+                let candidate = Candidate::new("whole turns", &definition).within(domain.clone());
+                let case = candidate.history(40);
+                let largest = |case: &Case| {
+                    case.path.iter().fold([0.0; 3], |turned, step| {
+                        continued(relative(&definition, &step.state.pair).1, turned)
+                    })
+                };
+                let is_far = case.as_ref().is_some_and(|case| norm(largest(case)) > TAU);
+                assert!(turns_on || !is_far, "{}", connection.name);
+            }
+            let [states, histories, inside, wide] = of_domain;
+            println!("{domain}: {states} states, {histories} histories, {inside} of {wide} cases");
+            assert!(histories >= 100 && inside * 2 > wide, "{domain}: {of_domain:?}");
+            found = std::array::from_fn(|i| found[i] + of_domain[i]);
+        }
+        assert!(found[0] > 20_000, "{found:?}");
+    }
+
+    /// Nothing moves, turns, or leaves the plane that cannot; what cannot be brought is left out, and counted.
+    #[test]
+    fn what_cannot_move_stays() {
+        let free = Domain::default();
+        let mut found = [0; 4];
+        for name in ["CARTESIAN", "REVOLUTE", "HINGE", "ROTATION", "JOIN"] {
+            let connection = pintle_kinematics::catalog::ConnectionType::named(name, None).unwrap();
+            let level = Definition::new(connection.clone(), pair([0.3, -0.4, 0.0], so3::turn([0.0, 0.0, 0.7]), &so3::turn([0.0; 3])));
+            let oblique = of_type(&connection);
+            for definition in [
+                Definition { planar: true, ..level.clone() },
+                Definition { planar: true, moves: [false, true], ..level },
+                Definition { moves: [false, true], ..oblique.clone() },
+                Definition { moves: [true, false], ..oblique.clone() },
+                Definition { rotates: [false; 2], ..oblique.clone() },
+                Definition { rotates: [true, false], ..oblique.clone() },
+                Definition { rotates: [true, false], moves: [false, true], ..oblique },
+            ] {
+                for domain in ["x1=-0.2:0.6, r3=-0.4:0.9", "x3=0.2:0.3", "r1=0.1:0.2", "x1=-0.2:0.6, r1=-3:3, r2=-3:3, r3=-3:3"] {
+                    let domain: Domain = domain.parse().unwrap();
+                    let more = asked_within(&definition, &domain);
+                    found = std::array::from_fn(|i| found[i] + more[i]);
+                    let is_out = definition.planar && domain.limits(0) != domain.limits(3);
+                    let turns = (0..2).any(|end| definition.moves[end] && definition.rotates[end]);
+                    let is_fixed = !turns && !domain.limits(0);
+                    assert_eq!(more[2] == 0, is_out || is_fixed, "{name} {domain}: {more:?}");
                 }
             }
-            wide += candidate.drawn().len();
-            inside += drawn.len();
         }
-        println!("{states} states within, of {inside} of {wide} cases");
-        assert!(states > 1_500 && inside * 2 > wide);
+        assert!(free.is_everything() && found[0] > 10_000, "{found:?}");
+        println!("{found:?}");
     }
 
     #[test]
@@ -209,9 +378,12 @@ mod tests {
             ("x1=0", "no range"),
             ("r1=-4:0", "between −π and π"),
             ("x1=0:1,x1=0:2", "twice"),
+            ("r1=3:3.1,r2=1:2", "as long as that"),
         ] {
             let told = text.parse::<Domain>().unwrap_err();
             assert!(told.contains(why), "{text}: {told}");
         }
+        let text = "x1=-0.5:0.5,r3=0:1";
+        assert_eq!(text.parse::<Domain>().unwrap().to_string(), text);
     }
 }

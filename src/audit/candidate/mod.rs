@@ -200,11 +200,13 @@ impl<'a> Candidate<'a> {
         self.cases().into_iter().map(|(_, case)| case).collect()
     }
 
-    /// One history of so many small increments, through half a turn and whole ones. `None` where an end of the connector does not turn.
+    /// One history of so many small increments, through half a turn and whole ones. `None` where an end of the connector does not turn,
+    /// or does not turn within the domain.
     pub fn history(&self, states: usize) -> Option<Case> {
         let mut draw =
             Draw::new(&format!("{} {} history", self.settings.seed, self.definition.connection.name));
-        along_initial(self.definition, self.length(), self.name, Some(states), &mut draw)
+        let case = along_initial(self.definition, self.length(), self.name, Some(states), &mut draw)?;
+        self.domain.brought(case, false)
     }
 
     fn length(&self) -> f64 {
@@ -217,16 +219,24 @@ impl<'a> Candidate<'a> {
         if has_sites(self.definition) { self.settings.near_singular_states } else { 0 }
     }
 
+    /// How many of the drawn states cannot be brought into the domain, or stay where they are drawn, outside of it.
+    pub fn left_out(&self) -> usize {
+        if self.at.is_some() || self.domain.is_everything() {
+            return 0;
+        }
+        self.drawn_anywhere().filter(|(_, case)| case.is_none()).count()
+    }
+
     /// The states, with their places.
     fn cases(&self) -> Vec<(usize, Case)> {
         match self.at {
             Some(cases) => cases.iter().cloned().enumerate().collect(),
-            None => self.drawn_cases().collect(),
+            None => self.drawn_anywhere().filter_map(|(place, case)| Some((place, case?))).collect(),
         }
     }
 
-    /// Drawn states, with their places: those about the initial one, then those near singular sets.
-    fn drawn_cases(&self) -> impl Iterator<Item = (usize, Case)> {
+    /// Drawn states, with their places: those about the initial one, then those near singular sets; `None` for what the domain leaves out.
+    fn drawn_anywhere(&self) -> impl Iterator<Item = (usize, Option<Case>)> {
         let mut draw = Draw::new(&format!("{} {}", self.settings.seed, self.definition.connection.name));
         let mut near = Draw::new(&format!("{} {} near", self.settings.seed, self.definition.connection.name));
         let length = self.length();
@@ -252,7 +262,7 @@ impl<'a> Candidate<'a> {
                 drawn => drawn,
             };
             // Near singular sets is where they are.
-            Some((i, self.domain.brought(case?, i >= regular)?))
+            Some((i, self.domain.brought(case?, i >= regular)))
         })
     }
 
@@ -383,11 +393,19 @@ impl<'a> Candidate<'a> {
         if gaps.is_empty() {
             return None;
         }
+        // What states drawn everywhere have is missing by the domain alone.
+        let everywhere = || self.clone().within(Domain::default()).coverage().gaps();
+        let open = if self.domain.is_everything() { None } else { Some(everywhere()) };
+        let is_by_domain = |lack: &Lack| open.as_ref().is_some_and(|all| all.iter().all(|one| one.code != lack.code));
+        let domain = format!("the domain {}", self.domain);
         let finding = |lack: Lack| {
-            let reason =
-                if self.at.is_some() { "the states given" } else { "the states drawn about the initial one" };
+            let (reason, remedy) = match (self.at, is_by_domain(&lack)) {
+                (Some(_), _) => ("the states given", lack.remedy),
+                (None, true) => (domain.as_str(), "nothing, if the domain leaves it out on purpose; a wider one has such states"),
+                (None, false) => ("the states drawn about the initial one", lack.remedy),
+            };
             let found = Diagnostic::finding(lack.code, Span::default(), lack.message, reason);
-            Finding::from(found.help(lack.remedy).in_file(self.name))
+            Finding::from(found.help(remedy).in_file(self.name))
         };
         Some(ModelReport {
             scene: self.name.to_string(),

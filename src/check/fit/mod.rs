@@ -24,7 +24,7 @@ pub use search::GivenRows;
 use crate::convention::{Axes, Convention, Forces, Positions, Turned};
 use data::{Expected, Number};
 use more::More;
-use pintle_audit::{Candidate, Case, ConstraintCandidate, MpcCase, Settings};
+use pintle_audit::{Candidate, Case, ConstraintCandidate, Domain, MpcCase, Settings};
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::mpc::Constraint;
 use pintle_kinematics::scalar::elementary::norm;
@@ -206,11 +206,12 @@ fn drawing(seed: &str, states: usize) -> Settings {
 }
 
 /// General states of a connector: both nodes turned, where they turn, and clear of singular sets.
-pub fn generic_states(definition: &Definition, seed: &str, count: usize) -> Vec<State<f64>> {
+pub fn generic_states(definition: &Definition, seed: &str, count: usize, domain: &Domain) -> Vec<State<f64>> {
     const DRAWN: usize = 12;
     const CLEAR: f64 = 0.1;
     let settings = drawing(seed, DRAWN * (count + 1));
-    let drawn = Candidate::new("general states", definition).settings(settings).drawn();
+    let candidate = Candidate::new("general states", definition).settings(settings);
+    let drawn = candidate.within(domain.clone()).drawn();
     let is_general = |case: &&Case| {
         let turned = case.last().map(|step| Turned::of(definition, &step.state));
         let turns = |end: usize| definition.moves[end] && definition.rotates[end];

@@ -6,7 +6,7 @@ use crate::convention::{
     Variation, Variations, is_vector,
 };
 use pintle_audit::sampling::{aligned, definition, pair};
-use pintle_audit::{Case, MpcCase, Quantity, Right, Step};
+use pintle_audit::{Case, Domain, MpcCase, Quantity, Right, Step};
 use pintle_kinematics::catalog::{COMPONENT, ConnectionType, TABLE};
 use pintle_kinematics::connector::{Connector, Definition, Request, State, Tally};
 use pintle_kinematics::draw::Draw;
@@ -195,8 +195,8 @@ fn drawn_conventions_are_found() {
     let (mut tried, mut unique, mut slowest) = (0, 0, 0.0_f64);
     for connection in TABLE.iter() {
         let definition = of_type(connection);
-        let states = generic_states(&definition, "seen", 2);
-        let others = generic_states(&definition, "unseen", 2);
+        let states = generic_states(&definition, "seen", 2, &Domain::default());
+        let others = generic_states(&definition, "unseen", 2, &Domain::default());
         let mut draw = Draw::new(&format!("conventions of {}", connection.name));
         let (mut of_type, mut spent, mut longest) = (0, 0.0, 0.0_f64);
         for _ in 0..per_type {
@@ -236,8 +236,8 @@ fn a_wrong_entry_is_named_under_the_right_convention() {
     let (mut tried, mut named, mut missed) = (0, 0, Vec::new());
     for connection in TABLE.iter() {
         let definition = of_type(connection);
-        let states = generic_states(&definition, "seen", 2);
-        let others = generic_states(&definition, "unseen", 2);
+        let states = generic_states(&definition, "seen", 2, &Domain::default());
+        let others = generic_states(&definition, "unseen", 2, &Domain::default());
         let mut draw = Draw::new(&format!("wrong entries of {}", connection.name));
         let before = named;
         for _ in 0..per_type {
@@ -291,7 +291,7 @@ fn the_class_is_exact_where_nodes_have_not_turned() {
     for name in ["TRANSLATOR", "BUSHING", "HINGE", "CVJOINT"] {
         let definition = of_type(&ConnectionType::named(name, None).unwrap());
         for turned in [[false, false], [true, false], [false, true]] {
-            let mut states = generic_states(&definition, "seen", 2);
+            let mut states = generic_states(&definition, "seen", 2, &Domain::default());
             for state in &mut states {
                 let initial = &definition.initial;
                 for (node, first, is_turned) in
@@ -343,7 +343,7 @@ fn the_class_is_exact_where_nodes_have_not_turned() {
                 }
             }
             // A general state tells some of them apart.
-            let others = generic_states(&definition, "unseen", 3);
+            let others = generic_states(&definition, "unseen", 3, &Domain::default());
             assert!(found.separating(&definition, &others).is_some(), "{name} {turned:?}");
         }
     }
@@ -637,7 +637,7 @@ fn nodal_forces_tell_their_side() {
     let mut tried = 0;
     for name in ["BUSHING", "CARTESIAN", "HINGE", "AXIAL", "TRANSLATOR"] {
         let definition = of_type(&ConnectionType::named(name, None).unwrap());
-        let states = generic_states(&definition, "seen", 2);
+        let states = generic_states(&definition, "seen", 2, &Domain::default());
         let mut draw = Draw::new(&format!("sides of {name}"));
         for n in 0..6 {
             let plain = Convention::default();
@@ -679,7 +679,7 @@ fn nodal_forces_tell_their_side() {
 #[test]
 fn second_derivatives_tell_what_rows_leave_open() {
     let definition = of_type(&ConnectionType::named("AXIAL", None).unwrap());
-    let states = generic_states(&definition, "seen", 2);
+    let states = generic_states(&definition, "seen", 2, &Domain::default());
     for length in [1e-3, 0.0254, 1.0] {
         let truth = Convention { row_length: length, column_length: length, ..Convention::default() };
         let of = |state: &State<f64>, is_told: bool| {

@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
     let states: Vec<pintle_scene::State> = if arguments.history {
         let Some(case) = candidate.history(arguments.count as usize) else {
             let message =
-                format!("{} has no ends that both turn: there is no history of turns", arguments.of);
+                format!("{} has no ends that both turn, or none within --within: there is no history of turns", arguments.of);
             return Err(Failure::Usage(message));
         };
         let last = case.path.len().saturating_sub(1);

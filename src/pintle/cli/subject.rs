@@ -13,7 +13,7 @@ use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
-use pintle_scene::{Label, Scene};
+use pintle_scene::{Label, Scene, State};
 use std::path::Path;
 
 /// A connector that is named on the command line.
@@ -72,19 +72,45 @@ pub(crate) fn named(name: &str) -> Result<Subject, Failure> {
     Ok(Subject { definition, nodes: [1, 2].map(|node| Some(Label::of(None, node))), is_of_scene: false })
 }
 
-/// The connectors of a bare scene, as `SCENE:ELEMENT` names each; `None` where the name is no scene.
-pub(crate) fn of_scene(name: &str) -> Result<Option<Vec<String>>, Failure> {
+/// All connectors of a scene, compiled once, and the states of a file at which they are asked.
+pub(crate) struct Connectors {
+    scene: String,
+    model: Model,
+    at: Option<(Vec<State>, bool)>,
+}
+
+impl Connectors {
+    /// As `SCENE:ELEMENT` names each.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.model.connectors.iter().map(|element| format!("{}:{}", self.scene, element.label)).collect()
+    }
+
+    /// What a routine is to be, of each, with its name.
+    pub(crate) fn subjects(&self) -> impl Iterator<Item = (String, pintle_check::Subject)> {
+        self.names().into_iter().zip(&self.model.connectors).enumerate().map(|(place, (name, element))| {
+            let at = self.at.as_ref();
+            let cases = at.map(|(states, independent)| connector_at(&self.model, place, states, *independent));
+            (name, pintle_check::Subject::Connector(Box::new(element.definition()), cases.unwrap_or_default()))
+        })
+    }
+}
+
+/// The connectors of a bare scene; `None` where the name is no scene.
+pub(crate) fn of_scene(name: &str, at: Option<At<'_>>) -> Result<Option<Connectors>, Failure> {
     let is_gallery = name.strip_prefix("gallery:").is_some_and(|rest| !rest.contains(':'));
     if !is_gallery && !Path::new(name).is_file() {
         return Ok(None);
     }
     let source = source(name)?;
-    let (scene, _) = read(source, None)?;
+    let (scene, states) = read(source, at.map(|at| at.file))?;
     let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
     if model.connectors.is_empty() {
         return Err(Failure::Input(format!("{name} has no connector; \"MPC SCENE:S-M\" names a constraint")));
     }
-    Ok(Some(model.connectors.iter().map(|element| format!("{name}:{}", element.label)).collect()))
+    if let (Some(at), true) = (at, states.is_empty()) {
+        return Err(Failure::Input(format!("{} has no states", at.file.display())));
+    }
+    Ok(Some(Connectors { scene: name.to_string(), model, at: at.map(|at| (states, at.independent)) }))
 }
 
 /// A connector with the states of a file.

@@ -39,6 +39,7 @@ def keeps(state, connector):
     value = tried - first
     if WRONG == "leaks": kept += 1e-3 * now
     if WRONG == "leaks": value += kept
+    if WRONG == "eager": kept = tried
     return {"values": [None, None, None, value, None, None]}
 def commit():
     global kept
@@ -52,7 +53,7 @@ def revert():
 const LINES: &str = r#"
 import json, os, sys
 import asked_routines as mine
-name = sys.argv[1]
+name, opened = sys.argv[1], 0
 def send(message): print(json.dumps(message), flush=True)
 for line in sys.stdin:
     message = json.loads(line)
@@ -60,15 +61,14 @@ for line in sys.stdin:
         hello = {"protocol": "pintle-candidate/1", "name": name, **json.loads(sys.argv[2])}
         send({"hello": hello})
     elif "open" in message:
-        connector = message["open"]
+        connector, opened = message["open"], opened + 1
         mine.begin(connector)
-        send({"opened": True} if connector["type"] in ("CARTESIAN", "REVOLUTE") else {"error": "CARTESIAN alone"})
-    elif "commit" in message:
-        mine.commit()
-        send({"committed": True})
-    elif "revert" in message:
-        mine.revert()
-        send({"reverted": True})
+        if mine.WRONG == "open" and opened > 1: send({"error": "no second open"})
+        else: send({"opened": True} if connector["type"] in ("CARTESIAN", "REVOLUTE") else {"error": "CARTESIAN alone"})
+    elif "commit" in message or "revert" in message:
+        word = next(iter(message))
+        getattr(mine, word)()
+        send({"error": f"no {word}"} if mine.WRONG == word else {f"{word}ted": True})
     elif "evaluate" in message:
         asked, answers = message["evaluate"], []
         for state in asked["states"]:
@@ -112,9 +112,13 @@ fn folder(name: &str, besides: &str) -> PathBuf {
 }
 
 fn there(folder: &Path, of: &str, door: [&str; 2], more: &[&str]) -> Command {
-    let few = ["--states", "40", "--near-singular-states", "6", "--wide-states", "6", "--histories", "12"];
-    let at_own = more.contains(&"--at");
-    let few = if at_own { &["--wide-states", "6"][..] } else { &few };
+    let few: &[&str] = if more.contains(&"--at") {
+        &["--wide-states", "6"]
+    } else if more.contains(&"--histories") {
+        &["--states", "40", "--near-singular-states", "6", "--wide-states", "6"]
+    } else {
+        &["--states", "40", "--near-singular-states", "6", "--wide-states", "6", "--histories", "12"]
+    };
     let mut command = pintle(&[&["check", of, "--timeout", "60"][..], &door, few, more].concat());
     command.current_dir(folder).env_remove("WRONG").env_remove("NARROW");
     command
@@ -139,9 +143,12 @@ fn steps_are_taken_back() {
         let report: Value = serde_json::from_str(&stdout(&right)).unwrap();
         let checks = report["subjects"][0]["checks"].as_array().unwrap();
         compared += checks.iter().map(|check| check["compared"].as_u64().unwrap()).sum::<u64>();
-        let leaks = there(&folder, "REVOLUTE", door, &[]).env("WRONG", "leaks").assert().code(6);
-        let why = stderr(&leaks);
-        assert!(why.contains("taken back and taken again"), "{why}");
+        // One that commits what is tried is noticed without histories, too.
+        for (wrong, more) in [("leaks", &[][..]), ("eager", &[]), ("eager", &["--histories", "0"])] {
+            let fails = there(&folder, "REVOLUTE", door, more).env("WRONG", wrong).assert().code(6);
+            let why = stderr(&fails);
+            assert!(why.contains("taken back and taken again"), "{wrong}: {why}");
+        }
         let forgets = there(&folder, "REVOLUTE", door, &[]).env("WRONG", "forgets").assert().code(1);
         assert!(stdout(&forgets).contains("turn"), "{}", stdout(&forgets));
     }
@@ -149,6 +156,103 @@ fn steps_are_taken_back() {
     let both = lines("keeps", r#"{"offers": ["values"], "commits": true, "memory": true}"#);
     let why = stderr(&there(&folder, "REVOLUTE", ["--with", &both], &[]).assert().code(6));
     assert!(why.contains("cannot announce memory"), "{why}");
+}
+
+/// Routines beside the commit and revert of others, which fail.
+const BESIDE: &str = r#"
+import math
+import asked_routines as mine
+from asked_routines import cartesian
+def begin(connector): raise RuntimeError("another's begin")
+def commit(): raise RuntimeError("another's commit")
+revert = commit
+class Keeps:
+    def begin(self, connector): mine.begin(connector)
+    def commit(self): mine.commit()
+    def revert(self): mine.revert()
+    def __call__(self, state, connector): return mine.keeps(state, connector)
+    def ask(self, state, connector): return self(state, connector)
+def apart(begin, commit, revert):
+    def ask(state, connector): return mine.keeps(state, connector)
+    ask.begin, ask.commit, ask.revert = begin, commit, revert
+    return ask
+keeps, by_attributes = Keeps(), apart(mine.begin, mine.commit, mine.revert)
+"#;
+
+/// Of a Python routine, what it or its object commits by stands before that of its module. What has no steps is not told of any.
+#[test]
+fn steps_are_those_of_the_routine() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder("beside", "");
+    fs::write(folder.join("beside.py"), format!("{BESIDE}OFFERS, COMPONENTS = ['values'], ['ur1']\n")).unwrap();
+    let mut compared = 0;
+    let asked = |of: &str, routine: &str| {
+        let done = there(&folder, of, ["--python", routine], &["--format", "json"]).assert().success();
+        let report: Value = serde_json::from_str(&stdout(&done)).unwrap();
+        let checks = report["subjects"][0]["checks"].as_array().unwrap();
+        checks.iter().map(|check| check["compared"].as_u64().unwrap()).sum::<u64>()
+    };
+    for routine in ["beside:keeps", "beside:keeps.ask", "beside:by_attributes"] {
+        compared += asked("REVOLUTE", routine);
+    }
+    // A memory in answers, a constraint and a friction.
+    let remembers = "
+def remembers(state, connector):
+    mine.begin(connector)
+    mine.kept = state['previous'].get('memory', mine.kept)
+    return {**mine.keeps(state, connector), 'memory': mine.tried}
+MEMORY = True
+";
+    fs::write(folder.join("remembers.py"), format!("{BESIDE}{remembers}OFFERS, COMPONENTS = ['values'], ['ur1']\n")).unwrap();
+    compared += asked("REVOLUTE", "remembers:remembers");
+    let others = "
+def pin(state, constraint):
+    values, rows = [None] * 7, [None] * 7
+    for i in range(3):
+        values[i] = float(state['S']['u'][i] - state['M']['u'][i])
+        rows[i] = [float(j == i) - float(j == 7 + i) for j in range(14)]
+    return values, rows
+";
+    fs::write(folder.join("pins.py"), format!("{BESIDE}{others}DOMAIN = {{'x1': [-1, 1]}}\n")).unwrap();
+    compared += asked("MPC PIN", "pins:pin");
+    let slide = "
+def slide(state, friction):
+    f, mu = [float(x) for x in state['forces']], friction['coefficient']
+    p, n = math.hypot(f[1], f[2]), abs(abs(f[0]) + friction['parameters']['F_C^int'])
+    return {'criterion': [p, abs(f[0]), n, p - mu * n]}
+OFFERS = ['criterion']
+";
+    fs::write(folder.join("slides.py"), format!("{BESIDE}{slide}")).unwrap();
+    compared += asked("FRICTION SLIDE-PLANE", "slides:slide");
+    assert!(compared > 1_000, "{compared}");
+}
+
+/// What a routine fails at after it was opened ends the check of a scene: it is no connector that it does not cover.
+#[test]
+fn failures_are_no_refusals() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder("refusals", "");
+    fs::write(folder.join("revolute.inp"), DECK.replace("CARTESIAN", "REVOLUTE")).unwrap();
+    let by_lines = lines("keeps", r#"{"offers": ["values"], "components": ["ur1"], "commits": true}"#);
+    let mut told = 0;
+    for (wrong, says) in [
+        ("open", "did not open the connector again: \"no second open\""),
+        ("commit", "did not commit: \"no commit\""),
+        ("revert", "did not revert: \"no revert\""),
+    ] {
+        for of in ["revolute.inp", "REVOLUTE"] {
+            let fails = there(&folder, of, ["--with", &by_lines], &[]).env("WRONG", wrong).assert().code(6);
+            let why = stderr(&fails);
+            assert!(why.contains(says) && !why.contains("not covered"), "{of} {wrong}: {why}");
+            told += 1;
+        }
+    }
+    assert_eq!(told, 6);
+    there(&folder, "revolute.inp", ["--with", &by_lines], &[]).assert().success();
 }
 
 /// States lie within a domain, whoever declares it.
@@ -161,11 +265,23 @@ fn states_are_drawn_within_a_domain() {
     fs::write(folder.join("domain.toml"), "domain = { x1 = [-0.1, 0.1] }\n").unwrap();
     let bare = lines("cartesian", r#"{"offers": ["values", "rows"]}"#);
     let told = lines("cartesian", r#"{"offers": ["values", "rows"], "domain": {"x1": [-0.1, 0.1]}}"#);
-    let ways: [(&str, &str, &[&str]); 4] = [
+    fs::write(folder.join("wide.toml"), "domain = { x1 = [-9, 9] }\n").unwrap();
+    fs::write(folder.join("wide.py"), "from asked_routines import cartesian\nDOMAIN = {'x1': [-9, 9]}\n").unwrap();
+    let wide = lines("cartesian", r#"{"offers": ["values", "rows"], "domain": {"x1": [-9, 9]}}"#);
+    // The command line stands before the file, and that before the routine; where conventions are found, too.
+    let ways: [(&str, &str, &[&str]); 12] = [
         ("--with", &bare, &["--within", "x1=-0.1:0.1"]),
         ("--with", &bare, &["--convention", "domain.toml"]),
         ("--with", &told, &[]),
         ("--python", "plain:cartesian", &[]),
+        ("--with", &wide, &["--convention", "domain.toml"]),
+        ("--python", "wide:cartesian", &["--convention", "domain.toml"]),
+        ("--with", &wide, &["--convention", "wide.toml", "--within", "x1=-0.1:0.1"]),
+        ("--python", "wide:cartesian", &["--convention", "wide.toml", "--within", "x1=-0.1:0.1"]),
+        ("--with", &wide, &["--fit-convention", "--within", "x1=-0.1:0.1"]),
+        ("--python", "wide:cartesian", &["--fit-convention", "--within", "x1=-0.1:0.1"]),
+        ("--with", &told, &["--fit-convention"]),
+        ("--python", "plain:cartesian", &["--fit-convention"]),
     ];
     for (door, routine, more) in ways {
         there(&folder, "CARTESIAN", [door, routine], more).env("NARROW", "1").assert().success();
@@ -178,6 +294,18 @@ fn states_are_drawn_within_a_domain() {
         let told =
             stderr(&there(&folder, "CARTESIAN", ["--with", &bare], &["--within", wrong]).assert().failure());
         assert!(told.contains(why), "{told}");
+    }
+    // What the domain keeps states from is no fault of theirs, and what cannot be brought there is counted.
+    let few = ["--within", "x1=0.65:0.75,x2=-0.4:-0.4,x3=0.9:0.9,r1=0:0,r2=0:0,r3=0:0", "--verbose"];
+    let page = stdout(&there(&folder, "CARTESIAN", ["--with", &bare], &few).assert().success());
+    let flat: String = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(flat.contains("the domain x1=0.65:0.75,x2=-0.4:-0.4"), "{page}");
+    // A domain is of connectors.
+    for (of, routine) in [("MPC PIN", "plain:cartesian"), ("FRICTION HINGE", "plain:cartesian")] {
+        for door in [["--python", routine], ["--with", &bare]] {
+            let told = stderr(&there(&folder, of, door, &["--within", "x1=0:1"]).assert().code(2));
+            assert!(told.contains("--within limits") && told.contains(of.split(' ').next().unwrap()), "{told}");
+        }
     }
     let mut states = pintle(&[
         "states",
@@ -202,9 +330,21 @@ fn all_connectors_of_a_scene_are_asked() {
     for door in [["--python", "plain:cartesian"], ["--with", &by_lines]] {
         let done = there(&folder, "deck.inp", door, &["--format", "json"]).assert().success();
         let report: Value = serde_json::from_str(&stdout(&done)).unwrap();
-        assert_eq!(report["subjects"].as_array().unwrap().len(), 2);
+        let subjects = report["subjects"].as_array().unwrap();
+        let names: Vec<&str> = subjects.iter().map(|one| one["name"].as_str().unwrap()).collect();
+        let [one, other] = names[..] else { panic!("{names:?}") };
+        let [one, other] = [one, other].map(|name| name.split_once(" for ").unwrap());
+        assert_eq!((one.1, other.1), ("deck.inp:101", "deck.inp:102"));
+        assert_eq!(one.0, other.0);
         let note = stderr(&done);
         assert!(note.contains("deck.inp:103") && note.contains("CARTESIAN"), "{note}");
+        for element in ["101", "102"] {
+            assert!(note.contains(&format!("deck.inp:{element}: not offered, and not judged: ")), "{note}");
+            for format in ["junit", "markdown"] {
+                let text = stdout(&there(&folder, "deck.inp", door, &["--format", format]).assert().success());
+                assert!(text.contains(&format!("{} for deck.inp:{element}", one.0)), "{format}: {text}");
+            }
+        }
         let page = stdout(&there(&folder, "deck.inp", door, &[]).assert().success());
         assert!(page.contains("deck.inp:101") && page.contains("deck.inp:102"), "{page}");
     }

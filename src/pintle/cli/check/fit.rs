@@ -4,6 +4,7 @@ use crate::cli::compare::any_states;
 use crate::cli::states::deck;
 use crate::cli::subject::Subject;
 use crate::cli::{Failure, page_width};
+use pintle_audit::Domain;
 use pintle_check::fit::{Found, fit, generic_cases, generic_states};
 use pintle_kinematics::connector::{Definition, State};
 use pintle_kinematics::mpc::Constraint;
@@ -23,8 +24,8 @@ const SHOWN: usize = 8;
 /// What rows are of.
 #[derive(Clone, Copy)]
 pub(crate) enum Of<'a> {
-    /// A connector, between nodes of a scene.
-    Connector(&'a Definition, [Option<Label>; 2]),
+    /// A connector, between nodes of a scene, in a domain.
+    Connector(&'a Definition, [Option<Label>; 2], Option<&'a Domain>),
     /// A multi-point constraint.
     Constraint(&'a Constraint<f64>),
 }
@@ -200,8 +201,9 @@ fn separating(found: &Found, of: Of<'_>) -> Option<String> {
         text.push('\n');
     };
     match of {
-        Of::Connector(definition, nodes) => {
-            let others = generic_states(definition, "separating", TRIED);
+        Of::Connector(definition, nodes, domain) => {
+            let domain = domain.cloned().unwrap_or_default();
+            let others = generic_states(definition, "separating", TRIED, &domain);
             let state = &others[found.separating(definition, &others)?];
             let initial = &definition.initial;
             let ends = [(&state.pair.a, &initial.a), (&state.pair.b, &initial.b)];

@@ -204,32 +204,40 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
             None => None,
         };
         let (found, gaps) = fit::of_files(&subject, scene.as_ref(), at, answers)?;
-        fit::tell(&found, fit::Of::Connector(&subject.definition, subject.nodes), &gaps)?;
+        fit::tell(&found, fit::Of::Connector(&subject.definition, subject.nodes, None), &gaps)?;
         return if found.wrong.is_empty() { Ok(()) } else { Err(Failure::Mismatch) };
     }
-    let Some(connectors) = of_scene(of)? else {
-        let (name, checked) = one(arguments, of)?.map_err(misbehaved(arguments))?;
-        tell(arguments, &name, &checked)?;
+    let at = arguments.at.as_deref().map(|file| At { file, independent: arguments.independent });
+    let Some(connectors) = of_scene(of, at)? else {
+        let subject = found(of, at)?;
+        let checked = one(arguments, &subject, (of, None))?.map_err(misbehaved(arguments))?;
+        tell(arguments, &subject.name(), None, &checked)?;
         return concluded(arguments, checked.report);
     };
     if arguments.fit_convention {
         return Err(Failure::Usage(format!(
             "--fit-convention is of one connector: {}",
-            connectors.join(", ")
+            connectors.names().join(", ")
         )));
     }
     let (mut whole, mut refused): (Option<Report>, Vec<String>) = (None, Vec::new());
-    for of in &connectors {
-        match one(arguments, of)? {
-            Ok((name, checked)) => {
-                tell(arguments, &format!("{name} {of}"), &checked)?;
+    for (of, subject) in connectors.subjects() {
+        match one(arguments, &subject, (&of, Some(&of)))? {
+            Ok(checked) => {
+                tell(arguments, &subject.name(), Some(&of), &checked)?;
                 whole = Some(match whole {
                     Some(whole) => whole.joined(checked.report),
                     None => checked.report,
                 });
             }
             Err(Misbehaviour::Refused(why)) => refused.push(format!("{of}: {why}")),
-            Err(other) => return Err(misbehaved(arguments)(other)),
+            Err(other) => {
+                let failure = misbehaved(arguments)(other);
+                return Err(match failure {
+                    Failure::Input(why) => Failure::Input(format!("{of}: {why}")),
+                    other => other,
+                });
+            }
         }
     }
     let Some(whole) = whole else {
@@ -255,10 +263,16 @@ fn misbehaved(arguments: &Check) -> impl Fn(Misbehaviour) -> Failure {
     }
 }
 
-/// The check of a routine as one subject, with what that is.
-fn one(arguments: &Check, of: &str) -> Result<Result<(String, Checked), Misbehaviour>, Failure> {
-    let at = arguments.at.as_deref().map(|file| At { file, independent: arguments.independent });
-    let subject = found(of, at)?;
+/// The check of a routine as one subject, by the name that is asked for, `among` several.
+fn one(
+    arguments: &Check,
+    subject: &pintle_check::Subject,
+    (of, among): (&str, Option<&str>),
+) -> Result<Result<Checked, Misbehaviour>, Failure> {
+    if arguments.within.is_some() && !matches!(subject, pintle_check::Subject::Connector(..)) {
+        let what = format!("--within limits places and turns of a connector, and {} has none", subject.name());
+        return Err(Failure::Usage(what));
+    }
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
     let command = match (&arguments.python, &arguments.library, &arguments.with) {
         (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
@@ -267,10 +281,10 @@ fn one(arguments: &Check, of: &str) -> Result<Result<(String, Checked), Misbehav
     };
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
     if arguments.fit_convention {
-        let about = match &subject {
+        let about = match subject {
             pintle_check::Subject::Constraint(constraint, _) => fit::Of::Constraint(constraint),
             pintle_check::Subject::Connector(definition, _) => {
-                fit::Of::Connector(definition, named(of)?.nodes)
+                fit::Of::Connector(definition, named(of)?.nodes, arguments.within.as_ref())
             }
             pintle_check::Subject::Friction(_) => {
                 let what = "--fit-convention finds the conventions of a connector or constraint";
@@ -278,7 +292,7 @@ fn one(arguments: &Check, of: &str) -> Result<Result<(String, Checked), Misbehav
             }
         };
         let found = Process::start(&command, patience)
-            .and_then(|process| pintle_check::fit_convention(process, &subject, &arguments.seed))
+            .and_then(|process| pintle_check::fit_convention(process, subject, &arguments.seed, arguments.within.as_ref()))
             .map_err(misbehaved(arguments))?;
         fit::tell(&found, about, &[])?;
         println!();
@@ -294,15 +308,17 @@ fn one(arguments: &Check, of: &str) -> Result<Result<(String, Checked), Misbehav
     };
     let springs = arguments.springs.unwrap_or_default();
     let domain = arguments.within.clone();
-    let asked = Asked { settings, histories: arguments.histories, convention, springs, domain };
-    let checked =
-        Process::start(&command, patience).and_then(|process| pintle_check::check(process, &subject, asked));
-    Ok(checked.map(|checked| (subject.name(), checked)))
+    let among = among.map(str::to_string);
+    let asked = Asked { settings, histories: arguments.histories, convention, springs, domain, among };
+    Ok(Process::start(&command, patience).and_then(|process| pintle_check::check(process, subject, asked)))
 }
 
 /// A short report for people, and what was not judged.
-fn tell(arguments: &Check, name: &str, checked: &Checked) -> Result<(), Failure> {
-    let notes = checked.notes();
+fn tell(arguments: &Check, name: &str, among: Option<&str>, checked: &Checked) -> Result<(), Failure> {
+    let mut notes = checked.notes();
+    if let Some(among) = among {
+        notes.iter_mut().for_each(|note| *note = format!("{among}: {note}"));
+    }
     if !matches!(arguments.format, AuditFormat::Human) {
         notes.iter().for_each(|note| complain("note", note));
         return Ok(());
