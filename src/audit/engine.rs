@@ -287,9 +287,7 @@ fn judge_numbers(
                     let (Some(answers), Some(truth)) = (&answers, &truth) else { continue };
                     let answer = answers.answer(oracle, quantity);
                     answer.map(|answer| match oracle {
-                        Oracle::WideDifferences => {
-                            Answer { error: truth.own_error(quantity, bound), ..answer }
-                        }
+                        Oracle::WideDifferences => answer.with_error_of(truth, quantity, bound),
                         _ => answer,
                     })
                 }
@@ -308,11 +306,12 @@ fn judge_numbers(
             if let Some(planted) = settings.planted.filter(|_| oracle.is_wide()) {
                 planted.blind(&mut answer);
             }
-            let mut check = examined.check(quantity, &answer, &around, (Some(&referee), often));
-            if oracle.is_wide() {
-                examined.add_missing(&mut check, quantity, &answer, |_| false);
-            }
-            checks.push(check);
+            let by = (Some(&referee), often);
+            checks.push(if oracle.is_wide() {
+                examined.check_wide(quantity, &answer, &around, by)
+            } else {
+                examined.check(quantity, &answer, &around, by)
+            });
         }
     }
     let draw = &mut Draw::new(&case.name);

@@ -63,5 +63,5 @@ pub use scene::{Progress, Target, audit_scenes, connector_at, constraint_at, dra
 pub use settings::{Budget, Planted, Settings};
 pub use share::Share;
 pub use singular::atlas::Approach;
-pub use singular::near::{has_sites, near_initial};
+pub use singular::near::{Sites, has_sites, near_initial};
 pub use singular::sides::Sides;

@@ -87,7 +87,10 @@ impl<D: Door> Exchange<D> {
     /// # Errors
     /// [`Misbehaviour`].
     pub(crate) fn open_again(&mut self, message: &Value) -> Result<(), Misbehaviour> {
-        self.done(message, OPEN, "opened", |why| Misbehaviour::NotDone { due: "open the connector again", why })
+        self.done(message, OPEN, "opened", |why| Misbehaviour::NotDone {
+            due: "open the connector again",
+            why,
+        })
     }
 
     /// Tells a routine that what was tried stands (`commit`), or not (`revert`).

@@ -2,7 +2,7 @@
 
 use crate::layout;
 use pintle_audit::Verdict;
-use pintle_sweep::{OfQuantity, OfSubject, Summary, Worst};
+use pintle_sweep::{OfLaw, OfQuantity, OfSubject, Summary, Worst};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -19,6 +19,10 @@ fn short(x: f64) -> String {
     if (0.001..1000.0).contains(&x) || x == 0.0 { format!("{x:.3}") } else { format!("{x:.1e}") }
 }
 
+fn of_law(of: &OfLaw) -> String {
+    of.largest.map_or_else(|| "—".into(), |largest| short(largest.value.0))
+}
+
 fn of_verdict(of: &OfQuantity, verdict: impl Fn(Verdict) -> bool) -> u64 {
     of.verdicts.iter().filter(|(known, _)| verdict(**known)).map(|(_, count)| count).sum()
 }
@@ -30,8 +34,9 @@ fn line(of: &OfSubject) -> Vec<String> {
         count(of.judged),
         units(of.value.worst.first()),
         units(of.row.worst.first()),
-        of.largest_rigid.map_or_else(|| "—".into(), |largest| short(largest.value.0)),
-        count(of.wrong()),
+        of_law(&of.rigid),
+        of_law(&of.frame),
+        count(of.wrong),
     ]
 }
 
@@ -46,11 +51,12 @@ pub fn human(
     wanted: u64,
     width: usize,
 ) -> io::Result<()> {
-    let head = ["", "states", "judged", "value", "row", "rigid", "wrong"];
+    let head = ["", "states", "judged", "value", "row", "rigid", "frame", "wrong"];
     let lines: Vec<Vec<String>> = summary.subjects.iter().map(line).collect();
     write!(out, "{}", layout::table(&head, &lines))?;
     let legend = "value, row: the largest error of those judged on 237 bits, in units of the audit's bound; rigid: the most that is left of a row \
-         along a rigid motion, of all states, in roundings; wrong: states at which a number is not finite, or beyond its bound";
+         along a rigid motion, of all states, in roundings; frame: the most that turning both nodes changes, of one state in 16, in roundings; \
+         —: not asked; wrong: states at which a number is not finite, or beyond its bound";
     writeln!(out)?;
     for line in layout::wrap(legend, width) {
         writeln!(out, "{}", layout::styled(layout::DIM, line))?;
@@ -63,7 +69,7 @@ pub fn human(
     };
     writeln!(
         out,
-        "\nstates    {states}, {} numbers, all finite but at {}",
+        "\nstates    {states}, {} numbers, not finite at {} states",
         all(&|of| of.numbers),
         all(&|of| of.not_finite)
     )?;
@@ -78,7 +84,7 @@ pub fn human(
         both(|verdict| verdict == Verdict::Undecided),
         both(Verdict::is_mismatch),
     )?;
-    for of in summary.subjects.iter().filter(|of| of.wrong() > 0) {
+    for of in summary.subjects.iter().filter(|of| of.wrong > 0) {
         wrong(out, of)?;
     }
     writeln!(out, "numbers   {:016x} on {}", summary.fingerprint, summary.arithmetic)?;
@@ -90,9 +96,13 @@ fn wrong(out: &mut dyn Write, of: &OfSubject) -> io::Result<()> {
     if let Some(index) = of.first_not_finite {
         writeln!(out, "{}: state {index} has a number that is not finite", of.name)?;
     }
-    if let Some(largest) = of.largest_rigid.filter(|_| of.not_rigid > 0) {
-        let (units, index) = (short(largest.value.0), largest.index);
-        writeln!(out, "{}: at state {index} a rigid motion changes a value by {units} roundings", of.name)?;
+    let laws =
+        [(&of.rigid, "a rigid motion changes a value"), (&of.frame, "turning both nodes changes numbers")];
+    for (law, what) in laws {
+        if let Some(largest) = law.largest.filter(|_| law.beyond > 0) {
+            let (units, index) = (short(largest.value.0), largest.index);
+            writeln!(out, "{}: at state {index} {what} by {units} roundings", of.name)?;
+        }
     }
     let listed = [&of.value, &of.row].into_iter().flat_map(|of| &of.worst);
     for worst in listed.filter(|worst| worst.verdict.is_mismatch()) {

@@ -13,6 +13,7 @@
 //! | [`sweep`] | what do the states of a chunk give? |
 //! | [`summary`] | what is known of them in the end? |
 //! | [`folder`] | what is done already? |
+//! | [`whole`] | how is a file written that nobody sees half? |
 
 pub mod bins;
 pub mod folder;
@@ -24,11 +25,12 @@ pub mod summary;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+pub mod whole;
 
 pub use folder::Folder;
 pub use plan::{Plan, Subject};
 pub use ranges::Ranges;
-pub use summary::{OfQuantity, OfSubject, Summary, Worst};
+pub use summary::{OfLaw, OfQuantity, OfSubject, Summary, Worst};
 pub use sweep::Sweep;
 
 /// Why there is no sweep.
@@ -50,7 +52,18 @@ pub enum SweepError {
     /// Summaries that do not belong together.
     #[error("{0}")]
     Merge(String),
-    /// A folder that cannot be read or written.
-    #[error("{0}: {1}")]
-    Disk(String, std::io::Error),
+    /// More states than there are.
+    #[error("states {first} to {first} + {count} are beyond 1e15: ask for less")]
+    TooMany {
+        /// The first.
+        first: u64,
+        /// How many.
+        count: u64,
+    },
+    /// A folder that cannot be read.
+    #[error("cannot read {0}: {1}")]
+    Unread(String, std::io::Error),
+    /// A folder that cannot be written.
+    #[error("cannot write {0}: {1}")]
+    Unwritten(String, std::io::Error),
 }

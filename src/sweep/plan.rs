@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// The form of the text, and of everything that decides which state an index has.
-pub const SCHEMA: &str = "pintle-sweep-plan/1";
+pub const SCHEMA: &str = "pintle-sweep-plan/2";
 
 /// How many connectors of a type are swept: initial orientations that satisfy what the type constrains, and others.
 const OF_A_TYPE: usize = 8;
@@ -27,12 +27,12 @@ pub struct Plan {
     pub schema: String,
     /// The version of the program, by which types are drawn.
     pub version: String,
-    /// What was asked for, in words.
-    pub what: String,
     /// What the states are drawn from.
     pub seed: String,
     /// The share of the states that is judged on 237 bits.
     pub share: f64,
+    /// The SHA-256 of all that defines the connectors: those of types are drawn by sines, cosines and powers, which a machine may round otherwise.
+    pub definitions: String,
     /// What is summed up by itself.
     pub subjects: Vec<Subject>,
 }
@@ -96,15 +96,52 @@ impl Subject {
 
 impl Plan {
     /// Of such subjects.
-    pub fn new(what: &str, seed: &str, share: f64, subjects: Vec<Subject>) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// A type that there is not.
+    pub fn new(seed: &str, share: f64, subjects: Vec<Subject>) -> Result<Self, SweepError> {
+        let mut plan = Self {
             schema: SCHEMA.into(),
             version: VERSION.into(),
-            what: what.into(),
             seed: seed.into(),
             share,
+            definitions: String::new(),
             subjects,
+        };
+        (_, plan.definitions) = plan.connectors()?;
+        Ok(plan)
+    }
+
+    /// The connectors by subject, and the SHA-256 of all that defines them.
+    ///
+    /// # Errors
+    /// A type that there is not.
+    pub fn connectors(&self) -> Result<(Vec<Vec<Definition>>, String), SweepError> {
+        let all: Vec<Vec<Definition>> =
+            self.subjects.iter().map(Subject::connectors).collect::<Result<_, _>>()?;
+        let text = serde_json::to_string(&all).map_err(|error| SweepError::Plan(error.to_string()))?;
+        Ok((all, sha256(&text)))
+    }
+
+    /// In words, in what another plan differs from this one; `None` where it does not.
+    pub fn differs(&self, other: &Self) -> Option<String> {
+        let mut found = Vec::new();
+        if self.version != other.version {
+            found.push(format!("pintle {} in place of {}", other.version, self.version));
         }
+        if self.seed != other.seed {
+            found.push(format!("the seed {:?} in place of {:?}", other.seed, self.seed));
+        }
+        if self.share.to_bits() != other.share.to_bits() {
+            found.push(format!("the share {} in place of {}", other.share, self.share));
+        }
+        let names = |of: &Self| of.subjects.iter().map(|subject| subject.name.clone()).collect::<Vec<_>>();
+        if names(self) != names(other) {
+            found.push("other connectors".into());
+        } else if self.definitions != other.definitions {
+            found.push("connectors of the same names that are defined otherwise".into());
+        }
+        (!found.is_empty()).then(|| found.join(", "))
     }
 
     /// As the text that every worker gets: equal plans have equal texts.
@@ -115,16 +152,27 @@ impl Plan {
         serde_json::to_string(self).map_err(|error| SweepError::Plan(error.to_string()))
     }
 
+    /// From its text, whatever its version.
+    pub(crate) fn parse_any(text: &str) -> Option<Self> {
+        serde_json::from_str(text).ok()
+    }
+
     /// From its text.
     ///
     /// # Errors
     /// A text that is none.
     pub fn parse(text: &str) -> Result<Self, SweepError> {
-        let plan: Self = serde_json::from_str(text).map_err(|error| SweepError::Plan(error.to_string()))?;
-        let refused = |what: String| Err(SweepError::Plan(what));
-        if plan.schema != SCHEMA {
-            return refused(format!("its schema is {}, not {SCHEMA}", plan.schema));
+        #[derive(Deserialize)]
+        struct Header {
+            schema: String,
         }
+        let refused = |what: String| Err(SweepError::Plan(what));
+        let Header { schema } =
+            serde_json::from_str(text).map_err(|error| SweepError::Plan(error.to_string()))?;
+        if schema != SCHEMA {
+            return refused(format!("its schema is {schema}, not {SCHEMA}"));
+        }
+        let plan: Self = serde_json::from_str(text).map_err(|error| SweepError::Plan(error.to_string()))?;
         if !(0.0..=1.0).contains(&plan.share) {
             return refused(format!("its share {} is not between 0 and 1", plan.share));
         }

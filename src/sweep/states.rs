@@ -4,16 +4,17 @@
 //! |---|---|
 //! | 204 | turned, each uniformly on the rotation group |
 //! | 16 | 1e-1 to 1e-12 from a singular point of the type, as the audit places them; as above where it has none |
-//! | 16 | turned uniformly, b against a by 2⁻⁴⁰ to 1 rad |
+//! | 16 | turned uniformly, b against a by 2⁻⁴⁰ to 1 rad about any axis, or about the normal of the plane |
 //! | 16 | turned uniformly, b by up to three whole turns besides |
 //! | 4 | in one of the 24 orientations of a cube each: exact right angles |
 //!
+//! A node that cannot turn, or cannot do so about any axis, leaves nothing of a line: its states count as turned uniformly.
 //! But for the second line only sums, products, quotients and roots are computed, which every machine rounds alike.
 
 use crate::philox::Stream;
 use crate::plan::length_of;
 use pintle_audit::sampling::cube_orientations;
-use pintle_audit::{Case, Step, has_sites, near_initial};
+use pintle_audit::{Case, Sites, Step};
 use pintle_kinematics::connector::{Connector, Definition, Increment, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Measure;
@@ -62,7 +63,7 @@ pub struct Source {
     pub definition: Definition,
     /// Its length at rest.
     pub length: f64,
-    has_sites: bool,
+    sites: Sites,
     has_one_form: bool,
     turns: [bool; 2],
     cubes: Vec<Matrix<f64>>,
@@ -91,7 +92,7 @@ impl Source {
     pub fn new(definition: &Definition, connector: &Connector<f64>) -> Self {
         let measures = (0..6).filter_map(|k| connector.position_measure(k));
         Self {
-            has_sites: has_sites(definition),
+            sites: Sites::of(definition),
             has_one_form: measures.into_iter().any(Measure::is_one_form),
             turns: [0, 1].map(|end| definition.moves[end] && definition.rotates[end]),
             cubes: cube_orientations(),
@@ -104,7 +105,7 @@ impl Source {
     pub fn state(&self, key: u64, index: u64) -> Drawn {
         let mut stream = Stream::new(key, index);
         let [bits, more] = stream.bits();
-        match Place::of(bits) {
+        match self.possible(Place::of(bits)) {
             Place::Near => {
                 self.near(key, index).unwrap_or_else(|| self.drawn(Place::Anywhere, more, &mut stream))
             }
@@ -112,28 +113,35 @@ impl Source {
         }
     }
 
+    /// The place, or anywhere where the nodes cannot be brought there.
+    const fn possible(&self, place: Place) -> Place {
+        let is_there = match place {
+            Place::Anywhere => true,
+            Place::Near => !self.sites.is_empty(),
+            Place::Little | Place::Turns => self.turns[1],
+            Place::RightAngles => self.turns[0] && self.turns[1] && !self.definition.planar,
+        };
+        if is_there { place } else { Place::Anywhere }
+    }
+
     /// As the audit places it.
     fn near(&self, key: u64, index: u64) -> Option<Drawn> {
-        if !self.has_sites {
-            return None;
-        }
         let draw = &mut Draw::new(&format!("{key:x} {index}"));
-        let case = near_initial(&self.definition, self.length, "", draw)?;
-        let Step { state, increment } = case.last()?;
-        Some(Drawn { pair: state.pair, increment: *increment, place: Place::Near })
+        let (Step { state, increment }, _) = self.sites.near(&self.definition, self.length, draw)?;
+        Some(Drawn { pair: state.pair, increment, place: Place::Near })
     }
 
     fn drawn(&self, place: Place, bits: u64, stream: &mut Stream) -> Drawn {
-        let Self { definition, turns, .. } = self;
-        let initial = &definition.initial;
+        let Self { turns, .. } = self;
+        let initial = &self.definition.initial;
         let mut quaternion = [self.rotation(stream), self.rotation(stream)];
         let mut whole = 0.0;
         match place {
-            Place::Little if turns[1] => {
+            Place::Little => {
                 let little = self.little(bits, stream);
                 quaternion[1] = if turns[0] { compose(quaternion[0], little) } else { little };
             }
-            Place::Turns if turns[1] => whole = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0][(bits % 6) as usize],
+            Place::Turns => whole = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0][(bits % 6) as usize],
             _ => {}
         }
         let mut pair = *initial;
@@ -145,7 +153,7 @@ impl Source {
             }
             increment.flow[end] = node.flow - [&initial.a, &initial.b][end].flow;
         }
-        if place == Place::RightAngles && *turns == [true; 2] && !definition.planar {
+        if place == Place::RightAngles {
             let of = |at: u64| self.cubes.get((at % 24) as usize).copied();
             (pair.a.triad, pair.b.triad) =
                 (of(bits >> 8).unwrap_or(pair.a.triad), of(bits >> 40).unwrap_or(pair.b.triad));
@@ -186,17 +194,21 @@ impl Source {
         [x, y, z * factor, w * factor]
     }
 
-    /// By 2⁻⁴⁰ to 1 rad about any axis.
+    /// By 2⁻⁴⁰ to 1 rad about any axis, or about the normal of the plane.
+    ///
+    /// The angle is 2 atan t with t = h/2 (1 + h²/12), which is h to within 1 %: from 2⁻ⁿ to 2¹⁻ⁿ for any n of 1 to 40.
     fn little(&self, bits: u64, stream: &mut Stream) -> Quaternion<f64> {
-        let size = f64::from_bits((1022 - (bits >> 8) % 40) << 52);
+        let power = f64::from_bits((1023 - 1 - (bits >> 8) % 40) << 52);
+        let [part, _] = stream.signed();
+        let h = power * (1.5 + 0.5 * part);
         let ([x, y], square) = stream.disc();
         let axis: Vector<f64> = if self.definition.planar {
-            [0.0, 0.0, x]
+            [0.0, 0.0, 1.0_f64.copysign(x)]
         } else {
             let root = (1.0 - square).sqrt();
             [2.0 * x * root, 2.0 * y * root, 1.0 - 2.0 * square]
         };
-        let [x, y, z] = scale(axis, 0.5 * size);
+        let [x, y, z] = scale(axis, 0.5 * h * (1.0 + h * h / 12.0));
         let norm = norm([1.0, x, y, z]);
         [1.0 / norm, x / norm, y / norm, z / norm]
     }

@@ -5,12 +5,12 @@ use crate::bins::{Bins, Map};
 use crate::plan::sha256;
 use crate::ranges::Ranges;
 use crate::states::Place;
-use pintle_audit::{Finding, Quantity, Verdict};
+use pintle_audit::{Finding, Verdict};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// The form of a summary.
-pub const SCHEMA: &str = "pintle-sweep/1";
+pub const SCHEMA: &str = "pintle-sweep/2";
 
 /// How many of the worst states are kept of each subject and quantity.
 pub const WORST: usize = 4;
@@ -66,6 +66,38 @@ impl Largest {
             (Some(a), Some(b)) => Some(if b.beats(a) { b } else { a }),
             (a, b) => a.or(b),
         }
+    }
+}
+
+/// How far a law was from holding, in roundings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OfLaw {
+    /// The states of which it was asked.
+    pub states: u64,
+    /// These by the exponent of what was left.
+    pub left: Bins,
+    /// The largest of that; none where nothing was asked.
+    pub largest: Option<Largest>,
+    /// The states at which more was left than may be.
+    pub beyond: u64,
+}
+
+impl OfLaw {
+    /// Adds a state; whether the law holds there.
+    pub fn add(&mut self, left: f64, most: f64, index: u64) -> bool {
+        self.states += 1;
+        self.left.add(left);
+        self.largest = Largest::of(self.largest, Some(Largest { value: Bits(left), index }));
+        let holds = left <= most;
+        self.beyond += u64::from(!holds);
+        holds
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.states += other.states;
+        self.left.merge(&other.left);
+        self.largest = Largest::of(self.largest, other.largest);
+        self.beyond += other.beyond;
     }
 }
 
@@ -171,18 +203,18 @@ pub struct OfSubject {
     pub turned: Bins,
     /// The states by the exponent of |d|², in lengths of the connector.
     pub apart: Bins,
-    /// The states by the exponent of what is left of rows along rigid motions, in roundings of what is added up.
-    pub rigid: Bins,
-    /// The largest of that.
-    pub largest_rigid: Option<Largest>,
-    /// The states beyond [`crate::sweep::RIGID`].
-    pub not_rigid: u64,
+    /// What is left of rows along rigid motions, in roundings of what is added up: at most [`crate::sweep::RIGID`].
+    pub rigid: OfLaw,
+    /// What turning both nodes as one changes, in roundings of the audit's scale: at most [`crate::sweep::FRAME`].
+    pub frame: OfLaw,
     /// The states judged on 237 bits.
     pub judged: u64,
     /// What was said of their values.
     pub value: OfQuantity,
     /// What was said of their rows.
     pub row: OfQuantity,
+    /// The states at which anything is wrong, each counted once.
+    pub wrong: u64,
 }
 
 impl OfSubject {
@@ -199,34 +231,16 @@ impl OfSubject {
         self.turned.merge(&other.turned);
         self.apart.merge(&other.apart);
         self.rigid.merge(&other.rigid);
-        self.largest_rigid = Largest::of(self.largest_rigid, other.largest_rigid);
-        self.not_rigid += other.not_rigid;
+        self.frame.merge(&other.frame);
         self.judged += other.judged;
         self.value.merge(&other.value);
         self.row.merge(&other.row);
-    }
-
-    /// The quantities with their names.
-    pub const fn quantities(&self) -> [(Quantity, &OfQuantity); 2] {
-        [(Quantity::Value, &self.value), (Quantity::FirstDerivatives, &self.row)]
+        self.wrong += other.wrong;
     }
 
     /// The states of it.
     pub fn states(&self) -> u64 {
         self.places.values().sum()
-    }
-
-    /// The states at which something is wrong: of each law and quantity the number, added up.
-    pub fn wrong(&self) -> u64 {
-        let of = |quantity: &OfQuantity| -> u64 {
-            quantity
-                .verdicts
-                .iter()
-                .filter(|(verdict, _)| verdict.is_mismatch())
-                .map(|(_, count)| count)
-                .sum()
-        };
-        self.not_finite + self.not_rigid + of(&self.value) + of(&self.row)
     }
 }
 
@@ -301,6 +315,14 @@ impl Summary {
         Ok(())
     }
 
+    /// Whether its subjects have as many states as it has.
+    pub fn is_whole(&self) -> bool {
+        let states = self.subjects.iter().try_fold(0_u64, |sum, of| {
+            of.places.values().try_fold(sum, |sum, count| sum.checked_add(*count))
+        });
+        states == Some(self.states.count())
+    }
+
     /// As its one text.
     ///
     /// # Errors
@@ -317,8 +339,8 @@ impl Summary {
         Ok(sha256(&self.text()?))
     }
 
-    /// The number of states at which something is wrong, as [`OfSubject::wrong`].
+    /// The number of states at which something is wrong.
     pub fn wrong(&self) -> u64 {
-        self.subjects.iter().map(OfSubject::wrong).sum()
+        self.subjects.iter().map(|of| of.wrong).sum()
     }
 }

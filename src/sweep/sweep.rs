@@ -1,20 +1,24 @@
 //! What the states of a chunk give: values and rows of all, and what 237 bits say of a share.
 
 use crate::SweepError;
-use crate::plan::{Plan, Subject, sha256};
-use crate::ranges::Ranges;
+use crate::plan::{Plan, sha256};
+use crate::ranges::{Ranges, checked};
 use crate::states::{Drawn, Source};
-use crate::summary::{Bits, Largest, OfSubject, Summary};
-use pintle_audit::{Entries, Numbers, Quantity, against_truth};
-use pintle_kinematics::batch::{Batch, COLUMNS, History, LANES, Row, Section, Tile, advance, vector_unit};
-use pintle_kinematics::catalog::{Condition, Slot};
+use crate::summary::{OfSubject, Summary};
+use pintle_audit::sampling::cube_orientations;
+use pintle_audit::{C, Case, Entries, Numbers, Quantity, against_truth};
+use pintle_kinematics::batch::{
+    Batch, COLUMNS, Four, HessianRow, History, LANES, Row, Section, Tile, advance, vector_unit,
+};
 use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, State};
 use pintle_kinematics::draw::splitmix64;
 use pintle_kinematics::measure::Measure;
-use pintle_kinematics::node::DOFS;
+use pintle_kinematics::node::{DOFS, PSI_A, PSI_B};
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Real, U};
-use pintle_kinematics::vector::dot;
+use pintle_kinematics::vector::{Matrix, Vector, apply, dot, product, sub};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Consecutive states that one connector has. Tiles of four begin at multiples of four, whatever the chunk.
@@ -23,8 +27,21 @@ const BLOCK: u64 = 32;
 /// The states that a thread takes at a time.
 const PIECE: u64 = 4096;
 
-/// How many roundings may be left of a row along rigid motions.
+/// One block of so many is turned as a whole, and computed again.
+const TURNED: u64 = 16;
+
+/// How many roundings may be left of a row along rotations, of all that is added up.
+///
+/// In θ_a = fl(fl(g × D) − h) the products are rounded twice and the difference once. The sum θ_a + θ_b + D × g rounds its products once,
+/// their difference once and the first sum once: 4 of |θ| + |D| |g|. A row without θ_a, of a distance, has g = A Aᵀ D/|D|: two sums of
+/// three products, a root and a quotient, 8 of |D| |g|, which is counted twice; with the check's own 2 that is 6. Triads are rotations to
+/// within 2 roundings more. Along translations nothing may be left, for x_a is the opposite of x_b.
 pub const RIGID: f64 = 8.0;
+
+/// By how many roundings of the audit's scale values and rows may change when both nodes are turned as one.
+///
+/// The turn itself rounds nothing. Both results are within C roundings of the exact one, or within 2 C beside a singular set.
+pub const FRAME: f64 = 4.0 * C;
 
 /// A plan that is ready to run.
 #[derive(Debug)]
@@ -34,6 +51,22 @@ pub struct Sweep {
     key: u64,
     arithmetic: String,
     connectors: Vec<Ready>,
+    /// The exact orientations; the first is none.
+    cubes: Vec<Matrix<f64>>,
+    planted: Option<Planted>,
+}
+
+/// A fault that is put into numbers, to see it found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Planted {
+    /// One column of one state is 16 roundings off.
+    Column,
+    /// One number of one state is none.
+    NotANumber,
+    /// One entry of what is judged is changed.
+    Judged,
+    /// Rotations about two axes are exchanged, of both nodes, so that no rigid motion tells.
+    Axes,
 }
 
 /// A connector of the plan.
@@ -47,10 +80,10 @@ struct Ready {
     batch: Option<Batch>,
     section: Section,
     has_history: bool,
-    /// Whether rows have all columns, so that rigid motions change nothing.
-    is_free: bool,
-    /// What values count from.
-    origin: [f64; 6],
+    /// Whether rows have all columns of both nodes: those of a batch do, whatever can move.
+    is_whole: bool,
+    /// Which rows are angles that wind.
+    winds: Vec<bool>,
 }
 
 /// Room for the states of a block.
@@ -62,6 +95,10 @@ struct Room {
     sections: Vec<Section>,
     histories: Vec<History>,
     rows: Vec<Row>,
+    /// Columns of material flow of the rows, where there is no batch.
+    flows: Vec<[Four; 2]>,
+    turned: Vec<Tile>,
+    hessians: Vec<HessianRow>,
 }
 
 /// What rows of four states give besides themselves.
@@ -69,15 +106,18 @@ struct Seen {
     hash: [u64; LANES],
     /// Zero, or not a number.
     finite: [f64; LANES],
-    rigid: [f64; LANES],
+    /// What rigid motions leave, where that can be asked.
+    rigid: Option<[f64; LANES]>,
+    /// What turning both nodes changes, where that was asked.
+    frame: [Option<f64>; LANES],
 }
 
-/// The factor of each bit pattern in the hash of a state: row by row the value and twelve columns.
-const FACTORS: [[u64; 13]; 6] = {
-    let mut factors = [[0; 13]; 6];
+/// The factor of each bit pattern in the hash of a state: row by row the value, twelve columns and those of material flow.
+const FACTORS: [[u64; 15]; 6] = {
+    let mut factors = [[0; 15]; 6];
     let mut at = 0;
-    while at < 78 {
-        factors[at / 13][at % 13] = splitmix64(at as u64) | 1;
+    while at < 90 {
+        factors[at / 15][at % 15] = splitmix64(at as u64) | 1;
         at += 1;
     }
     factors
@@ -91,8 +131,14 @@ impl Sweep {
     pub fn new(text: &str) -> Result<Self, SweepError> {
         let plan = Plan::parse(text)?;
         // One connector of each subject after the other, so that few states have some of each.
-        let all: Vec<Vec<Definition>> =
-            plan.subjects.iter().map(Subject::connectors).collect::<Result<_, _>>()?;
+        let (all, definitions) = plan.connectors()?;
+        if definitions != plan.definitions {
+            return Err(SweepError::Plan(
+                "it was made where sines, cosines and powers round otherwise, and so types are other connectors here: \
+                 sweep on machines of one kind"
+                    .into(),
+            ));
+        }
         let most = all.iter().map(Vec::len).max().unwrap_or(0);
         let place = |i: usize| {
             let of = all.iter().enumerate();
@@ -104,8 +150,16 @@ impl Sweep {
         }
         let hash = sha256(text);
         let key = u64::from_str_radix(sha256(&plan.seed).get(..16).unwrap_or("0"), 16).unwrap_or(0);
-        let arithmetic = vector_unit().unwrap_or("doubles one by one").to_string();
-        Ok(Self { plan, hash, key, arithmetic, connectors })
+        let unit = vector_unit().unwrap_or("doubles one by one");
+        let arithmetic = format!("{unit}, elementary functions {:016x}", elementary(&FUNCTIONS));
+        Ok(Self { plan, hash, key, arithmetic, connectors, cubes: cube_orientations(), planted: None })
+    }
+
+    /// The same with a fault.
+    #[must_use]
+    pub const fn planting(mut self, planted: Option<Planted>) -> Self {
+        self.planted = planted;
+        self
     }
 
     /// The plan.
@@ -121,16 +175,19 @@ impl Sweep {
     /// The summary of `count` states from `first` on, by all threads of the pool that this runs in. `progress` is told how many more are done.
     ///
     /// # Errors
-    /// As [`Summary::merge`].
+    /// As [`checked`].
     pub fn run(
         &self,
         first: u64,
         count: u64,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Summary, SweepError> {
-        let pieces = Ranges::of(first, count).chunks(PIECE);
-        let done = |mut summary: Summary, (from, some): (u64, u64)| {
-            self.piece(from..from + some, &mut summary);
+        let end = checked(first, count)?;
+        let pieces = first / PIECE..end.div_ceil(PIECE);
+        let done = |mut summary: Summary, piece: u64| {
+            let range = first.max(piece * PIECE)..end.min((piece + 1) * PIECE);
+            let some = range.end - range.start;
+            self.piece(range, &mut summary);
             progress(some);
             Ok(summary)
         };
@@ -139,11 +196,11 @@ impl Sweep {
         pieces.try_fold(|| self.empty(), done).try_reduce(|| self.empty(), merged)
     }
 
-    /// The state of an index, with the name of its subject.
-    pub fn state(&self, index: u64) -> Option<(&str, Drawn)> {
+    /// The state of an index, as a case of the audit with the name of its subject.
+    pub fn case(&self, index: u64) -> Option<Case> {
         let ready = self.connector_of(index)?;
         let name = self.plan.subjects.get(ready.subject)?.name.as_str();
-        Some((name, ready.source.state(self.key, index)))
+        Some(ready.source.case(name, index, &ready.source.state(self.key, index)))
     }
 
     fn connector_of(&self, index: u64) -> Option<&Ready> {
@@ -156,6 +213,13 @@ impl Sweep {
         const ALL: f64 = 18_446_744_073_709_551_616.0;
         let share = self.plan.share * ALL;
         share >= ALL || splitmix64(self.key ^ splitmix64(index)) < share as u64
+    }
+
+    /// How the states of a block are turned besides, of a share of the blocks: a matter of its index alone, and never not at all.
+    fn turn_of(&self, block: u64) -> Option<Matrix<f64>> {
+        let drawn = splitmix64(splitmix64(self.key) ^ block);
+        let at = 1 + drawn / TURNED % (self.cubes.len() as u64 - 1);
+        self.cubes.get(at as usize).copied().filter(|_| drawn % TURNED == 0)
     }
 
     fn piece(&self, range: Range<u64>, summary: &mut Summary) {
@@ -180,6 +244,7 @@ impl Sweep {
         room.drawn.clear();
         room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
         room.follow(ready);
+        room.flows.clear();
         let rows = match &ready.batch {
             Some(batch) => {
                 room.rows.clear();
@@ -190,26 +255,91 @@ impl Sweep {
             }
             None => room.one_by_one(ready),
         };
+        if let Some(planted) = self.planted {
+            planted.spoil(&mut room.rows);
+        }
+        let turn = self.turn_of(range.start / BLOCK);
+        let turn = turn.zip(ready.batch.as_ref()).map(|(turn, batch)| {
+            room.turn(ready, batch, &turn);
+            turn
+        });
         let mut sum = 0_u64;
         for (t, tile) in room.tiles.iter().enumerate() {
             let own = room.rows.get(t * rows..(t + 1) * rows).unwrap_or_default();
-            let seen = Seen::of(own, tile, ready.is_free);
+            let flows = room.flows.get(t * rows..(t + 1) * rows).unwrap_or_default();
+            let mut seen = Seen::of(own, flows, tile, ready.is_whole);
+            if let (Some(turn), Some(again)) = (&turn, room.hessians.get(t * rows..(t + 1) * rows)) {
+                seen.add_frame((own, again), turn, tile, ready);
+            }
             for lane in 0..LANES {
                 let at = t * LANES + lane;
                 let index = whole.start + at as u64;
                 let Some(drawn) = room.drawn.get(at).filter(|_| range.contains(&index)) else { continue };
                 sum = sum.wrapping_add(splitmix64(seen.hash[lane] ^ splitmix64(index)));
-                of.add(drawn, index, (seen.finite[lane], seen.rigid[lane]), ready.source.length);
-                of.numbers += 13 * rows as u64;
+                let mut is_wrong = of.add(drawn, index, (&seen, lane), ready.source.length);
+                of.numbers += (if flows.is_empty() { 13 } else { 15 }) * rows as u64;
                 if self.is_judged(index) {
                     let branch = room.branches.get(at).copied().unwrap_or_else(|| {
                         ready.connector.advance(&drawn.state(), &drawn.increment, &ready.branch)
                     });
-                    ready.judge((drawn, &branch), own, (lane, index), of);
+                    is_wrong |= ready.judge((drawn, &branch), own, (lane, index, self.planted), of);
                 }
+                of.wrong += u64::from(is_wrong);
             }
         }
         sum
+    }
+}
+
+/// A function of the machine, of which no standard says how it rounds.
+type Function = fn(f64, f64) -> f64;
+
+/// Those by which states near singular points are drawn, and by which what is computed one by one is.
+const FUNCTIONS: [Function; 8] = [
+    |x, _| x.sin(),
+    |x, _| x.cos(),
+    |x, _| x.tan(),
+    |x, y| x.atan2(y),
+    |x, _| (x / 16.0).acos(),
+    |x, y| x.abs().powf(y),
+    |x, _| x.exp(),
+    |x, _| x.abs().ln(),
+];
+
+/// A hash of all bits of what functions give at fixed points: other functions round otherwise at some of them.
+fn elementary(functions: &[Function]) -> u64 {
+    const POINTS: u64 = 512;
+    let at = |i: u64| (splitmix64(i) >> 11) as f64 / (1_u64 << 48) as f64 - 16.0;
+    let mut hash = 0;
+    for i in 0..POINTS {
+        for function in functions {
+            let bits = function(at(2 * i), at(2 * i + 1)).to_bits();
+            hash = splitmix64(hash ^ bits);
+        }
+    }
+    hash
+}
+
+impl Planted {
+    /// Puts the fault into rows: where one is enough, into those of the first lane.
+    fn spoil(self, rows: &mut [Row]) {
+        match (self, rows) {
+            (Self::Column, [row, ..]) => row.columns[6][0] *= 1.0 + 16.0 * U,
+            (Self::NotANumber, [row, ..]) => row.value[0] = f64::NAN,
+            (Self::Axes, rows) => rows.iter_mut().for_each(|row| {
+                row.columns.swap(3, 4);
+                row.columns.swap(9, 10);
+            }),
+            _ => {}
+        }
+    }
+
+    /// Puts it into what is judged.
+    fn spoil_judged(self, first: &mut Entries<f64>) {
+        let entry = first.0.iter_mut().flatten().flatten().find(|entry| entry.abs() > 0.1);
+        if let Some(entry) = entry.filter(|_| self == Self::Judged) {
+            *entry += 1e-6;
+        }
     }
 }
 
@@ -239,7 +369,23 @@ impl Room {
         sections.resize(tiles.len(), ready.section);
     }
 
-    /// Rows without a batch, in the places that a batch would give them; columns of material flow are left to the share that is judged.
+    /// Tiles turned as one, with node a at the origin, and their rows by second-order numbers. Both are exact: with U_a gone U_b is the
+    /// change that every row begins with.
+    fn turn(&mut self, ready: &Ready, batch: &Batch, turn: &Matrix<f64>) {
+        let Self { tiles, sections, histories, turned, hessians, .. } = self;
+        turned.clear();
+        turned.extend(tiles.iter().map(|tile| turned_tile(tile, turn)));
+        for section in sections.iter_mut() {
+            section.fixed_direction = turned_vector(&section.fixed_direction, turn);
+        }
+        hessians.clear();
+        hessians.resize(batch.rows() * turned.len(), HessianRow::default());
+        let done = batch.rows_of(turned, sections, histories, hessians);
+        debug_assert_eq!(done, Ok(()), "the slices have been made for each other");
+        sections.fill(ready.section);
+    }
+
+    /// Rows without a batch, in the places that a batch would give them.
     fn one_by_one(&mut self, ready: &Ready) -> usize {
         let mut linear = [Linear::default(); 6];
         self.rows.clear();
@@ -249,8 +395,10 @@ impl Room {
             let branch = self.branches.get(at).unwrap_or(&ready.branch);
             rows = ready.connector.linearize(&drawn.pair, branch, [true; 6], &mut linear);
             self.rows.resize((tile + 1) * rows, Row::default());
-            let places = self.rows.iter_mut().skip(tile * rows);
-            for (place, one) in places.zip(&linear) {
+            self.flows.resize((tile + 1) * rows, [[0.0; LANES]; 2]);
+            let places = self.rows.iter_mut().zip(&mut self.flows).skip(tile * rows);
+            for ((place, flow), one) in places.zip(&linear) {
+                (flow[0][lane], flow[1][lane]) = (one.row[PSI_A], one.row[PSI_B]);
                 place.value[lane] = one.value;
                 for (column, j) in place.columns.iter_mut().zip(COLUMNS) {
                     column[lane] = one.row[j];
@@ -264,47 +412,39 @@ impl Room {
 impl Ready {
     fn new(subject: usize, definition: &Definition) -> Self {
         let connector = Connector::<f64>::new(definition);
-        let origin = [0, 1, 2, 3, 4, 5].map(|k| {
-            let (of, position) = (connector.differentiated(k), connector.position_measure(k));
-            let vanishes = match definition.connection.slots[k] {
-                Slot::Constrained(_, Condition::Zero(_)) => true,
-                Slot::Constrained(_, Condition::ZeroOrHeld(printed)) => of == Some(printed) && of != position,
-                _ => false,
-            };
-            connector.counts_from(k).filter(|_| !vanishes).unwrap_or(0.0)
-        });
+        let batch = Batch::new(&connector, [true; 6]).ok();
         Self {
             subject,
             source: Source::new(definition, &connector),
             branch: connector.initial_branch(),
-            batch: Batch::new(&connector, [true; 6]).ok(),
+            is_whole: batch.is_some() || COLUMNS.iter().all(|j| connector.active()[*j]),
+            winds: batch.iter().flat_map(Batch::measures).map(|(_, measure)| measure.winds()).collect(),
+            batch,
             section: Section::new(&[&connector; LANES]),
             has_history: (0..6).any(|k| {
                 let is_one_form = connector.position_measure(k).is_some_and(Measure::is_one_form);
                 is_one_form || connector.row_has_history(k)
             }),
-            is_free: !definition.planar && definition.rotates == [true; 2] && definition.moves == [true; 2],
-            origin,
             connector,
         }
     }
 
     /// The value of component k as the audit has it: from where it counts, with its turns.
     fn counted(&self, k: usize, value: f64, branch: &Branch<f64>) -> f64 {
-        let value = value - self.origin[k];
+        let value = value - self.connector.origin(k).unwrap_or(0.0);
         let winds = self.connector.differentiated(k).is_some_and(|measure| measure.winds());
         if winds { f64::with_turns(value, branch.turns[k].turns) } else { value }
     }
 
-    /// What 237 bits say of the numbers of a lane.
+    /// What 237 bits say of the numbers of a lane, and whether they are wrong.
     fn judge(
         &self,
         (drawn, branch): (&Drawn, &Branch<f64>),
         rows: &[Row],
-        at: (usize, u64),
+        at: (usize, u64, Option<Planted>),
         of: &mut OfSubject,
-    ) {
-        let (lane, index) = at;
+    ) -> bool {
+        let (lane, index, planted) = at;
         let (mut values, mut first) = (Entries::default(), Entries::default());
         match &self.batch {
             Some(batch) => {
@@ -328,80 +468,154 @@ impl Ready {
                 }
             }
         }
+        if let Some(planted) = planted {
+            planted.spoil_judged(&mut first);
+        }
         let mut numbers = Numbers::default();
         numbers.set(Quantity::Value, values);
         numbers.set(Quantity::FirstDerivatives, first);
         let case = self.source.case(&of.name, index, drawn);
-        if let Some(found) = against_truth(&case, &numbers) {
-            let [value, row] = &found.found;
-            of.judged += 1;
-            of.value.add(found.nearness, value, index);
-            of.row.add(found.nearness, row, index);
-        }
+        let Some(found) = against_truth(&case, &numbers) else { return false };
+        let [value, row] = &found.found;
+        of.judged += 1;
+        of.value.add(found.nearness, value, index);
+        of.row.add(found.nearness, row, index);
+        found.found.iter().any(|measured| measured.verdict.is_mismatch())
     }
 }
 
+/// x by lanes, turned.
+fn turned_vector(x: &[Four; 3], turn: &Matrix<f64>) -> [Four; 3] {
+    let mut turned = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let one = apply(turn, [x[0][lane], x[1][lane], x[2][lane]]);
+        (0..3).for_each(|i| turned[i][lane] = one[i]);
+    }
+    turned
+}
+
+fn turned_tile(tile: &Tile, turn: &Matrix<f64>) -> Tile {
+    let [a, b] = &tile.displacement;
+    let change = std::array::from_fn(|i| std::array::from_fn(|lane| b[i][lane] - a[i][lane]));
+    let mut turned = *tile;
+    turned.reference = turned_vector(&tile.reference, turn);
+    turned.displacement = [[[0.0; LANES]; 3], turned_vector(&change, turn)];
+    for (to, from) in turned.triad.iter_mut().zip(&tile.triad) {
+        for lane in 0..LANES {
+            let one = product(turn, &from.map(|row| row.map(|x| x[lane])));
+            (0..9).for_each(|at| to[at / 3][at % 3][lane] = one[at / 3][at % 3]);
+        }
+    }
+    turned
+}
+
+/// X_b + U_b − X_a − U_a of a lane.
+fn apart(tile: &Tile, lane: usize) -> Vector<f64> {
+    let [a, b] = &tile.displacement;
+    [0, 1, 2].map(|i: usize| tile.reference[i][lane] + (b[i][lane] - a[i][lane]))
+}
+
 impl Seen {
-    fn of(rows: &[Row], tile: &Tile, is_free: bool) -> Self {
-        let mut seen = Self { hash: [0; LANES], finite: [0.0; LANES], rigid: [0.0; LANES] };
-        let [a, b] = &tile.displacement;
-        let apart: [[f64; LANES]; 3] = std::array::from_fn(|i| {
-            std::array::from_fn(|lane| tile.reference[i][lane] + (b[i][lane] - a[i][lane]))
-        });
-        for (row, factors) in rows.iter().zip(&FACTORS) {
-            for (column, factor) in [&row.value].into_iter().chain(&row.columns).zip(factors) {
+    fn of(rows: &[Row], flows: &[[Four; 2]], tile: &Tile, is_whole: bool) -> Self {
+        let rigid = is_whole.then_some([0.0; LANES]);
+        let mut seen = Self { hash: [0; LANES], finite: [0.0; LANES], rigid, frame: [None; LANES] };
+        let none: [Four; 0] = [];
+        for ((at, row), factors) in rows.iter().enumerate().zip(&FACTORS) {
+            let flows = flows.get(at).map_or(none.as_slice(), |of| of.as_slice());
+            for (column, factor) in [&row.value].into_iter().chain(&row.columns).chain(flows).zip(factors) {
                 for lane in 0..LANES {
                     seen.hash[lane] =
                         seen.hash[lane].wrapping_add(column[lane].to_bits().wrapping_mul(*factor));
                     seen.finite[lane] += column[lane] * 0.0;
                 }
             }
-            if is_free {
-                seen.add_rigid(&row.columns, &apart);
+        }
+        if let Some(rigid) = &mut seen.rigid {
+            for (lane, rigid) in rigid.iter_mut().enumerate() {
+                let d = apart(tile, lane);
+                *rigid = rows.iter().fold(0.0, |most, row| most.max(left_along_rigid(&row.columns, lane, d)));
             }
         }
         seen
     }
 
-    /// A translation of both nodes changes nothing, and no rotation about a does: x_a + x_b = 0, θ_a + θ_b + d × x_b = 0.
-    fn add_rigid(&mut self, of: &[[f64; LANES]; 12], apart: &[[f64; LANES]; 3]) {
-        for lane in 0..LANES {
-            let column = |j: usize| of[j][lane];
-            let d = [apart[0][lane], apart[1][lane], apart[2][lane]];
-            let (mut off, mut forces, mut moments, mut arm) = ([0.0_f64; 2], 0.0, 0.0, 0.0);
-            for i in 0..3 {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                let (one, other) = (d[j] * column(6 + k), d[k] * column(6 + j));
-                let moment = column(3 + i) + column(9 + i) + (one - other);
-                off[0] = off[0].max((column(i) + column(6 + i)).abs());
-                off[1] = off[1].max(moment.abs());
-                forces += column(i).abs() + column(6 + i).abs();
-                moments += column(3 + i).abs() + column(9 + i).abs();
-                arm += d[i].abs();
+    /// What turning both nodes as one changes, in roundings of the scale by which the audit allows errors: C of them make its bound.
+    fn add_frame(
+        &mut self,
+        (rows, again): (&[Row], &[HessianRow]),
+        turn: &Matrix<f64>,
+        tile: &Tile,
+        of: &Ready,
+    ) {
+        for (lane, frame) in self.frame.iter_mut().enumerate() {
+            let length = of.source.length.max(norm(apart(tile, lane)));
+            let size = |j: usize| if j / 3 % 2 == 0 { length } else { 1.0 };
+            let mut most = Some(0.0);
+            for ((row, again), winds) in rows.iter().zip(again).zip(&of.winds) {
+                let HessianRow { row: turned, hessian } = again;
+                let (value, other) = (turned.value[lane], row.value[lane]);
+                let sum = |of: &[Four; 12]| (0..12).map(|j| of[j][lane].abs() * size(j)).sum::<f64>();
+                let scale = value.abs() + sum(&turned.columns);
+                let mut off = (value - other).abs();
+                if *winds {
+                    off = off.min((off - TAU).abs());
+                }
+                let mut units = in_units(off, scale);
+                for (j, bent) in hessian.iter().enumerate() {
+                    let first = j / 3 * 3;
+                    let own = apply(turn, [0, 1, 2].map(|i| row.columns[first + i][lane]))[j % 3];
+                    let off = (turned.columns[j][lane] - own).abs();
+                    units = units.zip(in_units(off, scale / size(j) + sum(bent))).map(|(a, b)| a.max(b));
+                }
+                most = most.zip(units).map(|(a, b): (f64, f64)| a.max(b));
             }
-            moments += arm * forces;
-            // 0/0 is not a number, and the larger of it and a number that number.
-            let units = (off[0] / (U * forces)).max(off[1] / (U * moments));
-            self.rigid[lane] = self.rigid[lane].max(units);
+            *frame = most;
         }
     }
 }
 
+/// None where the scale is not finite, as at a singular point; infinite where the number is none.
+fn in_units(off: f64, scale: f64) -> Option<f64> {
+    let units = if off > 0.0 { off / (U * scale) } else { off };
+    scale.is_finite().then(|| if units.is_nan() { f64::INFINITY } else { units })
+}
+
+/// What is left of a row along rigid motions, in roundings of what is added up.
+///
+/// A translation of both nodes changes nothing, and no rotation about a does: x_a + x_b = 0, to the last bit, and θ_a + θ_b + d × x_b = 0.
+fn left_along_rigid(of: &[Four; 12], lane: usize, d: Vector<f64>) -> f64 {
+    let column = |j: usize| of[j][lane];
+    let (mut is_off, mut left, mut forces, mut moments, mut arm) = (false, 0.0_f64, 0.0, 0.0, 0.0);
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let (one, other) = (d[j] * column(6 + k), d[k] * column(6 + j));
+        let moment = column(3 + i) + column(9 + i) + (one - other);
+        is_off |= (column(i) + column(6 + i)).abs() > 0.0;
+        left = left.max(moment.abs());
+        forces += column(i).abs() + column(6 + i).abs();
+        moments += column(3 + i).abs() + column(9 + i).abs();
+        arm += d[i].abs();
+    }
+    // 0/0 is not a number, and the larger of it and a number that number.
+    if is_off { f64::INFINITY } else { 0.0_f64.max(left / (U * (moments + arm * forces))) }
+}
+
 impl OfSubject {
-    /// Adds a state, whose numbers are finite where the first of these is zero.
-    fn add(&mut self, drawn: &Drawn, index: u64, (finite, rigid): (f64, f64), length: f64) {
+    /// Adds a state; whether anything is wrong with it.
+    fn add(&mut self, drawn: &Drawn, index: u64, (seen, lane): (&Seen, usize), length: f64) -> bool {
         let pair = &drawn.pair;
         *self.places.entry(drawn.place).or_default() += 1;
-        let trace = (0..3).fold(0.0, |sum, i| sum + dot(pair.a.triad[i], pair.b.triad[i]));
-        self.turned.add(0.25 * (3.0 - trace));
+        let apart = (0..3).map(|i| sub(pair.a.triad[i], pair.b.triad[i]));
+        self.turned.add(0.125 * apart.map(|row| dot(row, row)).sum::<f64>());
         let d = pair.separation();
         self.apart.add(dot(d, d) / (length * length));
-        if finite != 0.0 {
+        let is_finite = seen.finite[lane] == 0.0;
+        if !is_finite {
             self.not_finite += 1;
             self.first_not_finite = Some(self.first_not_finite.map_or(index, |first| first.min(index)));
         }
-        self.rigid.add(rigid);
-        self.not_rigid += u64::from(rigid > RIGID);
-        self.largest_rigid = Largest::of(self.largest_rigid, Some(Largest { value: Bits(rigid), index }));
+        let is_rigid = seen.rigid.is_none_or(|rigid| self.rigid.add(rigid[lane], RIGID, index));
+        let is_framed = seen.frame[lane].is_none_or(|frame| self.frame.add(frame, FRAME, index));
+        !(is_finite && is_rigid && is_framed)
     }
 }

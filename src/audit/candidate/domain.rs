@@ -79,7 +79,8 @@ impl std::str::FromStr for Domain {
 impl fmt::Display for Domain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ranges = NAMES.iter().zip(self.0);
-        let ranges = ranges.filter_map(|(name, range)| range.map(|[low, high]| format!("{name}={low}:{high}")));
+        let ranges =
+            ranges.filter_map(|(name, range)| range.map(|[low, high]| format!("{name}={low}:{high}")));
         f.write_str(&ranges.collect::<Vec<String>>().join(","))
     }
 }
@@ -189,7 +190,12 @@ impl Domain {
     }
 
     /// The pair with its relative place in the ranges, turned so if at all: b is moved, or a where b does not move.
-    fn nearest(&self, definition: &Definition, mut pair: Pair<f64>, turned: Option<Vector<f64>>) -> Pair<f64> {
+    fn nearest(
+        &self,
+        definition: &Definition,
+        mut pair: Pair<f64>,
+        turned: Option<Vector<f64>>,
+    ) -> Pair<f64> {
         let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
         if let Some(turned) = turned {
             let between = product(&so3::turn(turned), &definition.initial.relative().q);
@@ -269,7 +275,9 @@ mod tests {
                 assert!(domain.holds(definition, pair), "{name}: {:?}", relative(definition, pair));
                 assert!(is_in_plane(definition, pair), "{name}: {pair:?}");
                 for (end, [now, first]) in
-                    [[&pair.a, &definition.initial.a], [&pair.b, &definition.initial.b]].into_iter().enumerate()
+                    [[&pair.a, &definition.initial.a], [&pair.b, &definition.initial.b]]
+                        .into_iter()
+                        .enumerate()
                 {
                     let moves = definition.moves[end];
                     assert!(moves || now.displacement == first.displacement, "{name}: {end} moves");
@@ -340,7 +348,10 @@ mod tests {
         let mut found = [0; 4];
         for name in ["CARTESIAN", "REVOLUTE", "HINGE", "ROTATION", "JOIN"] {
             let connection = pintle_kinematics::catalog::ConnectionType::named(name, None).unwrap();
-            let level = Definition::new(connection.clone(), pair([0.3, -0.4, 0.0], so3::turn([0.0, 0.0, 0.7]), &so3::turn([0.0; 3])));
+            let level = Definition::new(
+                connection.clone(),
+                pair([0.3, -0.4, 0.0], so3::turn([0.0, 0.0, 0.7]), &so3::turn([0.0; 3])),
+            );
             let oblique = of_type(&connection);
             for definition in [
                 Definition { planar: true, ..level.clone() },
@@ -351,7 +362,12 @@ mod tests {
                 Definition { rotates: [true, false], ..oblique.clone() },
                 Definition { rotates: [true, false], moves: [false, true], ..oblique },
             ] {
-                for domain in ["x1=-0.2:0.6, r3=-0.4:0.9", "x3=0.2:0.3", "r1=0.1:0.2", "x1=-0.2:0.6, r1=-3:3, r2=-3:3, r3=-3:3"] {
+                for domain in [
+                    "x1=-0.2:0.6, r3=-0.4:0.9",
+                    "x3=0.2:0.3",
+                    "r1=0.1:0.2",
+                    "x1=-0.2:0.6, r1=-3:3, r2=-3:3, r3=-3:3",
+                ] {
                     let domain: Domain = domain.parse().unwrap();
                     let more = asked_within(&definition, &domain);
                     found = std::array::from_fn(|i| found[i] + more[i]);

@@ -396,12 +396,16 @@ impl<'a> Candidate<'a> {
         // What states drawn everywhere have is missing by the domain alone.
         let everywhere = || self.clone().within(Domain::default()).coverage().gaps();
         let open = if self.domain.is_everything() { None } else { Some(everywhere()) };
-        let is_by_domain = |lack: &Lack| open.as_ref().is_some_and(|all| all.iter().all(|one| one.code != lack.code));
+        let is_by_domain =
+            |lack: &Lack| open.as_ref().is_some_and(|all| all.iter().all(|one| one.code != lack.code));
         let domain = format!("the domain {}", self.domain);
         let finding = |lack: Lack| {
             let (reason, remedy) = match (self.at, is_by_domain(&lack)) {
                 (Some(_), _) => ("the states given", lack.remedy),
-                (None, true) => (domain.as_str(), "nothing, if the domain leaves it out on purpose; a wider one has such states"),
+                (None, true) => (
+                    domain.as_str(),
+                    "nothing, if the domain leaves it out on purpose; a wider one has such states",
+                ),
                 (None, false) => ("the states drawn about the initial one", lack.remedy),
             };
             let found = Diagnostic::finding(lack.code, Span::default(), lack.message, reason);

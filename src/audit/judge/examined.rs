@@ -181,6 +181,19 @@ impl<'a> Examined<'a> {
         check
     }
 
+    /// The check of a quantity against an answer on 237 bits, which has every entry: one that is missing is wrong.
+    pub fn check_wide(
+        &self,
+        quantity: Quantity,
+        answer: &Answer,
+        around: &Surroundings<'_>,
+        by: (Option<&Referee<'_>>, bool),
+    ) -> Check {
+        let mut check = self.check(quantity, answer, around, by);
+        self.add_missing(&mut check, quantity, answer, |_| false);
+        check
+    }
+
     /// Adds to a check what is missing, but for entries of components that may be: the first of them.
     pub fn add_missing(
         &self,

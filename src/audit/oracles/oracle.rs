@@ -182,6 +182,12 @@ impl Answer {
         Self { oracle, numbers: numbers.map(|_, _, x| x.into()), error: Entries::default() }
     }
 
+    /// The same with the error that differences on 237 bits have of their own.
+    pub fn with_error_of(mut self, truth: &Truth, quantity: Quantity, bound: &Bound) -> Self {
+        self.error = truth.own_error(quantity, bound);
+        self
+    }
+
     /// How far an entry may be from what it must be: the tolerance, and the oracle's own error.
     pub fn allowed(&self, bound: &Bound, quantity: Quantity, k: usize, i: usize) -> f64 {
         bound.tolerance(quantity, k, i) + self.error.get(k, i).unwrap_or(0.0)

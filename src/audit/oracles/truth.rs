@@ -429,6 +429,14 @@ impl Truth {
         numbers
     }
 
+    /// Of the same values and their first and second derivatives alone: neither rates nor forces.
+    pub fn dual_functions(&self) -> Numbers<Wide> {
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 2);
+        let mut numbers = Numbers::of(&self.evaluate(self.at_rest(), &asked));
+        numbers.set(Quantity::Value, self.value());
+        numbers
+    }
+
     /// First and second derivatives of the traced formulas.
     pub fn symbolic(&self) -> Numbers<Wide> {
         crate::oracles::oracle::derivatives(&self.connector, &self.state.pair, &self.branch)

@@ -16,33 +16,51 @@ use std::f64::consts::PI;
 /// How often a point and a direction are drawn.
 const ATTEMPTS: usize = 40;
 
+/// The singular points of a definition that its nodes can be brought to.
+#[derive(Clone, Debug)]
+pub struct Sites(Vec<Site>);
+
 /// Whether a definition has singular points that [`near_initial`] can lead to.
 pub fn has_sites(definition: &Definition) -> bool {
-    sites(&definition.connection).iter().any(|(_, site)| leads_to(definition, site))
+    !Sites::of(definition).is_empty()
 }
 
 /// A state 1e-1 to 1e-12 away from a singular point of a connector, removable ones among them, from either side, any direction; the
 /// nodes that can have turned and moved besides. `None` where the degrees of freedom lead to none.
 pub fn near_initial(definition: &Definition, length: f64, name: &str, draw: &mut Draw) -> Option<Case> {
-    let sites: Vec<Site> = sites(&definition.connection)
-        .into_iter()
-        .map(|(_, site)| site)
-        .filter(|site| leads_to(definition, site))
-        .collect();
-    if sites.is_empty() {
-        return None;
+    let (mut step, told) = Sites::of(definition).near(definition, length, draw)?;
+    step.state.velocity = rates(definition, length, draw);
+    step.state.acceleration = rates(definition, length, draw);
+    let name = format!("{name}, {told}");
+    Some(Case { name, definition: definition.clone(), start: None, path: vec![step], length })
+}
+
+impl Sites {
+    /// Those of a definition.
+    pub fn of(definition: &Definition) -> Self {
+        let all = sites(&definition.connection).into_iter().map(|(_, site)| site);
+        Self(all.filter(|site| leads_to(definition, site)).collect())
     }
-    for _ in 0..ATTEMPTS {
-        let site = sites.get(draw.below(sites.len()))?;
-        let distance = 10.0_f64.powf(-draw.between(1.0, 12.0));
-        let Some(after) = beside(definition, site, distance, length, draw) else { continue };
-        let mut step = Step::between(&definition.initial, after);
-        step.state.velocity = rates(definition, length, draw);
-        step.state.acceleration = rates(definition, length, draw);
-        let name = format!("{name}, {distance:.1e} from {}", site.at);
-        return Some(Case { name, definition: definition.clone(), start: None, path: vec![step], length });
+
+    /// Whether there are none.
+    pub const fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
-    None
+
+    /// The step from the initial state of their definition to one as of [`near_initial`], at rest, and how near to what it is, in words.
+    pub fn near(&self, definition: &Definition, length: f64, draw: &mut Draw) -> Option<(Step, String)> {
+        if self.is_empty() {
+            return None;
+        }
+        for _ in 0..ATTEMPTS {
+            let site = self.0.get(draw.below(self.0.len()))?;
+            let distance = 10.0_f64.powf(-draw.between(1.0, 12.0));
+            let Some(after) = beside(definition, site, distance, length, draw) else { continue };
+            let step = Step::between(&definition.initial, after);
+            return Some((step, format!("{distance:.1e} from {}", site.at)));
+        }
+        None
+    }
 }
 
 /// Whether the nodes can be brought there, and what they give does not depend on how they came.

@@ -359,6 +359,11 @@ impl<R: Duals> Connector<R> {
     pub fn counts_from(&self, k: usize) -> Option<R> {
         self.initial.get(k).copied()
     }
+
+    /// What the residual of a constrained component, and the displacement of any other, counts from; `None` where there is no component.
+    pub fn origin(&self, k: usize) -> Option<R> {
+        self.kind.rows.get(k)?.as_ref().map(|row| self.offset(k, row))
+    }
 }
 
 /// The most kinds of measure that the rows of a connector can have: positions and what is differentiated.

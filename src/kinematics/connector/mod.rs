@@ -438,6 +438,11 @@ impl<R: Duals> Connector<R> {
         }
     }
 
+    /// What a residual counts from.
+    fn offset(&self, k: usize, row: &Row) -> R {
+        if row.vanishes { R::integer(0) } else { self.initial[k] }
+    }
+
     fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
         let Pass { state, history, request, .. } = *pass;
         let wants_position =
@@ -485,7 +490,7 @@ impl<R: Duals> Connector<R> {
                 evaluation.constitutive[k] = Some(from(self.kind.references[k].unwrap_or(self.initial[k])));
             }
             if wants_residual(k, row) {
-                let offset = if row.vanishes { zero } else { self.initial[k] };
+                let offset = self.offset(k, row);
                 evaluation.residual[k] = Some(match residual(k, row) {
                     Some(measure) if Some(measure) == value(k, row) => from(offset),
                     Some(measure) => evaluate(measure, tally) - offset,

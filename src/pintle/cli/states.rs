@@ -101,8 +101,10 @@ pub(crate) fn run(arguments: &States, files: Files) -> Result<(), Failure> {
         Candidate::new(&definition.connection.name, &definition).settings(settings).within(domain);
     let states: Vec<pintle_scene::State> = if arguments.history {
         let Some(case) = candidate.history(arguments.count as usize) else {
-            let message =
-                format!("{} has no ends that both turn, or none within --within: there is no history of turns", arguments.of);
+            let message = format!(
+                "{} has no ends that both turn, or none within --within: there is no history of turns",
+                arguments.of
+            );
             return Err(Failure::Usage(message));
         };
         let last = case.path.len().saturating_sub(1);

@@ -34,7 +34,7 @@ pub struct At<'a> {
 }
 
 /// The scene and the name of what is meant in it. The last colon: a gallery scene has one of its own.
-fn in_scene(name: &str) -> Option<(&str, &str)> {
+pub(crate) fn in_scene(name: &str) -> Option<(&str, &str)> {
     name.rsplit_once(':').filter(|(scene, _)| *scene != "gallery")
 }
 
@@ -89,28 +89,42 @@ impl Connectors {
     pub(crate) fn subjects(&self) -> impl Iterator<Item = (String, pintle_check::Subject)> {
         self.names().into_iter().zip(&self.model.connectors).enumerate().map(|(place, (name, element))| {
             let at = self.at.as_ref();
-            let cases = at.map(|(states, independent)| connector_at(&self.model, place, states, *independent));
-            (name, pintle_check::Subject::Connector(Box::new(element.definition()), cases.unwrap_or_default()))
+            let cases =
+                at.map(|(states, independent)| connector_at(&self.model, place, states, *independent));
+            (
+                name,
+                pintle_check::Subject::Connector(Box::new(element.definition()), cases.unwrap_or_default()),
+            )
         })
     }
 }
 
-/// The connectors of a bare scene; `None` where the name is no scene.
-pub(crate) fn of_scene(name: &str, at: Option<At<'_>>) -> Result<Option<Connectors>, Failure> {
+/// A bare scene with connectors, and the states of a file; `None` where the name is no scene.
+pub(crate) fn model_of_scene(name: &str, at: Option<&Path>) -> Result<Option<(Model, Vec<State>)>, Failure> {
     let is_gallery = name.strip_prefix("gallery:").is_some_and(|rest| !rest.contains(':'));
     if !is_gallery && !Path::new(name).is_file() {
         return Ok(None);
     }
     let source = source(name)?;
-    let (scene, states) = read(source, at.map(|at| at.file))?;
+    let (scene, states) = read(source, at)?;
     let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
     if model.connectors.is_empty() {
         return Err(Failure::Input(format!("{name} has no connector; \"MPC SCENE:S-M\" names a constraint")));
     }
     if let (Some(at), true) = (at, states.is_empty()) {
-        return Err(Failure::Input(format!("{} has no states", at.file.display())));
+        return Err(Failure::Input(format!("{} has no states", at.display())));
     }
-    Ok(Some(Connectors { scene: name.to_string(), model, at: at.map(|at| (states, at.independent)) }))
+    Ok(Some((model, states)))
+}
+
+/// The connectors of a bare scene; `None` where the name is no scene.
+pub(crate) fn of_scene(name: &str, at: Option<At<'_>>) -> Result<Option<Connectors>, Failure> {
+    let found = model_of_scene(name, at.map(|at| at.file))?;
+    Ok(found.map(|(model, states)| Connectors {
+        scene: name.to_string(),
+        model,
+        at: at.map(|at| (states, at.independent)),
+    }))
 }
 
 /// A connector with the states of a file.

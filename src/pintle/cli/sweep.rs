@@ -1,28 +1,36 @@
 //! `pintle sweep`.
 
 use super::audit::Bar;
-use super::eval::{read, source};
-use super::subject::{named, type_of};
+use super::subject::{in_scene, model_of_scene, named, type_of};
 use super::{Failure, Files, page_width};
 use clap::{Args, ValueEnum};
-use pintle_model::evaluate::Model;
+use pintle_audit::{Against, CounterExample, Oracle};
+use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
+use pintle_sweep::ranges::checked;
+use pintle_sweep::sweep::Planted;
 use pintle_sweep::{Folder, Plan, Ranges, Subject, Summary, Sweep, SweepError};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 const HELP: &str = "\
 States are drawn by their indices, from 0 on, and none is stored: state 7 of a
 seed is the same state in every run, however the work is shared out. Of every
-state all values and rows are computed, four at a time; that they are finite,
-and that rigid motions change nothing, is asked of all of them. A share of the
-states, chosen by their indices, is judged on 237 bits as pintle audit judges.
+state all values and rows are computed, four at a time. All are asked whether
+they are finite, and whether the columns of both nodes belong together: along a
+rigid motion nothing is left (\"rigid\"; \"—\" where a row has not all columns).
+One state in 16 is turned as a whole, exactly, and computed again with second
+derivatives: values and rows must follow (\"frame\"). A share of the states is
+judged on 237 bits as pintle audit judges, but for its referee. Only that share
+tells a wrong formula; all these choices are made by the indices of states.
 
 What is kept is a summary: counts, extrema with their indices, histograms of
 integers, the worst states, and a sum over all bits of all numbers. Summaries
 merge exactly, so that any partition, order, engine and number of threads give
-the same digest, on processors with the same vector unit.
+the same digest. Machines must round alike: the vector unit and the library's
+sin, cos, tan, acos, atan2, pow, exp and log are part of a summary, and those
+of two kinds refuse to merge.
 
 With --out every chunk is a file of its own, written beside its name and
 renamed. The same command again computes what is not there: a worker that is
@@ -31,7 +39,8 @@ a folder take a part each: --range 0/8 is the first of eight. --merge prints
 what a folder holds. A folder with more states than asked for has all of them
 in its summary.
 
-Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep.
+Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep or
+cannot be read, 7 where it cannot be written.
 
 Examples:
   pintle sweep --states 1e5
@@ -39,7 +48,7 @@ Examples:
   pintle sweep --states 1e9 --out all --picture all.svg
   pintle sweep model.inp --states 1e8 --range $SLURM_ARRAY_TASK_ID/100 --out model
   pintle sweep --merge all --picture all.svg
-  pintle sweep REVOLUTE --state 4711";
+  pintle sweep REVOLUTE --state 4711 > it.json; pintle replay it.json";
 
 /// How a summary is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -47,7 +56,7 @@ enum Format {
     /// A table for reading
     #[default]
     Human,
-    /// One JSON document, schema pintle-sweep/1
+    /// One JSON document, schema pintle-sweep/2
     Json,
 }
 
@@ -78,7 +87,7 @@ pub(crate) struct SweepOf {
     /// Print what a folder holds, and compute nothing
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["of", "states", "range", "oracle_share", "seed", "out", "chunk"])]
     merge: Option<PathBuf>,
-    /// Print the state of that index, with all bits, and nothing else
+    /// Print the state of that index, as pintle replay reads it, and nothing else
     #[arg(long, value_name = "INDEX", conflicts_with_all = ["states", "range", "out", "chunk", "merge", "picture", "format"])]
     state: Option<u64>,
     /// Draw the worst errors over the distance to singular sets (SVG)
@@ -87,6 +96,29 @@ pub(crate) struct SweepOf {
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// Put a fault into the numbers, to see it found
+    #[arg(long, value_enum, hide = true, conflicts_with_all = ["out", "merge", "state"])]
+    plant: Option<Plant>,
+}
+
+/// [`Planted`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Plant {
+    Column,
+    NotANumber,
+    Judged,
+    Axes,
+}
+
+impl From<Plant> for Planted {
+    fn from(plant: Plant) -> Self {
+        match plant {
+            Plant::Column => Self::Column,
+            Plant::NotANumber => Self::NotANumber,
+            Plant::Judged => Self::Judged,
+            Plant::Axes => Self::Axes,
+        }
+    }
 }
 
 /// Part i of n.
@@ -109,13 +141,10 @@ impl FromStr for Part {
 
 /// A count, as 1e9 or 1000000000.
 fn whole(text: &str) -> Result<u64, String> {
-    const MOST: f64 = 1e15;
-    let number = text.parse::<u64>().ok().filter(|number| *number as f64 <= MOST);
-    let short = || {
-        let number = text.parse::<f64>().ok()?;
-        (number.fract() == 0.0 && (1.0..=MOST).contains(&number)).then_some(number as u64)
-    };
-    let count = number.or_else(short).filter(|count| *count > 0);
+    let short = || text.parse::<f64>().ok().filter(|number| number.fract() == 0.0 && *number > 0.0);
+    // A number that is too large becomes the largest.
+    let count = text.parse().ok().or_else(|| short().map(|number| number as u64));
+    let count = count.filter(|count| *count > 0 && checked(0, *count).is_ok());
     count.ok_or_else(|| format!("{text:?} is no count from 1 to 1e15: write 1000000 or 1e6"))
 }
 
@@ -127,7 +156,7 @@ fn share(text: &str) -> Result<f64, String> {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
-            SweepError::Disk(..) => Self::Unwritten(error.to_string()),
+            SweepError::Unwritten(..) => Self::Unwritten(error.to_string()),
             _ => Self::Input(error.to_string()),
         }
     }
@@ -140,31 +169,21 @@ fn subjects(words: &[String]) -> Result<Vec<Subject>, Failure> {
     }
     let mut found = Vec::new();
     for word in words {
-        let is_scene = word.starts_with("gallery:")
-            || Path::new(word)
-                .extension()
-                .is_some_and(|ending| ["inp", "toml", "json"].iter().any(|of| ending == *of));
-        let is_element = word.rsplit_once(':').is_some_and(|(scene, _)| scene != "gallery");
-        if is_element {
-            let definition = named(word)?.definition;
-            found.push(Subject::of(word.clone(), definition));
-        } else if is_scene {
-            let source = source(word)?;
-            let (scene, _) = read(source, None)?;
-            let model = Model::compile(&scene).map_err(|error| source.quoted(error))?;
-            found.extend(model.connectors.iter().map(|element| {
-                let definition = element.definition();
-                let name = format!("{} {}", definition.connection.name, element.label);
-                Subject::of(name, definition)
-            }));
+        if let Some((_, element)) = in_scene(word) {
+            found.push(subject(named(word)?.definition, element));
+        } else if let Some((model, _)) = model_of_scene(word, None)? {
+            let all = model.connectors.iter();
+            found.extend(all.map(|element| subject(element.definition(), &element.label.to_string())));
         } else {
             found.push(Subject::of_type(&type_of(word)?));
         }
     }
-    if found.is_empty() {
-        return Err(Failure::Nothing(format!("{} has no connector", words.join(", "))));
-    }
     Ok(found)
+}
+
+/// A connector of a scene, by the same name however its scene is spelled.
+fn subject(definition: Definition, label: &str) -> Subject {
+    Subject::of(format!("{} {label}", definition.connection.name), definition)
 }
 
 /// The plan of a sweep over what words name, as text.
@@ -176,8 +195,7 @@ pub fn plan(words: &[String], seed: &str, share: f64) -> Result<String, String> 
 }
 
 fn planned(words: &[String], seed: &str, share: f64) -> Result<String, Failure> {
-    let what = if words.is_empty() { "all types".to_string() } else { words.join(", ") };
-    Ok(Plan::new(&what, seed, share, subjects(words)?).text()?)
+    Ok(Plan::new(seed, share, subjects(words)?)?.text()?)
 }
 
 /// Sweeps, or prints what was swept.
@@ -190,26 +208,27 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
         return tell(arguments, files, &summary, wanted);
     }
     let text = planned(&arguments.of, &arguments.seed, arguments.oracle_share)?;
-    let sweep = Sweep::new(&text)?;
+    let sweep = Sweep::new(&text)?.planting(arguments.plant.map(Planted::from));
     if let Some(index) = arguments.state {
         return state(&sweep, index);
     }
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, &text)).transpose()?;
-    let mut summary = match &folder {
-        Some(folder) => folder.merged(sweep.empty())?,
-        None => sweep.empty(),
-    };
-    let left = part(arguments).without(&summary.states);
+    let mut summary = sweep.empty();
+    let mut left = part(arguments);
+    if let Some(folder) = &folder {
+        left = left.without(&folder.done()?);
+    }
     let bar = Bar::new();
     bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
     let progress = |more: u64| bar.advance(more as usize, "states");
     for (first, count) in left.chunks(arguments.chunk) {
         let chunk = sweep.run(first, count, &progress)?;
-        folder.as_ref().map_or(Ok(()), |folder| folder.keep(&chunk))?;
-        summary.merge(&chunk)?;
+        match &folder {
+            Some(folder) => folder.keep(&chunk)?,
+            None => summary.merge(&chunk)?,
+        }
     }
     bar.finish();
-    // Other workers may have written theirs meanwhile.
     if let Some(folder) = &folder {
         summary = folder.merged(sweep.empty())?;
     }
@@ -226,21 +245,14 @@ fn part(SweepOf { states, range: Part { i, n }, chunk, .. }: &SweepOf) -> Ranges
     Ranges::of(end(*i), end(i + 1) - end(*i))
 }
 
-/// One state, with all bits.
+/// One state, with all bits, as a file that `pintle replay` reads.
 fn state(sweep: &Sweep, index: u64) -> Result<(), Failure> {
-    let Some((subject, drawn)) = sweep.state(index) else {
+    let Some(case) = sweep.case(index) else {
         return Err(Failure::Nothing("the plan has no connector".into()));
     };
-    #[derive(serde::Serialize)]
-    struct Document<'a> {
-        index: u64,
-        subject: &'a str,
-        place: pintle_sweep::states::Place,
-        pair: &'a pintle_kinematics::node::Pair<f64>,
-    }
-    let document = Document { index, subject, place: drawn.place, pair: &drawn.pair };
+    let example = CounterExample::record(&case, Against::Oracle(Oracle::WideDifferences));
     let mut out = BufWriter::new(io::stdout().lock());
-    serde_json::to_writer_pretty(&mut out, &document).map_err(io::Error::from)?;
+    serde_json::to_writer_pretty(&mut out, &example).map_err(io::Error::from)?;
     writeln!(out)?;
     Ok(out.flush()?)
 }

@@ -186,7 +186,8 @@ fn steps_are_those_of_the_routine() {
         return;
     }
     let folder = folder("beside", "");
-    fs::write(folder.join("beside.py"), format!("{BESIDE}OFFERS, COMPONENTS = ['values'], ['ur1']\n")).unwrap();
+    fs::write(folder.join("beside.py"), format!("{BESIDE}OFFERS, COMPONENTS = ['values'], ['ur1']\n"))
+        .unwrap();
     let mut compared = 0;
     let asked = |of: &str, routine: &str| {
         let done = there(&folder, of, ["--python", routine], &["--format", "json"]).assert().success();
@@ -205,7 +206,11 @@ def remembers(state, connector):
     return {**mine.keeps(state, connector), 'memory': mine.tried}
 MEMORY = True
 ";
-    fs::write(folder.join("remembers.py"), format!("{BESIDE}{remembers}OFFERS, COMPONENTS = ['values'], ['ur1']\n")).unwrap();
+    fs::write(
+        folder.join("remembers.py"),
+        format!("{BESIDE}{remembers}OFFERS, COMPONENTS = ['values'], ['ur1']\n"),
+    )
+    .unwrap();
     compared += asked("REVOLUTE", "remembers:remembers");
     let others = "
 def pin(state, constraint):
@@ -266,7 +271,8 @@ fn states_are_drawn_within_a_domain() {
     let bare = lines("cartesian", r#"{"offers": ["values", "rows"]}"#);
     let told = lines("cartesian", r#"{"offers": ["values", "rows"], "domain": {"x1": [-0.1, 0.1]}}"#);
     fs::write(folder.join("wide.toml"), "domain = { x1 = [-9, 9] }\n").unwrap();
-    fs::write(folder.join("wide.py"), "from asked_routines import cartesian\nDOMAIN = {'x1': [-9, 9]}\n").unwrap();
+    fs::write(folder.join("wide.py"), "from asked_routines import cartesian\nDOMAIN = {'x1': [-9, 9]}\n")
+        .unwrap();
     let wide = lines("cartesian", r#"{"offers": ["values", "rows"], "domain": {"x1": [-9, 9]}}"#);
     // The command line stands before the file, and that before the routine; where conventions are found, too.
     let ways: [(&str, &str, &[&str]); 12] = [
@@ -304,7 +310,10 @@ fn states_are_drawn_within_a_domain() {
     for (of, routine) in [("MPC PIN", "plain:cartesian"), ("FRICTION HINGE", "plain:cartesian")] {
         for door in [["--python", routine], ["--with", &bare]] {
             let told = stderr(&there(&folder, of, door, &["--within", "x1=0:1"]).assert().code(2));
-            assert!(told.contains("--within limits") && told.contains(of.split(' ').next().unwrap()), "{told}");
+            assert!(
+                told.contains("--within limits") && told.contains(of.split(' ').next().unwrap()),
+                "{told}"
+            );
         }
     }
     let mut states = pintle(&[
@@ -341,7 +350,8 @@ fn all_connectors_of_a_scene_are_asked() {
         for element in ["101", "102"] {
             assert!(note.contains(&format!("deck.inp:{element}: not offered, and not judged: ")), "{note}");
             for format in ["junit", "markdown"] {
-                let text = stdout(&there(&folder, "deck.inp", door, &["--format", format]).assert().success());
+                let text =
+                    stdout(&there(&folder, "deck.inp", door, &["--format", format]).assert().success());
                 assert!(text.contains(&format!("{} for deck.inp:{element}", one.0)), "{format}: {text}");
             }
         }

@@ -270,7 +270,8 @@ fn one(
     (of, among): (&str, Option<&str>),
 ) -> Result<Result<Checked, Misbehaviour>, Failure> {
     if arguments.within.is_some() && !matches!(subject, pintle_check::Subject::Connector(..)) {
-        let what = format!("--within limits places and turns of a connector, and {} has none", subject.name());
+        let what =
+            format!("--within limits places and turns of a connector, and {} has none", subject.name());
         return Err(Failure::Usage(what));
     }
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
@@ -292,7 +293,9 @@ fn one(
             }
         };
         let found = Process::start(&command, patience)
-            .and_then(|process| pintle_check::fit_convention(process, subject, &arguments.seed, arguments.within.as_ref()))
+            .and_then(|process| {
+                pintle_check::fit_convention(process, subject, &arguments.seed, arguments.within.as_ref())
+            })
             .map_err(misbehaved(arguments))?;
         fit::tell(&found, about, &[])?;
         println!();

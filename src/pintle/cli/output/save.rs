@@ -1,6 +1,7 @@
 //! Files that commands write: whole or not at all, and never in place of another unless that is asked for.
 
 use super::Failure;
+use pintle_sweep::whole::{self, Placing};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -37,10 +38,7 @@ impl Files {
         if path.is_dir() {
             return Err(cannot(path, &io::Error::from(io::ErrorKind::IsADirectory)));
         }
-        Err(Failure::Unwritten(format!(
-            "{} is there already, and was not overwritten: give another name, or --force",
-            path.display()
-        )))
+        Err(there_already(path))
     }
 
     /// Refuses a folder with files of that ending, of which some might be overwritten.
@@ -69,33 +67,29 @@ impl Files {
         content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
         self.check_one(path)?;
-        let fill = |file: File| {
-            let mut out = BufWriter::new(file);
-            content(&mut out)?;
-            out.into_inner().map_err(io::IntoInnerError::into_error)
-        };
         let written = if is_stream(path) {
-            File::options().write(true).open(path).and_then(fill).map(|_| ())
+            File::options().write(true).open(path).and_then(|file| {
+                let mut out = BufWriter::new(file);
+                content(&mut out)?;
+                out.flush()
+            })
         } else {
             // A link stays one.
             let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-            beside(&path).and_then(|part| {
-                let whole = File::create_new(&part).and_then(fill);
-                let whole = whole.and_then(|file| file.sync_all()).and_then(|()| fs::rename(&part, &path));
-                whole.inspect_err(|_| _ = fs::remove_file(&part))
-            })
+            whole::write(&path, if self.force { Placing::Over } else { Placing::New }, content)
         };
-        written.map_err(|error| cannot(path, &error))
+        written.map_err(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists => there_already(path),
+            _ => cannot(path, &error),
+        })
     }
 }
 
-/// The name of a file that is not complete: hidden, beside that of the file, and of this process alone.
-fn beside(path: &Path) -> io::Result<PathBuf> {
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
-    let mut part = std::ffi::OsString::from(".");
-    part.push(name);
-    part.push(format!(".{}.part", std::process::id()));
-    Ok(path.with_file_name(part))
+fn there_already(path: &Path) -> Failure {
+    Failure::Unwritten(format!(
+        "{} is there already, and was not overwritten: give another name, or --force",
+        path.display()
+    ))
 }
 
 /// Whether something is there that is neither a file nor a folder.
