@@ -1,5 +1,6 @@
 //! What holds of large models: the sparse Jacobian is that of the elements, threads change no bit, memory does not grow with time.
 
+mod arrays;
 pub(crate) mod chain;
 mod demand;
 mod forces;

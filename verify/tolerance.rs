@@ -193,6 +193,10 @@ pub(crate) const BATCH: [f64; 3] = [2.0, 2.5, 1.5];
 /// errors of two roundings, which a rotation vector of length π has for roundings of its length.
 pub(crate) const BATCH_NEAR: [f64; 3] = [3.0, 2.5, 1.5];
 
+/// Arrays of states of a scene against a walk through them, in roundings of what a number is computed from: values, rows. Lanes add fused
+/// products to [`BATCH`], and the angles of a history their own.
+pub(crate) const ARRAYS: [f64; 2] = [3.0, 2.5];
+
 /// Consistent tangents of component forces against wide differences, relative to the largest slope.
 pub(crate) const TANGENT: f64 = 1e-13;
 

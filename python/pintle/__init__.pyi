@@ -55,9 +55,11 @@ class Scene:
     def connectors(self) -> list[Connector]: ...
     def evaluate(
         self,
-        states: str | PathLike[str] | Sequence[Mapping[str, Any]] | None = None,
+        states: str | PathLike[str] | Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
         outputs: Iterable[str] = ("CP", "CU", "RES"),
         order: Literal[0, 1, 2] = 1,
+        *,
+        out: dict[str, _Array] | None = None,
     ) -> dict[str, _Array]: ...
 
 def audit(

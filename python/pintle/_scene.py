@@ -2,6 +2,9 @@
 
 import json
 import os
+from collections.abc import Mapping
+
+import numpy
 
 from . import _pintle
 from ._check import Report
@@ -21,6 +24,24 @@ def _states(states):
     if states is None or isinstance(states, (str, os.PathLike)):
         return (None if states is None else os.fspath(states)), None
     return None, json.dumps({"schema": "pintle-states/1", "states": _plain(states)})
+
+
+def _arrays(states):
+    """Arrays by state and node, in C order."""
+    found = {name: states[name] for name in states if name != "state"}
+    if "node" not in found:
+        raise ValueError("states have no array node, which names the nodes of the other arrays")
+    found["node"] = [str(label) for label in numpy.asarray(found["node"]).ravel().tolist()]
+    for name, array in found.items():
+        if name == "node":
+            continue
+        array = numpy.asarray(array)
+        if array.dtype == numpy.float32:
+            raise TypeError(f"{name} has dtype float32, and float64 is needed: {name}.astype(numpy.float64) converts it")
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"{name} has dtype {array.dtype}, and numbers are needed")
+        found[name] = numpy.ascontiguousarray(array, dtype=numpy.float64)
+    return found
 
 
 class Scene:
@@ -61,19 +82,32 @@ class Scene:
     def __repr__(self):
         return f"<pintle.Scene {self.name}: {len(self.connectors)} connectors>"
 
-    def evaluate(self, states=None, outputs=("CP", "CU", "RES"), order=1):
+    def evaluate(self, states=None, outputs=("CP", "CU", "RES"), order=1, *, out=None):
         """The numbers of every connector at every state, evaluated in order, as a dictionary of float64 arrays.
 
-        `states`: a path (.csv, .json); a list of states as in the JSON form, `{"time": 0.5, "nodes": {2:
-        {"rotation": [0, 0, 0.3]}}}`; None for those of the scene, or its initial state. `outputs`: names as
-        of `pintle eval`. Each is (states, connectors, 6), components u1 … ur3, NaN where a connector has
-        none. `time` is (states,).
+        `states` are one of
+
+        - arrays by name, as `pintle states --format npz` writes them and numpy.load reads them: `node` (n,)
+          names the nodes, and `u` (states, n, 3), `rotation_vector` (states, n, 3) or `quaternion`
+          (states, n, 4) w, x, y, z, `velocity`, `angular_velocity`, `acceleration`, `angular_acceleration`,
+          `flow` (states, n), `flow_velocity`, `flow_acceleration`, `time` (states,) move them
+        - a list of states as in the JSON form, `{"time": 0.5, "nodes": {2: {"rotation": [0, 0, 0.3]}}}`
+        - a path (.csv, .json), or None for those of the scene, or its initial state
+
+        `outputs`: names as of `pintle eval`. Each is (states, connectors, 6), components u1 … ur3, NaN where
+        a connector has none. `time` is (states,). `out` has arrays by name that take the numbers, in C order.
+
+        Where all outputs follow from the motion alone, connectors of one kind are evaluated four at a time on
+        all threads: CP, CU, CCU, RES, TURNS and rows then differ from those of `pintle eval` by roundings.
 
         `order` 1 adds `jacobian` (states, connectors, 6, 14): derivatives of the residual of a constrained
         component, of the position of any other, by x_a, θ_a, Ψ_a, x_b, θ_b, Ψ_b; rotations spatial. `order`
         2 adds `hessian` (states, connectors, 6, 14, 14).
         """
-        return self._scene.evaluate(*_states(states), list(outputs), order)
+        is_arrays = isinstance(states, Mapping)
+        path, document = (None, None) if is_arrays else _states(states)
+        arrays = _arrays(states) if is_arrays else None
+        return self._scene.evaluate(path, document, arrays, list(outputs), order, out)
 
 
 def audit(scene, states=None, *, model_only=False, seed="pintle"):

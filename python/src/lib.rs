@@ -9,6 +9,7 @@
 //! | `sweep` | what do the states of a chunk give? |
 //! | `work` | where does Rust compute, while Python waits? |
 
+mod arrays;
 mod check;
 mod report;
 mod rows;

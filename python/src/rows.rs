@@ -6,10 +6,10 @@ use numpy::{
     PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods,
 };
-use pintle::batch::{Array, Batch, COMPACT, Columns, History, Nodes, Orientation, Section, States, advance};
-use pintle::connector::{Connector, Increment, State};
-use pintle::node::{DOFS, Pair};
-use pintle_kinematics::batch::LANES;
+use pintle::batch::{Array, Batch, COMPACT, Columns, Fours, History, Nodes, Orientation, Section, States};
+use pintle::connector::{Connector, Increment, Tally};
+use pintle::node::Pair;
+use pintle_kinematics::batch::{LANES, Tile};
 use pintle_kinematics::measure::Measure;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -23,6 +23,8 @@ const AT_ONCE: usize = 1024;
 pub(crate) struct Rows {
     connector: Connector<f64>,
     batch: Batch,
+    /// Four of it before any motion.
+    fours: Fours,
     initial: Pair<f64>,
 }
 
@@ -143,20 +145,17 @@ impl Rows {
 
     /// What the initial state decides at some states.
     fn histories(&self, states: &States<'_>) -> Vec<History> {
-        let connectors = [&self.connector; LANES];
-        let initial = [self.connector.initial_branch(); LANES];
         if !self.needs_history() {
-            return vec![History::new(&initial)];
+            return vec![self.fours.history()];
         }
         let still = [Increment::none(); LANES];
-        let at = |s: usize| State {
-            pair: states.pair(s.min(states.count.saturating_sub(1))),
-            velocity: [0.0; DOFS],
-            acceleration: [0.0; DOFS],
-        };
-        let of = |s: usize| {
-            let states = [at(s), at(s + 1), at(s + 2), at(s + 3)];
-            History::new(&advance(&connectors, &states, &still, &initial))
+        let of = |first: usize| {
+            let last = states.count.saturating_sub(1);
+            let pairs = std::array::from_fn(|lane| states.pair((first + lane).min(last)));
+            let mut fours = self.fours.clone();
+            let history = Some((&still, [true; 6]));
+            fours.follow(&self.connector, Tile::new(&pairs), history, &mut Tally::default());
+            fours.history()
         };
         (0..states.count).step_by(LANES).map(of).collect()
     }
@@ -206,7 +205,10 @@ impl Rows {
         let connector = Connector::new(&definition);
         let batch =
             Batch::new(&connector, [true; 6]).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(Self { connector, batch, initial: definition.initial })
+        let initial = definition.initial;
+        let triads = [initial.a.triad, initial.b.triad];
+        let fours = Fours::new(&[&connector; LANES], &[initial.reference; LANES], &[triads; LANES]);
+        Ok(Self { connector, batch, fours, initial })
     }
 
     /// The initial state, of which components of lengths are not less: x_b, and the triads of a and b, a direction a row.

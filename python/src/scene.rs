@@ -1,9 +1,9 @@
 //! A scene: read, evaluated into arrays, audited.
 
+use crate::arrays::{Moved, Taking};
 use crate::report::Report;
 use crate::work;
-use numpy::ndarray::{Array3, Array4, Array5, ArrayViewMut, Axis, Dimension, RemoveAxis};
-use numpy::{IntoPyArray, PyArray1};
+use numpy::PyArray1;
 use pintle::audit::{Settings, audit_scenes};
 use pintle::connector::Output;
 use pintle::node::DOFS;
@@ -11,12 +11,16 @@ use pintle::scene::{Scene as Read, State, StateFile};
 use pintle_audit::Target;
 use pintle_audit::model::{Levels, audit_model};
 use pintle_model::behavior::state::Velocities;
-use pintle_model::evaluate::{Item, Model, Plan, Selection, Sequence, request};
-use pintle_report::Block;
+use pintle_model::evaluate::{
+    Item, Model, Motions, Numbers, Plan, Selection, Sequence, evaluate_arrays, is_kinematic, request,
+};
+use pintle_report::value_of;
 use pintle_scene::Format;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// A model of connectors and constraints, with its states.
@@ -47,17 +51,49 @@ impl Scene {
     }
 }
 
-/// The part of an array that belongs to state `s` and connector `c`.
-fn part<D>(
-    array: &mut numpy::ndarray::Array<f64, D>,
-    s: usize,
-    c: usize,
-) -> ArrayViewMut<'_, f64, <D::Smaller as Dimension>::Smaller>
-where
-    D: RemoveAxis,
-    D::Smaller: RemoveAxis,
-{
-    array.index_axis_mut(Axis(0), s).index_axis_move(Axis(0), c)
+/// The numbers of a model at states, whatever they follow from, into arrays: one connector at a time.
+fn walk(model: &Model, plan: &Plan, motions: Motions<'_>, numbers: Numbers<'_>) {
+    let Numbers { mut values, jacobian, hessian } = numbers;
+    let (mut jacobian, mut hessian) = (jacobian.unwrap_or_default(), hessian.unwrap_or_default());
+    let connectors = plan.connectors.len();
+    let places: BTreeMap<usize, usize> = plan.connectors.iter().copied().zip(0..).collect();
+    let mut sequence = Sequence::new(model, plan);
+    let has_rates = match motions {
+        Motions::Arrays(arrays) => arrays.has_rates(),
+        Motions::States(states) => states.iter().any(pintle::scene::has_rates),
+    };
+    if !has_rates {
+        sequence.set_velocities(Velocities::Increments);
+    }
+    for s in 0..motions.count() {
+        let state = match motions {
+            Motions::Arrays(arrays) => Cow::Owned(arrays.state(s)),
+            Motions::States(states) => Cow::Borrowed(&states[s]),
+        };
+        let seen: Result<(), std::convert::Infallible> = sequence.visit(&state, |item| {
+            let Item::Connector(result) = item else { return Ok(()) };
+            let Some(c) = places.get(&result.index) else { return Ok(()) };
+            let first = (s * connectors + c) * 6;
+            for (output, array) in &mut values {
+                for (k, place) in array.iter_mut().skip(first).take(6).enumerate() {
+                    let value = value_of(result, *output, k).filter(|_| plan.request.wants(*output, k));
+                    *place = value.map_or(f64::NAN, pintle_report::Value::number);
+                }
+            }
+            let of = &result.evaluation;
+            for (row, to) in of.jacobian.iter().zip(jacobian.chunks_exact_mut(DOFS).skip(first)) {
+                to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
+            }
+            for (matrix, to) in of.hessian.iter().zip(hessian.chunks_exact_mut(DOFS * DOFS).skip(first)) {
+                match matrix {
+                    Some(matrix) => to.copy_from_slice(matrix.as_flattened()),
+                    None => to.fill(f64::NAN),
+                }
+            }
+            Ok(())
+        });
+        let Ok(()) = seen;
+    }
 }
 
 #[pymethods]
@@ -96,24 +132,38 @@ impl Scene {
     }
 
     /// Arrays by the names of the outputs, states × connectors × 6, with `jacobian` and `hessian`; NaN where there is none.
+    #[expect(clippy::too_many_arguments, reason = "states come in three forms")]
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
         path: Option<&str>,
         document: Option<&str>,
+        arrays: Option<Bound<'py, PyDict>>,
         outputs: Vec<String>,
         order: u8,
+        out: Option<Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         if order > 2 {
             return Err(PyValueError::new_err(format!(
                 "order is {order}: 0 none, 1 Jacobian, 2 also second derivatives"
             )));
         }
-        let mut states = self.states(path, document)?;
-        if states.is_empty() {
-            states.push(State::default());
+        let moved = arrays.as_ref().map(Moved::new).transpose()?;
+        let arrays = moved.as_ref().map(Moved::arrays).transpose()?;
+        let mut states = Vec::new();
+        if let Some(arrays) = &arrays {
+            arrays.check(&self.scene).map_err(|wrong| {
+                let all: Vec<String> = wrong.iter().map(ToString::to_string).collect();
+                PyValueError::new_err(all.join("\n"))
+            })?;
+        } else {
+            states = self.states(path, document)?;
+            if states.is_empty() {
+                states.push(State::default());
+            }
+            self.model.check_forces(&states, 0, &self.scene.name).map_err(refused)?;
         }
-        self.model.check_forces(&states, 0, &self.scene.name).map_err(refused)?;
+        let motions = arrays.as_ref().map_or(Motions::States(&states), Motions::Arrays);
         let request = request(outputs.iter().map(String::as_str), order).map_err(refused)?;
         let outputs: Vec<Output> = request.outputs().collect();
         if let Some(output) = outputs.iter().find(|one| one.is_nodal() || **one == Output::TANGENT) {
@@ -122,65 +172,52 @@ impl Scene {
                 "{name} is no number of a component, and not among the arrays: pintle eval --format json has it"
             )));
         }
-        let plan = Plan::compile(&self.model, &Selection::All, request.clone()).map_err(refused)?;
-        let (count, connectors) = (states.len(), self.model.connectors.len());
-        let place = |index: usize| plan.connectors.iter().position(|one| *one == index);
-        let places: Vec<Option<usize>> = (0..connectors).map(place).collect();
-        let (values, jacobian, hessian) = work::apart(py, || {
-            let nan = f64::NAN;
-            let mut values = vec![Array3::from_elem((count, connectors, 6), nan); outputs.len()];
-            let size = |least: u8| if order >= least { (count, connectors, 6, DOFS) } else { (0, 0, 0, 0) };
-            let mut jacobian = Array4::from_elem(size(1), nan);
-            let (n, m, k, j) = size(2);
-            let mut hessian = Array5::from_elem((n, m, k, j, j), nan);
-            let mut sequence = Sequence::new(&self.model, &plan);
-            if !states.iter().any(pintle::scene::has_rates) {
-                sequence.set_velocities(Velocities::Increments);
+        let plan = Plan::compile(&self.model, &Selection::All, request).map_err(refused)?;
+        let shape = [motions.count(), self.model.connectors.len(), 6, DOFS, DOFS];
+        let mut taking = Taking::new(out);
+        for output in &outputs {
+            taking.add(py, output.name(), &shape[..3])?;
+        }
+        for (least, name) in [(1, "jacobian"), (2, "hessian")] {
+            if order >= least {
+                taking.add(py, name, &shape[..3 + usize::from(least)])?;
             }
-            for (s, state) in states.iter().enumerate() {
-                let seen: Result<(), std::convert::Infallible> = sequence.visit(state, |item| {
-                    let Item::Connector(result) = item else { return Ok(()) };
-                    let Some(c) = places.get(result.index).copied().flatten() else { return Ok(()) };
-                    let block = Block::of_connector(&self.model, &request, result);
-                    for row in &block.rows {
-                        let Some(k) = pintle::catalog::COMPONENT.iter().position(|name| *name == row.name)
-                        else {
-                            continue;
-                        };
-                        for (array, output) in values.iter_mut().zip(&outputs) {
-                            let at = Output::ALL.iter().position(|one| one == output);
-                            let value = at.and_then(|at| row.values.get(at).copied().flatten());
-                            part(array, s, c)[k] = value.map_or(nan, |value| value.number());
-                        }
-                    }
-                    for k in 0..6 {
-                        if let (Some(row), 1..) = (&result.evaluation.jacobian[k], order) {
-                            (0..DOFS).for_each(|j| part(&mut jacobian, s, c)[[k, j]] = row[j]);
-                        }
-                        if let (Some(matrix), 2..) = (&result.evaluation.hessian[k], order) {
-                            let mut to = part(&mut hessian, s, c);
-                            (0..DOFS).for_each(|i| (0..DOFS).for_each(|j| to[[k, i, j]] = matrix[i][j]));
-                        }
-                    }
-                    Ok(())
-                });
-                let Ok(()) = seen;
+        }
+        taking.check()?;
+        let mut writable = taking.writable()?;
+        let mut slices = Vec::with_capacity(writable.len());
+        for array in &mut writable {
+            slices.push(array.as_slice_mut().map_err(refused)?);
+        }
+        let mut slices = slices.into_iter();
+        let values = outputs.iter().copied().zip(slices.by_ref()).collect();
+        let numbers = Numbers {
+            values,
+            jacobian: if order > 0 { slices.next() } else { None },
+            hessian: if order > 1 { slices.next() } else { None },
+        };
+        let is_kinematic = is_kinematic(&self.model, &plan).is_ok();
+        work::apart(py, || {
+            if is_kinematic {
+                return evaluate_arrays(&self.model, &plan, motions, numbers).map(|_| ());
             }
-            (values, jacobian, hessian)
-        })?;
-        let arrays = PyDict::new(py);
-        let times: Vec<f64> = states.iter().map(|state| state.time.unwrap_or(f64::NAN)).collect();
-        arrays.set_item("time", PyArray1::from_vec(py, times))?;
-        for (output, array) in outputs.iter().zip(values) {
-            arrays.set_item(output.name(), array.into_pyarray(py))?;
+            walk(&self.model, &plan, motions, numbers);
+            Ok(())
+        })?
+        .map_err(refused)?;
+        drop(writable);
+        let times: Vec<f64> = match motions {
+            Motions::Arrays(arrays) => {
+                arrays.times.map_or_else(|| vec![f64::NAN; arrays.count], <[f64]>::to_vec)
+            }
+            Motions::States(states) => states.iter().map(|state| state.time.unwrap_or(f64::NAN)).collect(),
+        };
+        let found = PyDict::new(py);
+        found.set_item("time", PyArray1::from_vec(py, times))?;
+        for (name, array) in taking.into_named() {
+            found.set_item(name, array)?;
         }
-        if order > 0 {
-            arrays.set_item("jacobian", jacobian.into_pyarray(py))?;
-        }
-        if order > 1 {
-            arrays.set_item("hessian", hessian.into_pyarray(py))?;
-        }
-        Ok(arrays)
+        Ok(found)
     }
 
     /// The audit of the model, and of every number at its states.

@@ -1,5 +1,6 @@
 """Scenes and rows: against closed form, against the check, in every kind of array."""
 
+import json
 import pickle
 import subprocess
 import sys
@@ -39,6 +40,94 @@ def test_a_pickled_scene_is_the_same_to_the_last_bit():
     assert ours.keys() == theirs.keys() and len(ours) == 6
     for name in ours:
         assert ours[name].tobytes() == theirs[name].tobytes(), name
+
+
+def _crank(states=25):
+    """The states of the slider-crank as arrays."""
+    names = [str(n) for n in range(1, 8)]
+    time = numpy.linspace(0.0, 1.0, states)
+    u, turned = numpy.zeros((states, 7, 3)), numpy.zeros((states, 7, 3))
+    u[:, 5, 0] = 0.1 * numpy.sin(time)
+    turned[:, 1] = time[:, None] * [0.3, -7.0, 2.0]
+    return {"node": numpy.array(names), "time": time, "u": u, "rotation_vector": turned}
+
+
+def test_arrays_of_states_are_states(tmp_path):
+    scene = pintle.Scene("gallery:slider_crank")
+    arrays = _crank()
+    nodes = lambda s: {
+        n: {"displacement": arrays["u"][s, i], "rotation": arrays["rotation_vector"][s, i]} for i, n in enumerate(arrays["node"])
+    }
+    states = [{"time": t, "nodes": nodes(s)} for s, t in enumerate(arrays["time"])]
+    numpy.savez(tmp_path / "run.npz", **arrays)
+    strided = {name: numpy.asfortranarray(one) for name, one in arrays.items()}
+    for outputs in (["CU", "RES", "TURNS"], ["CU", "CTF", "CEF"], ["CV", "CA"]):
+        known = scene.evaluate(states, outputs)
+        for form in (arrays, strided, numpy.load(tmp_path / "run.npz")):
+            found = scene.evaluate(form, outputs)
+            assert found.keys() == known.keys()
+            for name in known:
+                assert found[name].tobytes() == known[name].tobytes(), name
+    # A walk of pintle eval gives the same to rounding.
+    command = [sys.executable, "-m", "pintle", "eval", "gallery:slider_crank", "--outputs", "CU", "--format", "json"]
+    told = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+    ours = scene.evaluate(outputs=["CU"])["CU"]
+    compared = 0
+    for s, state in enumerate(told["states"]):
+        for c, connector in enumerate(state["connectors"]):
+            for component in connector["components"]:
+                k = ["u1", "u2", "u3", "ur1", "ur2", "ur3"].index(component["component"])
+                assert abs(component["CU"] - ours[s, c, k]) < 1e-14
+                compared += 1
+    assert compared > 500
+
+
+def test_arrays_are_written_where_they_are_wanted():
+    scene = pintle.Scene("gallery:slider_crank")
+    arrays = _crank(300)
+    known = scene.evaluate(arrays, ["CU"])
+    out = {"CU": numpy.full((300, 6, 6), 7.0), "jacobian": numpy.full((300, 6, 6, 14), 7.0)}
+    found = scene.evaluate(arrays, ["CU"], out=out)
+    assert found["CU"] is out["CU"] and found["jacobian"] is out["jacobian"]
+    assert all(out[name].tobytes() == known[name].tobytes() for name in out)
+    locked = {"CU": numpy.zeros((300, 6, 6))}
+    locked["CU"].flags.writeable = False
+    for wrong, says in (
+        ({"CU": numpy.zeros((300, 6, 5))}, r"out\["CU"\] has shape"),
+        ({"CU": numpy.zeros((300, 6, 6), numpy.float32)}, "no NumPy array of float64"),
+        ({"CU": numpy.zeros((300, 6, 6), order="F")}, "in C order"),
+        (locked, "cannot be written"),
+        ({"CX": numpy.zeros(3)}, "not asked for"),
+    ):
+        with pytest.raises((ValueError, TypeError), match=says):
+            scene.evaluate(arrays, ["CU"], out=wrong)
+
+
+def test_arrays_that_cannot_be_are_refused_in_words():
+    scene = pintle.Scene("gallery:slider_crank")
+    nan, far, quaternion = _crank(), _crank(), _crank()
+    nan["u"][3, 2, 1] = nan["u"][4, 2, 1] = numpy.nan
+    far["rotation_vector"][0, 0] = 1e9
+    del quaternion["rotation_vector"]
+    quaternion["quaternion"] = numpy.zeros((25, 7, 4))
+    for wrong, says in (
+        ({**_crank(), "node": ["1"]}, "u has shape"),
+        ({**_crank(), "node": [1, 2, 3, 4, 5, 6, 99]}, "no node 99"),
+        ({**_crank(), "node": [1, 2, 3, 4, 5, 6, 6]}, "node 6 occurs twice"),
+        ({**_crank(), "time": numpy.zeros(3)}, "states"),
+        ({**_crank(), "v": numpy.zeros(3)}, "no array v of states"),
+        ({"u": numpy.zeros((2, 1, 3))}, "no array node"),
+        (nan, "u of node 3 at state 3 .*no finite number; so are 1 others"),
+        (far, "a rotation of"),
+        (quaternion, "a quaternion of norm 0"),
+        ({**_crank(), "quaternion": numpy.zeros((25, 7, 4))}, "both rotation_vector and quaternion"),
+        ({**_crank(), "u": numpy.zeros((25, 7, 3), numpy.float32)}, "dtype float32"),
+        ({**_crank(), "u": numpy.full((25, 7, 3), "a")}, "numbers are needed"),
+    ):
+        with pytest.raises((ValueError, TypeError), match=says):
+            scene.evaluate(wrong)
+    none = scene.evaluate({"node": [], "time": numpy.zeros(0)}, ["CU"])
+    assert none["CU"].shape == (0, 6, 6)
 
 
 def test_states_of_ones_own_and_what_is_wrong_with_them(tmp_path):

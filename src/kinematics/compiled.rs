@@ -31,7 +31,7 @@ macro_rules! entry_points {
             wanted: Mask,
             tally: &mut Tally,
         ) -> Branch<Self> {
-            connector.follower().follow(state, increment, branch, wanted, tally)
+            connector.follower().follow(&state.pair, increment, branch, wanted, tally)
         }
 
         #[$($inline)+]

@@ -20,7 +20,7 @@ mod words;
 pub use evaluation::{
     Block, BlockKind, Column, ComponentRow, Derivative, Format, HingeFacts, MpcFacts, Nodal, NodalForce,
     Renderer, Subject, Unevaluated, Value, csv, flag_in_words, flags_in_words, human, json, matrix_market,
-    unevaluated,
+    unevaluated, value_of,
 };
 pub use layout::{table, wrap};
 pub use words::{NOTATION, ROWS, SIGNS};

@@ -102,5 +102,5 @@ pub use model::{
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
-pub use states::{MAX_ROTATION, StateFile, StateMark, StateStream, Vanishing};
+pub use states::{MAX_ROTATION, QUATERNION_TOLERANCE, StateFile, StateMark, StateStream, Vanishing};
 pub use written::{Placement, WrittenNode};

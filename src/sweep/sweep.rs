@@ -8,9 +8,9 @@ use crate::summary::{OfSubject, Summary};
 use pintle_audit::sampling::cube_orientations;
 use pintle_audit::{C, Case, Entries, Numbers, Quantity, against_truth};
 use pintle_kinematics::batch::{
-    Batch, COLUMNS, Four, HessianRow, History, LANES, Row, Section, Tile, advance, vector_unit,
+    Batch, COLUMNS, Four, Fours, HessianRow, History, LANES, Row, Section, Tile, vector_unit,
 };
-use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, State};
+use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, Tally};
 use pintle_kinematics::draw::splitmix64;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, PSI_A, PSI_B};
@@ -79,6 +79,8 @@ struct Ready {
     /// None where rows depend on material flow.
     batch: Option<Batch>,
     section: Section,
+    /// Four of it before any motion.
+    fours: Fours,
     has_history: bool,
     /// Whether rows have all columns of both nodes: those of a batch do, whatever can move.
     is_whole: bool,
@@ -354,12 +356,17 @@ impl Room {
         for four in fours {
             tiles.push(Tile::new(&four.map(|one| one.pair)));
             if ready.has_history {
-                let states: [State<f64>; LANES] = four.map(|one| one.state());
                 let increments: [Increment<f64>; LANES] = four.map(|one| one.increment);
-                let before = [ready.branch; LANES];
-                let after = advance(&[&ready.connector; LANES], &states, &increments, &before);
-                histories.push(History::new(&after));
-                branches.extend(after);
+                let history = Some((&increments, [true; 6]));
+                let mut fours = ready.fours.clone();
+                fours.follow(
+                    &ready.connector,
+                    Tile::new(&four.map(|one| one.pair)),
+                    history,
+                    &mut Tally::default(),
+                );
+                histories.push(fours.history());
+                branches.extend((0..LANES).map(|lane| fours.branch(lane)));
             }
         }
         if !ready.has_history {
@@ -421,6 +428,11 @@ impl Ready {
             winds: batch.iter().flat_map(Batch::measures).map(|(_, measure)| measure.winds()).collect(),
             batch,
             section: Section::new(&[&connector; LANES]),
+            fours: Fours::new(
+                &[&connector; LANES],
+                &[definition.initial.reference; LANES],
+                &[[definition.initial.a.triad, definition.initial.b.triad]; LANES],
+            ),
             has_history: (0..6).any(|k| {
                 let is_one_form = connector.position_measure(k).is_some_and(Measure::is_one_form);
                 is_one_form || connector.row_has_history(k)

@@ -23,12 +23,14 @@ fn nothing_is_wrong() {
     assert_eq!(found.states.count(), 40_000);
     let judged: u64 = found.subjects.iter().map(|of| of.judged).sum();
     assert!(judged > 500, "{judged}");
-    let mut laws = 0;
+    let (mut laws, mut framed) = (0, 0);
     for of in &found.subjects {
         assert_eq!(of.wrong, 0, "{of:?}");
         assert!(of.states() > 1000 && of.judged > 5 && of.numbers > 1000, "{of:?}");
         let has_flow = ["SLIPRING", "FLOW-CONVERTER", "RETRACTOR"].contains(&of.name.as_str());
-        assert_eq!((of.rigid.states, of.frame.states == 0), (of.states(), has_flow), "{}", of.name);
+        assert_eq!(of.rigid.states, of.states(), "{}", of.name);
+        assert!(!has_flow || of.frame.states == 0, "{}", of.name);
+        framed += usize::from(of.frame.states > 0);
         for law in [|of: &OfSubject| of.rigid.largest, |of: &OfSubject| of.frame.largest] {
             let Some(largest) = law(of) else { continue };
             let again = run(&sweep, largest.index, 1);
@@ -43,7 +45,8 @@ fn nothing_is_wrong() {
             of.name, of.rigid.largest, of.frame.largest, of.frame.states
         );
     }
-    assert!(laws > 50, "{laws}");
+    // One block of 16 is turned, and a type has 40 of them: with bad luck none.
+    assert!(laws > 50 && framed > 24, "{laws} {framed}");
 }
 
 /// Each check fails where it should: a column 16 roundings off, a number that is none, an entry that is judged, axes exchanged.
@@ -60,7 +63,9 @@ fn what_is_wrong_is_found() {
         let none = found(name, Some(Planted::NotANumber));
         assert_eq!((none.wrong, none.not_finite, none.first_not_finite), (100, 100, Some(0)), "{name}");
         let judged = found(name, Some(Planted::Judged));
-        assert_eq!((judged.wrong, judged.rigid.beyond + judged.frame.beyond), (judged.judged, 0), "{name}");
+        // Next to a lock the bound is larger than what was planted.
+        assert!(judged.wrong <= judged.judged && judged.wrong * 10 > judged.judged * 8, "{name}: {judged:?}");
+        assert_eq!(judged.rigid.beyond + judged.frame.beyond, 0, "{name}");
     }
     let column = found("CARTESIAN", Some(Planted::Column));
     assert!(column.wrong == column.rigid.beyond && column.wrong > 90, "{column:?}");
@@ -167,7 +172,9 @@ fn a_folder_knows_what_is_left() {
     // Chunks of another size that are in others change nothing, whichever are larger; those that are partly in others are refused.
     for (first, count) in [(300, 700), (500, 2000), (0, 3000)] {
         folder.keep(&run(&sweep, first, count)).unwrap();
-        assert_eq!(merged().unwrap().digest().unwrap() == digest, count != 2000 || first != 500, "{first}");
+        // Until a file holds all of them, states 500 to 999 are partly in two.
+        let is_same = merged().is_ok_and(|merged| merged.digest().unwrap() == digest);
+        assert_eq!(is_same, first != 500, "{first}");
     }
     let partly = path.join("chunk-000000000002500-1000.json");
     folder.keep(&run(&sweep, 2500, 1000)).unwrap();

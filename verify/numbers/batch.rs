@@ -5,12 +5,13 @@ use crate::states::{Case, Draw, Ends, cases, dof_size};
 use crate::tolerance;
 use pintle_audit::singular::atlas::random_near;
 use pintle_kinematics::batch::{
-    Batch, BatchError, CompactRow, HessianRow, History, Row, Section, Tile, advance,
+    Batch, BatchError, CompactRow, Fours, HessianRow, History, Moves, Row, Section, Tile,
 };
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
-use pintle_kinematics::connector::{Branch, Connector, Evaluation, Increment, Request, State};
+use pintle_kinematics::connector::{Branch, Connector, Evaluation, Increment, Request, State, Tally};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::vector::identity;
 use std::f64::consts::PI;
 
 const U: f64 = f64::EPSILON / 2.0;
@@ -283,12 +284,25 @@ fn turns_are_counted_by_the_same_rule() {
         for group in groups(connection, crate::states::extent(connection)) {
             for ones in group.chunks(4) {
                 let at = |i: usize| &ones[i % ones.len()];
-                let states: [State<f64>; 4] = four(|i| *at(i).state());
                 let increments: [Increment<f64>; 4] = four(|i| at(i).case.end().increment);
-                let before: [Branch<f64>; 4] = four(|i| at(i).before);
-                let after = advance(&four(|i| &at(i).connector), &states, &increments, &before);
-                for (i, after) in after.iter().enumerate() {
-                    let (one, single) = (at(i), &at(i).found.branch);
+                let pairs = four(|i| at(i).state().pair);
+                let mut fours = Fours::new(
+                    &four(|i| &at(i).connector),
+                    &pairs.map(|pair| pair.reference),
+                    &[[identity(); 2]; 4],
+                );
+                fours = fours.resumed(&four(|i| at(i).before));
+                let moves = Moves {
+                    displacement: [
+                        pairs.map(|pair| pair.a.displacement),
+                        pairs.map(|pair| pair.b.displacement),
+                    ],
+                    rotation: [pairs.map(|pair| pair.a.triad), pairs.map(|pair| pair.b.triad)],
+                };
+                let history = Some((&increments, [true; 6]));
+                fours.follow_moves(&ones[0].connector, &moves, history, &mut Tally::default());
+                for i in 0..4 {
+                    let (one, single, after) = (at(i), &at(i).found.branch, fours.branch(i));
                     for (k, turns) in after.turns.iter().enumerate() {
                         let name = &one.case.name;
                         let known = single.turns[k];
@@ -374,16 +388,8 @@ fn many_tiles_are_tiles() {
 fn material_flow_is_refused() {
     let initial = Pair::<f64> {
         reference: [1.0, 0.0, 0.0],
-        a: pintle_kinematics::node::Node {
-            displacement: [0.0; 3],
-            triad: pintle_kinematics::vector::identity(),
-            flow: 0.0,
-        },
-        b: pintle_kinematics::node::Node {
-            displacement: [0.0; 3],
-            triad: pintle_kinematics::vector::identity(),
-            flow: 0.0,
-        },
+        a: pintle_kinematics::node::Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 },
+        b: pintle_kinematics::node::Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 },
     };
     for name in ["SLIPRING", "RETRACTOR"] {
         let definition = pintle_kinematics::connector::Definition::new(

@@ -282,7 +282,8 @@ mod tests {
                     let moves = definition.moves[end];
                     assert!(moves || now.displacement == first.displacement, "{name}: {end} moves");
                     let turns = moves && definition.rotates[end];
-                    assert!(turns || now.triad == first.triad, "{name}: {end} turns");
+                    let turned = so3::log(&product(&now.triad, &transpose(&first.triad)));
+                    assert!(turns || norm(turned) < 1e-12, "{name}: {end} turns by {turned:?}");
                     let level = now.displacement[2] == first.displacement[2];
                     assert!(!definition.planar || level, "{name}: {end} leaves the plane");
                 }
@@ -335,7 +336,9 @@ mod tests {
             }
             let [states, histories, inside, wide] = of_domain;
             println!("{domain}: {states} states, {histories} histories, {inside} of {wide} cases");
-            assert!(histories >= 100 && inside * 2 > wide, "{domain}: {of_domain:?}");
+            // A history begins at the initial state, and comes into a domain far from it by no small increment.
+            let is_near = norm(domain.least_turned()) <= 0.0;
+            assert!((histories >= 100) == is_near && inside * 2 > wide, "{domain}: {of_domain:?}");
             found = std::array::from_fn(|i| found[i] + of_domain[i]);
         }
         assert!(found[0] > 20_000, "{found:?}");

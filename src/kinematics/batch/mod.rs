@@ -49,7 +49,7 @@
 //! # }
 //! ```
 
-mod advance;
+mod fours;
 mod kernel;
 mod layout;
 mod rows;
@@ -64,7 +64,7 @@ use crate::node::DOFS;
 use pulp::{Arch, Simd, WithSimd};
 
 pub use crate::scalar::lanes::LANES;
-pub use advance::advance;
+pub use fours::{Fours, Moves, Origin};
 pub use kernel::Layout;
 pub use layout::{CompactRow, HessianRow, Row};
 pub use rows::{Array, COMPACT, Columns, Nodes, Orientation, States};

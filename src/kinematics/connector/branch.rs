@@ -1,6 +1,6 @@
 //! What the history of a connector decides: turn counts, sheets, accumulated one-forms.
 
-use crate::connector::{Components, Connector, Mask, Row, State, Tally};
+use crate::connector::{Components, Connector, Mask, Row, Tally};
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node;
 use crate::node::{DOFS, Dependence, Pair, Relative};
@@ -91,8 +91,8 @@ impl<R: Duals> Connector<R> {
 /// What histories are decided by: the measures of a connector and what they refer to.
 #[derive(Clone, Copy)]
 pub(crate) struct Follower<'a, R> {
-    pub(super) rows: &'a Components<Row>,
-    pub(super) section: &'a Section<R>,
+    pub(crate) rows: &'a Components<Row>,
+    pub(crate) section: &'a Section<R>,
 }
 
 impl<R: Duals> Follower<'_, R> {
@@ -105,7 +105,7 @@ impl<R: Duals> Follower<'_, R> {
     /// [`Connector::follow`].
     pub(crate) fn follow(
         &self,
-        state: &State<R>,
+        pair: &Pair<R>,
         increment: &Increment<R>,
         branch: &Branch<R>,
         wanted: Mask,
@@ -126,7 +126,6 @@ impl<R: Duals> Follower<'_, R> {
             torsion |= position.counts_torsion();
             one_form |= position.is_one_form();
         }
-        let pair = &state.pair;
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
         let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
         let still = [R::integer(0); 3];

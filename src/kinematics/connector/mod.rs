@@ -27,7 +27,6 @@ use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
 use crate::measure::{History, LOCK, Measure, Section, Shared, SingularClass, Unit};
 use crate::node;
 use crate::node::{DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
-use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Duals, Real};
 use crate::so3;
 use crate::vector;
@@ -132,7 +131,7 @@ impl Definition {
 
 /// A component of a connector, resolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Row {
+pub(crate) struct Row {
     slot: Slot,
     position: Measure,
     /// What is differentiated: the residual of a constrained component, else the position.
@@ -438,6 +437,12 @@ impl<R: Duals> Connector<R> {
         }
     }
 
+    /// What the constitutive displacement of component k (0-based) counts from; `None` where there is no component.
+    pub fn reference(&self, k: usize) -> Option<R> {
+        let is_there = self.kind.rows.get(k)?.is_some();
+        is_there.then(|| self.kind.references[k].unwrap_or(self.initial[k]))
+    }
+
     /// What a residual counts from.
     fn offset(&self, k: usize, row: &Row) -> R {
         if row.vanishes { R::integer(0) } else { self.initial[k] }
@@ -487,7 +492,7 @@ impl<R: Duals> Connector<R> {
                 evaluation.displacement[k] = Some(from(self.initial[k]));
             }
             if request.wants(Output::CCU, k) && row.slot.is_available() {
-                evaluation.constitutive[k] = Some(from(self.kind.references[k].unwrap_or(self.initial[k])));
+                evaluation.constitutive[k] = self.reference(k).map(from);
             }
             if wants_residual(k, row) {
                 let offset = self.offset(k, row);
@@ -502,6 +507,15 @@ impl<R: Duals> Connector<R> {
 }
 
 impl Connector<f64> {
+    /// Whether its rows are those of another one: the same measures, constrained alike. Such connectors share a [`Fours`](crate::batch::Fours).
+    pub fn has_measures_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.kind, &other.kind) || self.kind.rows == other.kind.rows
+    }
+
+    pub(crate) fn rows(&self) -> &Components<Row> {
+        &self.kind.rows
+    }
+
     /// Keeps what it has in common with a connector whose definition differs from its own in X_b − X_a only once for both.
     pub fn share(&mut self, alike: &Self) {
         let length = |of: &Self| of.kind.section.initial_length.to_bits();
@@ -509,13 +523,24 @@ impl Connector<f64> {
             self.kind = Arc::clone(&alike.kind);
         }
     }
+}
 
-    /// What decides the histories of four connectors of one type on lanes, together with the section data of all.
-    pub(crate) fn gathered<'a>(
-        of: &[&'a Connector<f64>; LANES],
-        section: &'a Section<Lanes<false>>,
-    ) -> Follower<'a, Lanes<false>> {
-        Follower { rows: &of[0].kind.rows, section }
+impl<R: Copy> Evaluation<R> {
+    /// The value of an output of component k (0-based); `None` of those that it does not hold as numbers ([`Output::is_of_motion`]).
+    pub fn value(&self, output: Output, k: usize) -> Option<R> {
+        let values = match output {
+            Output::CP => &self.position,
+            Output::CU => &self.displacement,
+            Output::CCU => &self.constitutive,
+            Output::CV => &self.velocity,
+            Output::CA => &self.acceleration,
+            Output::RES => &self.residual,
+            Output::RESV => &self.residual_rate,
+            Output::RESB => &self.residual_bias,
+            Output::RESA => &self.residual_acceleration,
+            _ => return None,
+        };
+        values.get(k).copied().flatten()
     }
 }
 

@@ -157,6 +157,22 @@ impl Output {
         }
     }
 
+    /// Whether it is a number that an evaluation holds for each component: a position, a residual, a rate.
+    pub const fn is_of_motion(self) -> bool {
+        matches!(
+            self,
+            Self::CP
+                | Self::CU
+                | Self::CCU
+                | Self::CV
+                | Self::CA
+                | Self::RES
+                | Self::RESV
+                | Self::RESB
+                | Self::RESA
+        )
+    }
+
     /// Whether it is one of the manual's outputs of relative motion, which has a name of its own for rotations: CP and CPR.
     pub const fn is_kinematic(self) -> bool {
         matches!(self, Self::CP | Self::CU | Self::CCU | Self::CV | Self::CA | Self::CASU)

@@ -5,6 +5,7 @@
 //! what is to be computed, and of the nodes that need it. [`Sequence`] walks through states in order, one at a time,
 //! committing every branch as it goes.
 
+mod arrays;
 mod behavior;
 mod belt;
 mod fixed;
@@ -22,6 +23,9 @@ mod rules;
 mod sequence;
 mod shared;
 
+pub use arrays::{
+    ArrayError, ByNode, MotionError, Motions, NodeArrays, Numbers, Rotations, evaluate_arrays, is_kinematic,
+};
 pub use belt::Ring;
 pub use fixed::keeps_zero;
 pub use fixed::{Fixed, Freedom};

@@ -319,6 +319,27 @@ pub struct HingeFacts {
 
 const NO_VALUES: [Option<Value>; Output::ALL.len()] = [None; Output::ALL.len()];
 
+/// The value of an output of component k (0-based) of a connector; `None` where there is none, or it is no number of a component.
+pub fn value_of(result: &ConnectorResult, output: Output, k: usize) -> Option<Value> {
+    let (forces, behavior) = (result.forces.as_deref(), result.behavior.as_deref());
+    let number = |value: Option<f64>| value.map(Value::Number);
+    match output {
+        Output::CSLST => result.stops[k].map(Value::Stop),
+        Output::TURNS => result.evaluation.turns[k].map(Value::Turns),
+        Output::MARGIN => result.margins[k].map(Value::Margin),
+        Output::CTF => number(
+            forces
+                .and_then(|forces| forces.components[k])
+                .or(behavior.and_then(|outcome| outcome.total.value[k])),
+        ),
+        Output::PM => number(forces.and_then(|forces| forces.printed[k])),
+        Output::LM => number(forces.and_then(|forces| forces.multipliers[k])),
+        of_motion if of_motion.is_of_motion() => number(result.evaluation.value(of_motion, k)),
+        of_slopes if of_slopes.is_nodal() || of_slopes == Output::TANGENT => None,
+        of_behavior => behavior.and_then(|outcome| force(outcome, of_behavior, k)),
+    }
+}
+
 impl<'a> Block<'a> {
     /// A connector.
     pub fn of_connector(model: &'a Model, request: &Request, result: &ConnectorResult) -> Self {
@@ -333,34 +354,8 @@ impl<'a> Block<'a> {
         for k in 0..6 {
             let slot = connection.slots[k];
             let Some(position) = slot.position() else { continue };
-            let number = |value: Option<f64>| value.map(Value::Number);
-            let behavior = result.behavior.as_deref();
-            let values = Output::ALL.map(|output| {
-                let value = match output {
-                    Output::CP => number(evaluation.position[k]),
-                    Output::CU => number(evaluation.displacement[k]),
-                    Output::CCU => number(evaluation.constitutive[k]),
-                    Output::CV => number(evaluation.velocity[k]),
-                    Output::CA => number(evaluation.acceleration[k]),
-                    Output::RES => number(evaluation.residual[k]),
-                    Output::RESV => number(evaluation.residual_rate[k]),
-                    Output::RESB => number(evaluation.residual_bias[k]),
-                    Output::RESA => number(evaluation.residual_acceleration[k]),
-                    Output::CSLST => result.stops[k].map(Value::Stop),
-                    Output::TURNS => evaluation.turns[k].map(Value::Turns),
-                    Output::MARGIN => result.margins[k].map(Value::Margin),
-                    Output::CTF => number(
-                        forces
-                            .and_then(|forces| forces.components[k])
-                            .or(behavior.and_then(|outcome| outcome.total.value[k])),
-                    ),
-                    Output::PM => number(forces.and_then(|forces| forces.printed[k])),
-                    Output::LM => number(forces.and_then(|forces| forces.multipliers[k])),
-                    of_slopes if of_slopes.is_nodal() || of_slopes == Output::TANGENT => None,
-                    of_behavior => behavior.and_then(|outcome| force(outcome, of_behavior, k)),
-                };
-                value.filter(|_| request.wants(output, k))
-            });
+            let values =
+                Output::ALL.map(|output| value_of(result, output, k).filter(|_| request.wants(output, k)));
             if values != NO_VALUES {
                 rows.push(ComponentRow {
                     name: COMPONENT[k],

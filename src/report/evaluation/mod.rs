@@ -10,6 +10,7 @@ mod number;
 
 pub use block::{
     Block, BlockKind, Column, ComponentRow, Derivative, HingeFacts, MpcFacts, Nodal, NodalForce, Value,
+    value_of,
 };
 pub use flags::{flag_in_words, flags_in_words};
 

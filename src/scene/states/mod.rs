@@ -46,7 +46,7 @@ pub use vanish::Vanishing;
 pub const MAX_ROTATION: f64 = 1e8;
 
 /// By how much the norm of a quaternion may differ from 1.
-const QUATERNION_TOLERANCE: f64 = 1e-6;
+pub const QUATERNION_TOLERANCE: f64 = 1e-6;
 
 const SCHEMA: &str = "pintle-states/1";
 

@@ -68,7 +68,8 @@ for line in sys.stdin:
     elif "commit" in message or "revert" in message:
         word = next(iter(message))
         getattr(mine, word)()
-        send({"error": f"no {word}"} if mine.WRONG == word else {f"{word}ted": True})
+        done = {"commit": "committed", "revert": "reverted"}[word]
+        send({"error": f"no {word}"} if mine.WRONG == word else {done: True})
     elif "evaluate" in message:
         asked, answers = message["evaluate"], []
         for state in asked["states"]:
@@ -241,7 +242,12 @@ fn failures_are_no_refusals() {
         return;
     }
     let folder = folder("refusals", "");
-    fs::write(folder.join("revolute.inp"), DECK.replace("CARTESIAN", "REVOLUTE")).unwrap();
+    let deck = DECK.replace("CARTESIAN,", "REVOLUTE,\nAXIS,");
+    let deck = deck.replace(
+        "*CONNECTOR SECTION, ELSET=C",
+        "*ORIENTATION, NAME=AXIS\n1., 0., 0., 0., 1., 0.\n*CONNECTOR SECTION, ELSET=C",
+    );
+    fs::write(folder.join("revolute.inp"), deck).unwrap();
     let by_lines = lines("keeps", r#"{"offers": ["values"], "components": ["ur1"], "commits": true}"#);
     let mut told = 0;
     for (wrong, says) in [

@@ -77,15 +77,15 @@ pub(super) struct Memory {
 
 /// Whether the behaviour of a connector has to be worked out, found once.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Needed {
+pub(in crate::evaluate) struct Needed {
     /// At a state of which the plan's outputs are wanted.
-    pub(super) by_plan: bool,
+    pub(in crate::evaluate) by_plan: bool,
     /// At any other, because later ones depend on it.
-    pub(super) always: bool,
+    pub(in crate::evaluate) always: bool,
 }
 
 impl Needed {
-    pub(super) fn of(behavior: &ElementBehavior, planned: &Request) -> Self {
+    pub(in crate::evaluate) fn of(behavior: &ElementBehavior, planned: &Request) -> Self {
         Self {
             by_plan: behavior.is_needed(planned, planned),
             always: behavior.is_needed(&Request::nothing(0), planned),
@@ -251,7 +251,10 @@ impl Context<'_> {
 }
 
 /// The state of a connector whose nodes are there, and its increment since the state before.
-pub(super) fn place(element: &ConnectorElement, ends: [&Moved; 2]) -> (State<f64>, Increment<f64>) {
+pub(in crate::evaluate) fn place(
+    element: &ConnectorElement,
+    ends: [&Moved; 2],
+) -> (State<f64>, Increment<f64>) {
     let node = |end: usize| Node {
         displacement: ends[end].displacement,
         triad: product(&ends[end].rotation, element.triads()[end]),

@@ -37,7 +37,7 @@ impl Moved {
 }
 
 /// The ground.
-pub(super) const STILL: Moved = Moved {
+pub(in crate::evaluate) const STILL: Moved = Moved {
     displacement: [0.0; 3],
     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     flow: 0.0,
@@ -53,14 +53,14 @@ pub(super) const STILL: Moved = Moved {
 
 /// How a node was rotated at the last state: enough to form the increment to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Orientation {
+pub(in crate::evaluate) struct Orientation {
     quaternion: Quaternion<f64>,
     /// The total rotation vector: as given, or that of a quaternion continued from the state before.
     vector: Vector<f64>,
     flow: f64,
 }
 
-pub(super) const UNTURNED: Orientation =
+pub(in crate::evaluate) const UNTURNED: Orientation =
     Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], vector: [0.0; 3], flow: 0.0 };
 
 /// Translational, rotational and flow rates of a node, in one.
@@ -76,7 +76,7 @@ pub(super) fn is_unturned(orientation: &Orientation) -> bool {
 /// A node at its next state: rotation matrix, and increments since the last one, which [`increment`] tells.
 ///
 /// Of a node whose turning is not `followed` there is no increment. At the `first` state the one before is the initial one.
-pub(super) fn follow(
+pub(in crate::evaluate) fn follow(
     motion: &NodeMotion,
     before: &Orientation,
     given: bool,

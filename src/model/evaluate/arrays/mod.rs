@@ -1,0 +1,463 @@
+//! Arrays of states in, arrays of numbers out.
+//!
+//! Connectors are taken in parts. Each part goes through all states by itself, so that its nodes and histories stay in the cache, and parts
+//! wait for no other. Within a part, connectors of one kind go four at a time ([`pintle_kinematics::batch`]).
+//!
+//! Numbers differ from those of [`Sequence`](crate::evaluate::Sequence) by the roundings that [`pintle_kinematics::batch`] states: at most 3 of the
+//! numbers that a value is computed from, 2.5 for a row. They are the same bits for any number of threads. What a batch does not give is
+//! evaluated one connector at a time, and has the bits of `Sequence`: second derivatives, rates, connectors with material flow.
+
+mod part;
+mod quad;
+
+use crate::evaluate::model::Model;
+use crate::evaluate::plan::Plan;
+use crate::evaluate::sequence::Needed;
+use part::Part;
+use pintle_kinematics::batch::Batch;
+use pintle_kinematics::connector::{Connector, Output, Request, Tally};
+use pintle_kinematics::node::DOFS;
+use pintle_scene::{Label, MAX_ROTATION, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State};
+use rayon::prelude::*;
+
+/// Numbers by state and node, where they lie: those of node n at state s begin at number s · `of_state` + n · `of_node`.
+#[derive(Clone, Copy, Debug)]
+pub struct ByNode<'a> {
+    numbers: &'a [f64],
+    of_state: usize,
+    of_node: usize,
+}
+
+impl<'a> ByNode<'a> {
+    /// Numbers that stand so far apart; 0 for states or nodes that share them.
+    pub const fn new(numbers: &'a [f64], of_state: usize, of_node: usize) -> Self {
+        Self { numbers, of_state, of_node }
+    }
+
+    /// The first N numbers of a node at a state; NaN beyond the end.
+    fn at<const N: usize>(&self, state: usize, node: usize) -> [f64; N] {
+        let first = state * self.of_state + node * self.of_node;
+        let found = self.numbers.get(first..).and_then(|rest| rest.first_chunk());
+        found.copied().unwrap_or([f64::NAN; N])
+    }
+}
+
+/// How rotations since the initial state are given.
+#[derive(Clone, Copy, Debug)]
+pub enum Rotations<'a> {
+    /// Rotation vectors, with their turns (rad).
+    Vectors(ByNode<'a>),
+    /// Quaternions w, x, y, z of any length but zero.
+    Quaternions(ByNode<'a>),
+}
+
+/// The motions of nodes at many states, as arrays; what is not given is zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodeArrays<'a> {
+    /// How many states.
+    pub count: usize,
+    /// The nodes that move. Others stay where they are.
+    pub nodes: &'a [Label],
+    /// Times, which only behaviours ask for.
+    pub times: Option<&'a [f64]>,
+    /// u, three numbers.
+    pub displacement: Option<ByNode<'a>>,
+    /// Rotations.
+    pub rotation: Option<Rotations<'a>>,
+    /// Time derivative of the displacement.
+    pub velocity: Option<ByNode<'a>>,
+    /// ω, spatial.
+    pub angular_velocity: Option<ByNode<'a>>,
+    /// Second time derivative of the displacement.
+    pub acceleration: Option<ByNode<'a>>,
+    /// ω̇, spatial.
+    pub angular_acceleration: Option<ByNode<'a>>,
+    /// Material flow and its two time derivatives, one number each.
+    pub flow: [Option<ByNode<'a>>; 3],
+}
+
+/// What is wrong with an array of motions.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MotionError {
+    /// A node that the scene does not have.
+    #[error("there is no node {0} in {1}")]
+    UnknownNode(Label, String),
+    /// A node that comes twice.
+    #[error("node {0} occurs twice")]
+    RepeatedNode(Label),
+    /// An array that is too short.
+    #[error("{0} ends before the last node of the last state")]
+    Short(&'static str),
+    /// A number that is none, or a rotation that cannot be, and how many more there are.
+    #[error("{array} of node {node} at state {state} (from 0): {what}{}", more(*.others))]
+    Number {
+        /// The array.
+        array: &'static str,
+        /// The state.
+        state: usize,
+        /// The node.
+        node: Label,
+        /// What is wrong, and what would be right.
+        what: String,
+        /// How many others of this array are wrong.
+        others: usize,
+    },
+}
+
+fn more(others: usize) -> String {
+    if others == 0 { String::new() } else { format!("; so are {others} others of this array") }
+}
+
+impl NodeArrays<'_> {
+    /// Whether its nodes are those of a scene, and all numbers finite, rotations up to 1e8 rad and quaternions of norm 1, as in files of states.
+    ///
+    /// # Errors
+    /// All that is wrong: the first of each array, with the number of others.
+    pub fn check(&self, scene: &Scene) -> Result<(), Vec<MotionError>> {
+        let mut found = Vec::new();
+        let unknown = self.nodes.iter().filter(|node| !scene.nodes.contains_key(*node));
+        found.extend(unknown.take(SHOWN).map(|node| MotionError::UnknownNode(*node, scene.name.clone())));
+        let mut sorted = self.nodes.to_vec();
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).filter(|pair| pair[0] == pair[1]);
+        found.extend(twice.take(SHOWN).map(|pair| MotionError::RepeatedNode(pair[0])));
+        fn finite<const N: usize>(of: &[f64; N]) -> Option<String> {
+            let wrong = of.iter().find(|x| !x.is_finite())?;
+            Some(format!("{wrong} is no finite number"))
+        }
+        let three = [
+            ("u", self.displacement),
+            ("velocity", self.velocity),
+            ("angular_velocity", self.angular_velocity),
+            ("acceleration", self.acceleration),
+            ("angular_acceleration", self.angular_acceleration),
+        ];
+        for (name, array) in three {
+            self.check_array::<3>((name, array), finite, &mut found);
+        }
+        for (name, array) in ["flow", "flow_velocity", "flow_acceleration"].into_iter().zip(self.flow) {
+            self.check_array::<1>((name, array), finite, &mut found);
+        }
+        match self.rotation {
+            Some(Rotations::Vectors(of)) => self.check_array::<3>(
+                ("rotation_vector", Some(of)),
+                |of| {
+                    let length = of.iter().fold(0.0_f64, |sum, x| sum.hypot(*x));
+                    let is_right = length <= MAX_ROTATION;
+                    (!is_right)
+                        .then(|| format!("a rotation of {length} rad; rotations are in rad, up to 1e8"))
+                },
+                &mut found,
+            ),
+            Some(Rotations::Quaternions(of)) => self.check_array::<4>(
+                ("quaternion", Some(of)),
+                |of| {
+                    let norm = of.iter().fold(0.0_f64, |sum, x| sum.hypot(*x));
+                    let is_right = (norm - 1.0).abs() <= QUATERNION_TOLERANCE;
+                    (!is_right).then(|| format!("a quaternion of norm {norm}; divide w, x, y, z by it"))
+                },
+                &mut found,
+            ),
+            None => {}
+        }
+        if found.is_empty() { Ok(()) } else { Err(found) }
+    }
+
+    fn check_array<const N: usize>(
+        &self,
+        (array, of): (&'static str, Option<ByNode<'_>>),
+        wrong: impl Fn(&[f64; N]) -> Option<String>,
+        found: &mut Vec<MotionError>,
+    ) {
+        let Some(of) = of else { return };
+        let (Some(last), Some(end)) = (self.count.checked_sub(1), self.nodes.len().checked_sub(1)) else {
+            return;
+        };
+        if of.numbers.len() < last * of.of_state + end * of.of_node + N {
+            found.push(MotionError::Short(array));
+            return;
+        }
+        let mut first = None;
+        let mut others = 0;
+        for state in 0..self.count {
+            for (n, node) in self.nodes.iter().enumerate() {
+                let Some(what) = wrong(&of.at::<N>(state, n)) else { continue };
+                match first {
+                    None => first = Some((state, *node, what)),
+                    Some(_) => others += 1,
+                }
+            }
+        }
+        found.extend(first.map(|(state, node, what)| MotionError::Number {
+            array,
+            state,
+            node,
+            what,
+            others,
+        }));
+    }
+
+    /// The motion of a node by its place in the list.
+    fn motion(&self, state: usize, node: usize) -> NodeMotion {
+        let three = |of: Option<ByNode<'_>>| of.map_or([0.0; 3], |of| of.at(state, node));
+        let flow = self.flow.map(|of| of.map_or([0.0], |of| of.at::<1>(state, node))[0]);
+        NodeMotion {
+            displacement: three(self.displacement),
+            rotation: match self.rotation {
+                None => Rotation::default(),
+                Some(Rotations::Vectors(of)) => Rotation::Vector(of.at(state, node)),
+                Some(Rotations::Quaternions(of)) => Rotation::Quaternion(of.at(state, node)),
+            },
+            velocity: three(self.velocity),
+            angular_velocity: three(self.angular_velocity),
+            acceleration: three(self.acceleration),
+            angular_acceleration: three(self.angular_acceleration),
+            flow: flow[0],
+            flow_velocity: flow[1],
+            flow_acceleration: flow[2],
+        }
+    }
+
+    /// Whether velocities are given.
+    pub const fn has_rates(&self) -> bool {
+        self.velocity.is_some() || self.angular_velocity.is_some() || self.flow[1].is_some()
+    }
+
+    /// A state by itself.
+    pub fn state(&self, state: usize) -> State {
+        let nodes = self.nodes.iter().enumerate();
+        State {
+            time: self.times.and_then(|times| times.get(state).copied()),
+            nodes: nodes.map(|(n, label)| (*label, self.motion(state, n))).collect(),
+            ..State::default()
+        }
+    }
+}
+
+/// Where motions come from.
+#[derive(Clone, Copy, Debug)]
+pub enum Motions<'a> {
+    /// Arrays.
+    Arrays(&'a NodeArrays<'a>),
+    /// States as files hold them.
+    States(&'a [State]),
+}
+
+impl Motions<'_> {
+    /// How many states.
+    pub const fn count(&self) -> usize {
+        match self {
+            Self::Arrays(arrays) => arrays.count,
+            Self::States(states) => states.len(),
+        }
+    }
+}
+
+/// Arrays that take numbers, in C order. All of them are written: NaN where a connector has no such number.
+#[derive(Debug, Default)]
+pub struct Numbers<'a> {
+    /// Values (state, connector, 6) of the outputs named.
+    pub values: Vec<(Output, &'a mut [f64])>,
+    /// Rows (state, connector, 6, 14), from order 1 on.
+    pub jacobian: Option<&'a mut [f64]>,
+    /// Second derivatives (state, connector, 6, 14, 14), of order 2.
+    pub hessian: Option<&'a mut [f64]>,
+}
+
+/// Why arrays cannot be written.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ArrayError {
+    /// An array of another size.
+    #[error("{what} has {found} numbers, and {expected} are needed")]
+    Length {
+        /// Which.
+        what: &'static str,
+        /// Its numbers.
+        found: usize,
+        /// Those needed.
+        expected: usize,
+    },
+    /// An output that needs more than the kinematics of connectors.
+    #[error("{0} is none of the outputs that follow from the motion of nodes alone")]
+    Output(&'static str),
+    /// A behaviour that has to be worked out.
+    #[error("what a connector does depends on its behaviour, which arrays do not follow")]
+    Behavior,
+}
+
+/// Those that lanes give.
+const IN_LANES: [Output; 5] = [Output::CP, Output::CU, Output::CCU, Output::RES, Output::TURNS];
+
+/// Connectors whose measures are the same.
+struct Kind<'a> {
+    connector: &'a Connector<f64>,
+    batch: Batch,
+}
+
+/// The connectors of a plan, sorted.
+struct Sorted<'a> {
+    model: &'a Model,
+    plan: &'a Plan,
+    motions: Motions<'a>,
+    /// The place of each node of the plan in the arrays.
+    kinds: Vec<Kind<'a>>,
+    /// The kind of each connector of the plan; `None` of those that are taken one at a time.
+    kind_of: Vec<Option<u32>>,
+    /// The nodes of arrays by label.
+    columns: Vec<(Label, u32)>,
+}
+
+/// How many nodes are named that cannot be.
+const SHOWN: usize = 5;
+
+/// How many connectors go through all states together.
+const PART: usize = 256;
+
+/// Whether all that a plan asks for follows from the motion of the nodes alone, so that [`evaluate_arrays`] gives it.
+pub fn is_kinematic(model: &Model, plan: &Plan) -> Result<(), ArrayError> {
+    let is_of_nodes =
+        |output: Output| output.is_of_motion() || matches!(output, Output::CSLST | Output::TURNS);
+    let other = plan.request.outputs().find(|output| !is_of_nodes(*output));
+    if let Some(output) = other {
+        return Err(ArrayError::Output(output.name()));
+    }
+    let needs = |index: &usize| {
+        let Needed { by_plan, always } = Needed::of(&model.connectors[*index].behavior, &plan.request);
+        by_plan || always
+    };
+    if plan.connectors.iter().any(needs) { Err(ArrayError::Behavior) } else { Ok(()) }
+}
+
+/// Evaluates the connectors of a plan at every state, from the initial state of the model on, on the threads of rayon's current pool. Tells what
+/// was computed.
+///
+/// # Errors
+/// An array of another size, an output that is not kinematic, a behaviour ([`is_kinematic`]).
+pub fn evaluate_arrays(
+    model: &Model,
+    plan: &Plan,
+    motions: Motions<'_>,
+    numbers: Numbers<'_>,
+) -> Result<Tally, ArrayError> {
+    is_kinematic(model, plan)?;
+    let (states, connectors) = (motions.count(), plan.connectors.len());
+    let expected = |each: usize| states.saturating_mul(connectors).saturating_mul(each);
+    let length = |what, found: usize, expected| {
+        if found == expected { Ok(()) } else { Err(ArrayError::Length { what, found, expected }) }
+    };
+    for (output, values) in &numbers.values {
+        length(output.name(), values.len(), expected(6))?;
+    }
+    for (what, array, each) in
+        [("jacobian", &numbers.jacobian, 6 * DOFS), ("hessian", &numbers.hessian, 6 * DOFS * DOFS)]
+    {
+        if let Some(array) = array {
+            length(what, array.len(), expected(each))?;
+        }
+    }
+    if states == 0 || connectors == 0 {
+        return Ok(Tally::default());
+    }
+    let sorted = Sorted::new(model, plan, motions);
+    let places = divided(numbers, connectors);
+    let parts: Vec<_> = (0..connectors).step_by(PART).zip(places).collect();
+    let tallies = parts.into_par_iter().map(|(first, places)| {
+        let members = first..connectors.min(first + PART);
+        Part::new(&sorted, members).run(places)
+    });
+    Ok(tallies.reduce(Tally::default, |mut sum, more| {
+        sum += more;
+        sum
+    }))
+}
+
+impl<'a> Sorted<'a> {
+    fn new(model: &'a Model, plan: &'a Plan, motions: Motions<'a>) -> Self {
+        let mut kinds: Vec<Kind<'a>> = Vec::new();
+        let request = &plan.request;
+        let in_lanes = request.order < 2 && request.outputs().all(|output| IN_LANES.contains(&output));
+        let mut last = 0;
+        let mut kind = |index: &usize| {
+            let connector = &model.connectors[*index].connector;
+            let is_known = |kind: &Kind<'_>| kind.connector.has_measures_of(connector);
+            let known = kinds.get(last).filter(|kind| is_known(kind)).map(|_| last);
+            let known = known.or_else(|| kinds.iter().position(is_known));
+            let place = match known {
+                Some(place) => place,
+                None => {
+                    kinds.push(Kind { connector, batch: Batch::new(connector, request.components()).ok()? });
+                    kinds.len() - 1
+                }
+            };
+            last = place;
+            u32::try_from(place).ok()
+        };
+        let kind_of = plan.connectors.iter().map(|index| if in_lanes { kind(index) } else { None }).collect();
+        let mut columns = match motions {
+            Motions::Arrays(arrays) => arrays.nodes.iter().copied().zip(0..).collect(),
+            Motions::States(_) => Vec::new(),
+        };
+        columns.sort_unstable();
+        Self { model, plan, motions, kinds, kind_of, columns }
+    }
+
+    /// The place of a node in the arrays.
+    fn column(&self, label: Label) -> Option<usize> {
+        let at = self.columns.binary_search_by_key(&label, |(label, _)| *label).ok()?;
+        Some(self.columns[at].1 as usize)
+    }
+
+    /// The motion of a node, and whether it is given; `column` is its place in arrays.
+    fn motion(&self, state: usize, label: Label, column: Option<usize>) -> Option<NodeMotion> {
+        match self.motions {
+            Motions::Arrays(arrays) => Some(arrays.motion(state, column?)),
+            Motions::States(states) => states.get(state)?.nodes.get(&label).copied(),
+        }
+    }
+
+    const fn request(&self) -> &'a Request {
+        &self.plan.request
+    }
+}
+
+/// The places of one part at one state.
+#[derive(Debug, Default)]
+struct Places<'a> {
+    values: Vec<(Output, &'a mut [f64])>,
+    jacobian: Option<&'a mut [f64]>,
+    hessian: Option<&'a mut [f64]>,
+}
+
+/// The places of each part, state by state.
+fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Places<'_>>> {
+    let Numbers { values, jacobian, hessian } = numbers;
+    let mut parts: Vec<Vec<Places<'_>>> = Vec::new();
+    parts.resize_with(connectors.div_ceil(PART), Vec::new);
+    fn give<'a>(
+        parts: &mut [Vec<Places<'a>>],
+        (array, connectors, each): (&'a mut [f64], usize, usize),
+        mut put: impl FnMut(&mut Places<'a>, &'a mut [f64]),
+    ) {
+        for (s, of_state) in array.chunks_exact_mut(connectors * each).enumerate() {
+            for (part, of_part) in parts.iter_mut().zip(of_state.chunks_mut(PART * each)) {
+                if part.len() <= s {
+                    part.push(Places::default());
+                }
+                if let Some(places) = part.get_mut(s) {
+                    put(places, of_part);
+                }
+            }
+        }
+    }
+    for (output, array) in values {
+        give(&mut parts, (array, connectors, 6), |places, numbers| places.values.push((output, numbers)));
+    }
+    if let Some(array) = jacobian {
+        give(&mut parts, (array, connectors, 6 * DOFS), |places, numbers| places.jacobian = Some(numbers));
+    }
+    if let Some(array) = hessian {
+        let each = 6 * DOFS * DOFS;
+        give(&mut parts, (array, connectors, each), |places, numbers| places.hessian = Some(numbers));
+    }
+    parts
+}

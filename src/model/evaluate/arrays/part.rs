@@ -1,0 +1,150 @@
+//! A part of the connectors, through all states.
+
+use crate::evaluate::arrays::quad::{Quads, Room};
+use crate::evaluate::arrays::{Places, Sorted};
+use crate::evaluate::sequence::nodes::{Moved, Orientation, STILL, UNTURNED, follow};
+use crate::evaluate::sequence::place;
+use pintle_kinematics::connector::{Branch, Evaluation, Output, Tally};
+use pintle_kinematics::node::DOFS;
+use pintle_scene::Label;
+use std::ops::Range;
+
+/// A node of a part.
+struct OwnNode {
+    label: Label,
+    column: Option<usize>,
+    /// Whether a history depends on how it turns.
+    turns: bool,
+    orientation: Orientation,
+}
+
+/// A connector by itself.
+struct Single {
+    /// Its place in the part.
+    at: usize,
+    index: usize,
+    ends: [Option<usize>; 2],
+    branch: Branch<f64>,
+}
+
+/// Connectors that go through all states together.
+pub(super) struct Part<'a> {
+    sorted: &'a Sorted<'a>,
+    nodes: Vec<OwnNode>,
+    moved: Vec<Moved>,
+    /// Those of each kind, in the order of kinds.
+    quads: Vec<Quads<'a>>,
+    singles: Vec<Single>,
+}
+
+impl<'a> Part<'a> {
+    /// The members of a plan, by their places in it.
+    pub(super) fn new(sorted: &'a Sorted<'a>, members: Range<usize>) -> Self {
+        let (plan, model) = (sorted.plan, sorted.model);
+        let indices = plan.connectors.get(members.clone()).unwrap_or_default();
+        let ends = |index: &usize| model.connectors[*index].nodes;
+        let mut labels: Vec<Label> = indices.iter().flat_map(ends).flatten().collect();
+        labels.sort_unstable();
+        labels.dedup();
+        let mut nodes: Vec<OwnNode> = labels
+            .iter()
+            .map(|label| OwnNode {
+                label: *label,
+                column: sorted.column(*label),
+                turns: false,
+                orientation: UNTURNED,
+            })
+            .collect();
+        let followed = sorted.request().components();
+        let mut kinds = vec![Vec::new(); sorted.kinds.len()];
+        let mut singles = Vec::new();
+        for (at, (place, index)) in members.zip(indices).enumerate() {
+            let element = &model.connectors[*index];
+            let ends = element.nodes.map(|node| labels.binary_search(&node?).ok());
+            if element.connector.history_turns(followed) {
+                ends.iter().flatten().for_each(|end| nodes[*end].turns = true);
+            }
+            match sorted.kind_of.get(place).copied().flatten() {
+                Some(kind) => kinds[kind as usize].push((at, *index, ends)),
+                None => singles.push(Single {
+                    at,
+                    index: *index,
+                    ends,
+                    branch: element.connector.initial_branch(),
+                }),
+            }
+        }
+        let all = sorted.kinds.iter().zip(&kinds).filter(|(_, members)| !members.is_empty());
+        let quads = all.map(|(kind, members)| Quads::new(model, kind, sorted.request(), members)).collect();
+        let moved = vec![STILL; nodes.len()];
+        Self { sorted, nodes, moved, quads, singles }
+    }
+
+    /// Evaluates them at every state.
+    pub(super) fn run(mut self, places: Vec<Places<'_>>) -> Tally {
+        let mut tally = Tally::default();
+        let mut room = Room::default();
+        let mut evaluation = Evaluation::empty(Branch::none());
+        for (s, mut places) in places.into_iter().enumerate() {
+            for (node, moved) in self.nodes.iter_mut().zip(&mut self.moved) {
+                let motion = self.sorted.motion(s, node.label, node.column);
+                let (is_given, motion) = (motion.is_some(), motion.unwrap_or_default());
+                (*moved, node.orientation) = follow(&motion, &node.orientation, is_given, node.turns, s == 0);
+                tally.rotations += 1;
+            }
+            for quads in &mut self.quads {
+                quads.run(&self.moved, &mut room, &mut places, &mut tally);
+            }
+            for single in &mut self.singles {
+                single.run(self.sorted, &self.moved, &mut evaluation, &mut places, &mut tally);
+            }
+        }
+        tally
+    }
+}
+
+impl Single {
+    fn run(
+        &mut self,
+        sorted: &Sorted<'_>,
+        moved: &[Moved],
+        evaluation: &mut Evaluation<f64>,
+        places: &mut Places<'_>,
+        tally: &mut Tally,
+    ) {
+        let element = &sorted.model.connectors[self.index];
+        let (connector, request) = (&element.connector, sorted.request());
+        let ends = self.ends.map(|end| end.map_or(&STILL, |end| &moved[end]));
+        let (state, increment) = place(element, ends);
+        self.branch = connector.follow(&state, &increment, &self.branch, request.components(), tally);
+        connector.evaluate_into(evaluation, &state, self.branch, request, tally);
+        let first = self.at * 6;
+        for &mut (output, ref mut numbers) in &mut places.values {
+            let stops =
+                if output == Output::CSLST { connector.stop_status(&evaluation.position) } else { [None; 6] };
+            for (k, place) in numbers.iter_mut().skip(first).take(6).enumerate() {
+                let value = match output {
+                    Output::CSLST => stops[k].map(|stop| f64::from(stop.flag())),
+                    Output::TURNS => evaluation.turns[k].map(|turns| turns.turns),
+                    of_motion => evaluation.value(of_motion, k),
+                };
+                *place = value.filter(|_| request.wants(output, k)).unwrap_or(f64::NAN);
+            }
+        }
+        if let Some(numbers) = &mut places.jacobian {
+            let rows = numbers.chunks_exact_mut(DOFS).skip(first);
+            for (to, row) in rows.zip(&evaluation.jacobian) {
+                to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
+            }
+        }
+        if let Some(numbers) = &mut places.hessian {
+            let all = numbers.chunks_exact_mut(DOFS * DOFS).skip(first);
+            for (to, hessian) in all.zip(&evaluation.hessian) {
+                match hessian {
+                    Some(hessian) => to.copy_from_slice(hessian.as_flattened()),
+                    None => to.fill(f64::NAN),
+                }
+            }
+        }
+    }
+}
