@@ -1,8 +1,13 @@
 """Very many states, by any engine: a chunk is a text and two numbers, and its result a summary that merges exactly."""
 
+import itertools
 import json
 
 from . import _pintle
+
+# How many chunks wait at an engine at a time, and how many summaries are held before they are merged.
+WAITING = 1000
+HELD = 64
 
 
 class Sweep:
@@ -19,13 +24,7 @@ class Sweep:
     @property
     def wrong(self):
         """At how many states something is wrong: a number that is not finite, or beyond its bound."""
-        bad = ("unstable-formula", "wrong", "invalid")
-        parts = (of["not_finite"] + of["not_rigid"] + self._count(of, bad) for of in self.summary["subjects"])
-        return sum(parts)
-
-    @staticmethod
-    def _count(of, verdicts):
-        return sum(of[key]["verdicts"].get(verdict, 0) for key in ("value", "row") for verdict in verdicts)
+        return sum(of["wrong"] for of in self.summary["subjects"])
 
     def picture(self):
         """The worst errors over the distance to singular sets, as SVG."""
@@ -64,8 +63,12 @@ def _dask(plan, parts, out, threads, workers):
         cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
         client = Client(cluster)
     try:
-        futures = [client.submit(chunk, plan, part, out, threads, pure=False) for part in parts]
-        for _, result in as_completed(futures, with_results=True):
+        known = client.scatter(plan, broadcast=True)
+        left = iter(parts)
+        submit = lambda some: [client.submit(chunk, known, part, out, threads, pure=False) for part in some]
+        done = as_completed(submit(itertools.islice(left, WAITING)), with_results=True)
+        for _, result in done:
+            done.update(submit(itertools.islice(left, 1)))
             yield result
     finally:
         if cluster is not None:
@@ -81,11 +84,13 @@ def _ray(plan, parts, out, threads, workers):
     if is_ours:
         ray.init(num_cpus=workers, include_dashboard=False, log_to_driver=False)
     try:
-        remote = ray.remote(num_cpus=threads, max_retries=-1)(chunk)
-        known = ray.put(plan)
-        waiting = [remote.remote(known, part, out, threads) for part in parts]
+        remote = ray.remote(num_cpus=threads, max_retries=3)(chunk)
+        known, left = ray.put(plan), iter(parts)
+        submit = lambda some: [remote.remote(known, part, out, threads) for part in some]
+        waiting = submit(itertools.islice(left, WAITING))
         while waiting:
             done, waiting = ray.wait(waiting)
+            waiting += submit(itertools.islice(left, len(done)))
             yield from ray.get(done)
     finally:
         if is_ours:
@@ -118,6 +123,11 @@ def sweep(
     if engine not in ENGINES:
         known = ", ".join(repr(name) for name in ENGINES)
         raise ValueError(f"there is no engine {engine!r}: choose {known}")
+    for name, number in (("states", states), ("chunk_states", chunk_states), ("threads", threads)):
+        if int(number) != number or number < 1:
+            raise ValueError(f"{name} is {number!r}, and no count from 1 on")
+    if not 0 <= oracle_share <= 1:
+        raise ValueError(f"oracle_share is {oracle_share!r}, and no share between 0 and 1")
     out = None if out is None else str(out)
     plan = _pintle.sweep_plan([str(one) for one in of], seed, oracle_share)
     parts = _pintle.sweep_left(plan, int(states), int(chunk_states), out)
@@ -125,6 +135,8 @@ def sweep(
     for done, text in enumerate(ENGINES[engine](plan, parts, out, threads, workers), 1):
         if text is not None:
             texts.append(text)
+        if len(texts) >= HELD:
+            texts = [_pintle.sweep_merged(plan, texts, None)[0]]
         if progress is not None:
             progress(done, len(parts))
     return Sweep(*_pintle.sweep_merged(plan, texts, out))

@@ -10,17 +10,13 @@ use pintle::node::DOFS;
 use pintle::scene::{Scene as Read, State, StateFile};
 use pintle_audit::Target;
 use pintle_audit::model::{Levels, audit_model};
-use pintle_model::behavior::state::Velocities;
-use pintle_model::evaluate::{
-    Item, Model, Motions, Numbers, Plan, Selection, Sequence, evaluate_arrays, is_kinematic, request,
-};
-use pintle_report::value_of;
+use pintle_model::behavior::Conditions;
+use pintle_model::evaluate::{Model, Motions, Numbers, Plan, Selection, request};
+use pintle_report::into_arrays;
 use pintle_scene::Format;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// A model of connectors and constraints, with its states.
@@ -48,51 +44,6 @@ impl Scene {
             (None, None) => return Ok(self.scene.states.clone()),
         };
         Ok(found.map_err(refused)?.states)
-    }
-}
-
-/// The numbers of a model at states, whatever they follow from, into arrays: one connector at a time.
-fn walk(model: &Model, plan: &Plan, motions: Motions<'_>, numbers: Numbers<'_>) {
-    let Numbers { mut values, jacobian, hessian } = numbers;
-    let (mut jacobian, mut hessian) = (jacobian.unwrap_or_default(), hessian.unwrap_or_default());
-    let connectors = plan.connectors.len();
-    let places: BTreeMap<usize, usize> = plan.connectors.iter().copied().zip(0..).collect();
-    let mut sequence = Sequence::new(model, plan);
-    let has_rates = match motions {
-        Motions::Arrays(arrays) => arrays.has_rates(),
-        Motions::States(states) => states.iter().any(pintle::scene::has_rates),
-    };
-    if !has_rates {
-        sequence.set_velocities(Velocities::Increments);
-    }
-    for s in 0..motions.count() {
-        let state = match motions {
-            Motions::Arrays(arrays) => Cow::Owned(arrays.state(s)),
-            Motions::States(states) => Cow::Borrowed(&states[s]),
-        };
-        let seen: Result<(), std::convert::Infallible> = sequence.visit(&state, |item| {
-            let Item::Connector(result) = item else { return Ok(()) };
-            let Some(c) = places.get(&result.index) else { return Ok(()) };
-            let first = (s * connectors + c) * 6;
-            for (output, array) in &mut values {
-                for (k, place) in array.iter_mut().skip(first).take(6).enumerate() {
-                    let value = value_of(result, *output, k).filter(|_| plan.request.wants(*output, k));
-                    *place = value.map_or(f64::NAN, pintle_report::Value::number);
-                }
-            }
-            let of = &result.evaluation;
-            for (row, to) in of.jacobian.iter().zip(jacobian.chunks_exact_mut(DOFS).skip(first)) {
-                to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
-            }
-            for (matrix, to) in of.hessian.iter().zip(hessian.chunks_exact_mut(DOFS * DOFS).skip(first)) {
-                match matrix {
-                    Some(matrix) => to.copy_from_slice(matrix.as_flattened()),
-                    None => to.fill(f64::NAN),
-                }
-            }
-            Ok(())
-        });
-        let Ok(()) = seen;
     }
 }
 
@@ -196,15 +147,8 @@ impl Scene {
             jacobian: if order > 0 { slices.next() } else { None },
             hessian: if order > 1 { slices.next() } else { None },
         };
-        let is_kinematic = is_kinematic(&self.model, &plan).is_ok();
-        work::apart(py, || {
-            if is_kinematic {
-                return evaluate_arrays(&self.model, &plan, motions, numbers).map(|_| ());
-            }
-            walk(&self.model, &plan, motions, numbers);
-            Ok(())
-        })?
-        .map_err(refused)?;
+        work::apart(py, || into_arrays(&self.model, &plan, motions, &Conditions::default(), numbers))?
+            .map_err(refused)?;
         drop(writable);
         let times: Vec<f64> = match motions {
             Motions::Arrays(arrays) => {

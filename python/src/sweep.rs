@@ -1,13 +1,14 @@
 //! Chunks of a sweep: texts and numbers in, texts out, so that any engine can carry them.
 
 use pintle::sweep::{Folder, Ranges, Summary, Sweep, SweepError};
+use pintle_sweep::ranges::checked;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
 fn raised(error: SweepError) -> PyErr {
     match error {
-        SweepError::Disk(..) => PyOSError::new_err(error.to_string()),
+        SweepError::Unread(..) | SweepError::Unwritten(..) => PyOSError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
     }
 }
@@ -24,7 +25,7 @@ pub(crate) fn sweep_plan(py: Python<'_>, of: Vec<String>, seed: &str, share: f64
 /// The chunks that are left of `states`, as first index and count: of all where there is no folder.
 ///
 /// # Errors
-/// ValueError, where the folder is of another plan, or a file of it is no summary.
+/// ValueError, where the folder is of another plan, or there are more than ten million chunks; OSError, where the folder cannot be read.
 #[pyfunction]
 pub(crate) fn sweep_left(
     py: Python<'_>,
@@ -33,13 +34,23 @@ pub(crate) fn sweep_left(
     chunk: u64,
     out: Option<PathBuf>,
 ) -> PyResult<Vec<(u64, u64)>> {
+    const MOST: usize = 10_000_000;
     let left = || {
+        checked(0, states)?;
         let wanted = Ranges::of(0, states);
-        let Some(out) = out else { return Ok(wanted.chunks(chunk)) };
-        let empty = Sweep::new(plan)?.empty();
-        Ok(Folder::open(&out, plan)?.left(&wanted, empty)?.chunks(chunk))
+        let left = match out {
+            Some(out) => wanted.without(&Folder::open(&out, plan)?.done()?),
+            None => wanted,
+        };
+        Ok(left.chunks(chunk).take(MOST + 1).collect::<Vec<_>>())
     };
-    py.detach(left).map_err(raised)
+    let chunks = py.detach(left).map_err(raised)?;
+    if chunks.len() > MOST {
+        return Err(PyValueError::new_err(format!(
+            "{states} states are more than {MOST} chunks: make chunk_states larger"
+        )));
+    }
+    Ok(chunks)
 }
 
 /// Computes a chunk on threads of its own, and gives its summary as text; with a folder it is kept there instead.

@@ -118,7 +118,6 @@ pub mod batch {
 #[cfg(feature = "cli")]
 pub mod scene {
     pub use crate::cli::eval::scene as open;
-    pub use crate::cli::history::moves as has_rates;
     pub use pintle_scene::{
         Code, Diagnostic, ForceFile, Label, Scene, Severity, State, StateFile, StateStream,
     };

@@ -19,8 +19,8 @@ mod words;
 
 pub use evaluation::{
     Block, BlockKind, Column, ComponentRow, Derivative, Format, HingeFacts, MpcFacts, Nodal, NodalForce,
-    Renderer, Subject, Unevaluated, Value, csv, flag_in_words, flags_in_words, human, json, matrix_market,
-    unevaluated, value_of,
+    Renderer, Subject, Unevaluated, Value, csv, flag_in_words, flags_in_words, human, into_arrays, json,
+    matrix_market, unevaluated, value_of,
 };
 pub use layout::{table, wrap};
 pub use words::{NOTATION, ROWS, SIGNS};

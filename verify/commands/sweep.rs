@@ -151,12 +151,14 @@ fn scenes_pictures_and_states() {
 /// Whatever is wrong ends with exit code 1, and is counted.
 #[test]
 fn what_is_wrong_ends_with_code_one() {
-    for fault in ["column", "not-a-number", "judged", "axes"] {
-        let words = ["sweep", "CARDAN", "--states", "3200", "--oracle-share", "0.02", "--plant", fault];
+    for (of, fault) in
+        [("CARTESIAN", "column"), ("CARDAN", "not-a-number"), ("CARDAN", "judged"), ("CARDAN", "axes")]
+    {
+        let words = ["sweep", of, "--states", "3200", "--oracle-share", "0.02", "--plant", fault];
         let found = run(&words);
         assert_eq!(found.status.code(), Some(1), "{fault}: {}", String::from_utf8_lossy(&found.stderr));
-        let wrong = line(&found, "CARDAN").split_whitespace().last().map(str::to_string);
-        assert!(wrong.is_some_and(|wrong| wrong != "0"), "{fault}: {}", line(&found, "CARDAN"));
+        let wrong = line(&found, of).split_whitespace().last().map(str::to_string);
+        assert!(wrong.is_some_and(|wrong| wrong != "0"), "{fault}: {}", line(&found, of));
     }
     let sound = run(&["sweep", "CARDAN", "--states", "3200", "--oracle-share", "0.02"]);
     assert!(sound.status.success());

@@ -314,6 +314,8 @@ fn turns_are_counted_by_the_same_rule() {
                         );
                     }
                     assert_eq!(after.euler_sign, single.euler_sign, "{}", one.case.name);
+                    let [x, y] = [&after, single].map(|of| of.accumulated + of.accumulated_rest);
+                    assert!((x - y).abs() < 1e-12 * (1.0 + y.abs()), "{}: {x} {y}", one.case.name);
                     for j in 0..3 {
                         let (x, y) = (after.rotation_vector[j], single.rotation_vector[j]);
                         assert!((x - y).abs() < 1e-12 * (1.0 + y.abs()), "{}: {x} {y}", one.case.name);

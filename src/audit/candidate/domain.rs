@@ -344,6 +344,20 @@ mod tests {
         assert!(found[0] > 20_000, "{found:?}");
     }
 
+    /// What the domain keeps states from is told as its doing; what states lack anywhere is not.
+    #[test]
+    fn the_domain_is_the_reason() {
+        let hinge = pintle_kinematics::catalog::ConnectionType::named("HINGE", None).unwrap();
+        let definition = of_type(&hinge);
+        let candidate = Candidate::new("within", &definition);
+        let domain: Domain = "r1=-0.05:0.05,r2=0:0,r3=0:0".parse().unwrap();
+        let lacks = |candidate: &Candidate<'_>| candidate.lacks(candidate.coverage());
+        assert!(lacks(&candidate).is_none());
+        let found = lacks(&candidate.within(domain)).unwrap();
+        let told = format!("{:?}", found.findings);
+        assert!(!found.findings.is_empty() && told.contains("the domain r1=-0.05:0.05"), "{told}");
+    }
+
     /// Nothing moves, turns, or leaves the plane that cannot; what cannot be brought is left out, and counted.
     #[test]
     fn what_cannot_move_stays() {

@@ -38,13 +38,15 @@ pub struct Origin {
 pub struct Fours {
     initial: [[[Four; 3]; 3]; 2],
     section: Section,
+    /// β_s and the initial lengths, which histories of material flow need.
+    flow: [Four; 2],
     origins: [Option<Origin>; 6],
     branch: Branch<Plain>,
     tile: Tile,
 }
 
 impl Fours {
-    /// Four connectors at their initial state, each with X_b − X_a and the initial triads of its nodes. Of material flow they know nothing.
+    /// Four connectors at their initial state, each with X_b − X_a and the initial triads of its nodes.
     pub fn new(
         of: &[&Connector<f64>; LANES],
         references: &[Vector<f64>; LANES],
@@ -62,6 +64,7 @@ impl Fours {
         Self {
             initial,
             section: Section::new(of),
+            flow: [four(of, |one| one.section().flow_scale), four(of, |one| one.section().initial_length)],
             origins: [0, 1, 2, 3, 4, 5].map(origin),
             branch: branches(&of.map(Connector::initial_branch)),
             tile: Tile {
@@ -103,6 +106,11 @@ impl Fours {
         self.follow_history(kind, history, tally);
     }
 
+    fn measured(&self) -> measure::Section<Plain> {
+        let [flow_scale, initial_length] = self.flow.map(Lanes);
+        measure::Section { flow_scale, initial_length, ..self.section.load() }
+    }
+
     fn follow_history(
         &mut self,
         kind: &Connector<f64>,
@@ -116,7 +124,7 @@ impl Fours {
             flow: [0, 1].map(|end| Lanes(four(of, |one| one.flow[end]))),
         };
         let mut work = Tally::default();
-        let section = self.section.load();
+        let section = self.measured();
         let follower = Follower { rows: kind.rows(), section: &section };
         self.branch = follower.follow(&self.tile.pair(), &increment, &self.branch, wanted, &mut work);
         tally.histories += LANES as u64 * work.histories;
@@ -158,7 +166,7 @@ impl Fours {
     pub fn value(&self, measure: Measure) -> Four {
         let Branch { rotation_vector, euler_sign, torsion, .. } = self.branch;
         let history = measure::History { rotation_vector, euler_sign, torsion_turns: torsion.turns };
-        let (pair, section) = (self.tile.pair(), self.section.load());
+        let (pair, section) = (self.tile.pair(), self.measured());
         let needed: Dependence = measure.dependence();
         let zero = [Lanes::splat(0.0); 3];
         let relative = pair.varied(needed, zero, zero, [Lanes::splat(0.0); 2]);

@@ -2,15 +2,18 @@
 
 use super::compare::any_states;
 use super::history::{Assigned, Forces, Given, History, Survey};
+use super::output::npz::{Array, Items, npz};
 use super::tell::{Once, complain, show_diagnostic};
 use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
+use pintle_kinematics::node::DOFS;
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{
-    Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Plan, Selection, Sequence, request,
+    Branches, ElementBehavior, Fixed, ForceCheck, Item, Jacobian, Model, Motions, Numbers, Plan, Selection,
+    Sequence, request,
 };
 use pintle_report as report;
-use pintle_report::{Block, BlockKind, Format, Subject};
+use pintle_report::{Block, BlockKind, Format, Subject, into_arrays};
 use pintle_scene::{
     Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateForces, StateIndex,
 };
@@ -104,11 +107,84 @@ pub(crate) fn run(arguments: &Eval, files: Files) -> Result<(), Failure> {
                 drop(format);
                 Ok(out.flush()?)
             }
+            EvalFormat::Npz => arrays(arguments, &runs, &request, &mut out),
             EvalFormat::Json | EvalFormat::Human => {
                 walk((arguments, files), &runs, &request, &mut report::json::Json::new(&mut out))
             }
         }
     }
+}
+
+/// Writes numbers of components as arrays, of all states together.
+fn arrays(arguments: &Eval, runs: &[Run], request: &Request, out: &mut dyn Write) -> Result<(), Failure> {
+    let [run] = runs else {
+        return Err(Failure::Usage("--format npz is of one scene: name it".to_string()));
+    };
+    let others = [
+        ("--independent", arguments.independent),
+        ("--forces", arguments.forces.is_some()),
+        ("--show", arguments.show.is_some()),
+        ("--resume", arguments.resume.is_some()),
+        ("--save-branches", arguments.save_branches.is_some()),
+        ("--jacobian", arguments.jacobian.is_some()),
+    ];
+    if let Some((option, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(Failure::Usage(format!("{option} is not for --format npz: use --format json or csv")));
+    }
+    if let Some(output) = request.outputs().find(|one| one.is_nodal() || *one == Output::TANGENT) {
+        let name = output.name();
+        let message = format!("{name} is no number of a component: --format json or csv has it");
+        return Err(Failure::Usage(message));
+    }
+    let Run { scene, history, survey, model, .. } = run;
+    assign(run, 0, None, arguments)?;
+    let selection = match arguments.connector.as_slice() {
+        [] => Selection::All,
+        names => Selection::Named(names.to_vec()),
+    };
+    let plan = Plan::compile(model, &selection, request.clone())
+        .map_err(|error| Failure::Usage(error.to_string()))?;
+    if plan.connectors.is_empty() {
+        return Err(nothing(scene));
+    }
+    let mut states = Vec::new();
+    history.each(scene, |state| {
+        states.push(state.clone());
+        Ok(())
+    })?;
+    let shape = [states.len(), plan.connectors.len(), 6, DOFS, DOFS];
+    let room = |axes: usize| vec![0.0; shape[..axes].iter().product()];
+    let outputs: Vec<Output> = request.outputs().collect();
+    let mut values: Vec<Vec<f64>> = outputs.iter().map(|_| room(3)).collect();
+    let mut jacobian = (request.order > 0).then(|| room(4));
+    let mut hessian = (request.order > 1).then(|| room(5));
+    let numbers = Numbers {
+        values: outputs.iter().copied().zip(values.iter_mut().map(Vec::as_mut_slice)).collect(),
+        jacobian: jacobian.as_deref_mut(),
+        hessian: hessian.as_deref_mut(),
+    };
+    let conditions = (&arguments.conditions).into();
+    into_arrays(model, &plan, Motions::States(&states), &conditions, numbers)
+        .map_err(|error| Failure::Input(error.to_string()))?;
+    let elements = plan.connectors.iter().map(|index| model.connectors[*index].label.to_string());
+    let mut all = vec![
+        Array { name: "state", shape: vec![states.len()], items: Items::Counts(survey.numbers(0)) },
+        Array::words("element", elements.collect()),
+    ];
+    if states.iter().any(|state| state.time.is_some()) {
+        let times = states.iter().map(|state| state.time.unwrap_or(f64::NAN)).collect();
+        all.push(Array::numbers("time", vec![states.len()], times));
+    }
+    let named = outputs.into_iter().zip(values);
+    all.extend(named.map(|(output, values)| Array::numbers(output.name(), shape[..3].to_vec(), values)));
+    let more = [("jacobian", 4, jacobian), ("hessian", 5, hessian)];
+    for (name, axes, numbers) in more {
+        all.extend(numbers.map(|numbers| Array::numbers(name, shape[..axes].to_vec(), numbers)));
+    }
+    npz(out, &all)?;
+    out.flush()?;
+    complain("note", "arrays do not say which values need care: --format json does");
+    Ok(())
 }
 
 /// The scenes that are asked for.
@@ -309,6 +385,8 @@ fn wanted(arguments: &Eval, runs: &[Run]) -> Result<Request, Failure> {
         );
         outputs.push(Output::NF);
     }
+    // Arrays have numbers of components only.
+    outputs.retain(|output| !matches!(arguments.format, EvalFormat::Npz) || !output.is_nodal());
     Ok(Request::new(&outputs, [true; 6], order))
 }
 

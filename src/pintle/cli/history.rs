@@ -53,7 +53,7 @@ impl History {
             let number = state.number.unwrap_or(survey.marks.len() as u64);
             survey.vanishing.see(number, state);
             survey.marks.push(StateMark::of(state));
-            survey.moves |= moves(state);
+            survey.moves |= state.has_rates();
             Ok(())
         })?;
         Ok(survey)
@@ -211,16 +211,4 @@ impl Assigned {
             walk(Feed::Read(receiver, None))
         })
     }
-}
-
-/// Whether a state has rates of a node: velocities or accelerations.
-pub fn moves(state: &State) -> bool {
-    let still = [0.0; 3];
-    state.nodes.values().any(|node| {
-        [node.velocity, node.angular_velocity, node.acceleration, node.angular_acceleration]
-            .iter()
-            .any(|rate| *rate != still)
-            || node.flow_velocity != 0.0
-            || node.flow_acceleration != 0.0
-    })
 }

@@ -257,6 +257,9 @@ pub(crate) enum EvalFormat {
     Json,
     /// One table in long form
     Csv,
+    /// Arrays of NumPy by state, connector and component, held in memory until all are known: what
+    /// pintle.Scene.evaluate gives
+    Npz,
 }
 
 /// What a positive force means.
@@ -292,7 +295,7 @@ pub(crate) struct Eval {
     /// A deck (.inp), TOML or JSON scene (.toml, .json) or gallery:NAME; without it, all of the gallery with its own states
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
-    /// States of the nodes (.csv or .json), evaluated in order; without it, those of the scene, or the initial state
+    /// States of the nodes (.csv, .json, .npz), evaluated in order; without it, those of the scene, or the initial state
     #[arg(long, value_name = "FILE", requires = "scene")]
     states: Option<PathBuf>,
     /// Each state follows the initial one, not the one before: no turn, friction or damage is carried on

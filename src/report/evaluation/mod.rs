@@ -1,5 +1,6 @@
 //! What `pintle eval` writes: one stream of blocks, written as they come, in one of three formats.
 
+mod arrays;
 mod block;
 pub mod csv;
 mod flags;
@@ -8,6 +9,7 @@ pub mod json;
 pub mod matrix_market;
 mod number;
 
+pub use arrays::into_arrays;
 pub use block::{
     Block, BlockKind, Column, ComponentRow, Derivative, HingeFacts, MpcFacts, Nodal, NodalForce, Value,
     value_of,

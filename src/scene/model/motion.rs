@@ -117,3 +117,17 @@ pub struct StateForces {
     /// Those of multi-point constraints, by their nodes (`10-20-30`).
     pub mpcs: BTreeMap<String, ElementForces>,
 }
+
+impl State {
+    /// Whether it has rates of a node: velocities or accelerations other than zero.
+    pub fn has_rates(&self) -> bool {
+        let still = [0.0; 3];
+        self.nodes.values().any(|node| {
+            [node.velocity, node.angular_velocity, node.acceleration, node.angular_acceleration]
+                .iter()
+                .any(|rate| *rate != still)
+                || node.flow_velocity != 0.0
+                || node.flow_acceleration != 0.0
+        })
+    }
+}

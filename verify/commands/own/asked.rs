@@ -307,11 +307,6 @@ fn states_are_drawn_within_a_domain() {
             stderr(&there(&folder, "CARTESIAN", ["--with", &bare], &["--within", wrong]).assert().failure());
         assert!(told.contains(why), "{told}");
     }
-    // What the domain keeps states from is no fault of theirs, and what cannot be brought there is counted.
-    let few = ["--within", "x1=0.65:0.75,x2=-0.4:-0.4,x3=0.9:0.9,r1=0:0,r2=0:0,r3=0:0", "--verbose"];
-    let page = stdout(&there(&folder, "CARTESIAN", ["--with", &bare], &few).assert().success());
-    let flat: String = page.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(flat.contains("the domain x1=0.65:0.75,x2=-0.4:-0.4"), "{page}");
     // A domain is of connectors.
     for (of, routine) in [("MPC PIN", "plain:cartesian"), ("FRICTION HINGE", "plain:cartesian")] {
         for door in [["--python", routine], ["--with", &bare]] {

@@ -218,9 +218,11 @@ impl NodeArrays<'_> {
         }
     }
 
-    /// Whether velocities are given.
-    pub const fn has_rates(&self) -> bool {
-        self.velocity.is_some() || self.angular_velocity.is_some() || self.flow[1].is_some()
+    /// Whether there are rates: velocities or accelerations other than zero.
+    pub fn has_rates(&self) -> bool {
+        let all = [self.velocity, self.angular_velocity, self.acceleration, self.angular_acceleration];
+        let mut all = all.into_iter().chain([self.flow[1], self.flow[2]]).flatten();
+        all.any(|of| of.numbers.iter().any(|x| *x != 0.0))
     }
 
     /// A state by itself.
@@ -262,6 +264,30 @@ pub struct Numbers<'a> {
     pub jacobian: Option<&'a mut [f64]>,
     /// Second derivatives (state, connector, 6, 14, 14), of order 2.
     pub hessian: Option<&'a mut [f64]>,
+}
+
+impl Numbers<'_> {
+    /// Whether the arrays have the numbers of so many states and connectors.
+    ///
+    /// # Errors
+    /// The first of another size.
+    pub fn check(&self, states: usize, connectors: usize) -> Result<(), ArrayError> {
+        let each = states.saturating_mul(connectors).saturating_mul(6);
+        let length = |what, found: usize, expected| {
+            if found == expected { Ok(()) } else { Err(ArrayError::Length { what, found, expected }) }
+        };
+        for (output, values) in &self.values {
+            length(output.name(), values.len(), each)?;
+        }
+        for (what, array, width) in
+            [("jacobian", &self.jacobian, DOFS), ("hessian", &self.hessian, DOFS * DOFS)]
+        {
+            if let Some(array) = array {
+                length(what, array.len(), each.saturating_mul(width))?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Why arrays cannot be written.
@@ -341,20 +367,7 @@ pub fn evaluate_arrays(
 ) -> Result<Tally, ArrayError> {
     is_kinematic(model, plan)?;
     let (states, connectors) = (motions.count(), plan.connectors.len());
-    let expected = |each: usize| states.saturating_mul(connectors).saturating_mul(each);
-    let length = |what, found: usize, expected| {
-        if found == expected { Ok(()) } else { Err(ArrayError::Length { what, found, expected }) }
-    };
-    for (output, values) in &numbers.values {
-        length(output.name(), values.len(), expected(6))?;
-    }
-    for (what, array, each) in
-        [("jacobian", &numbers.jacobian, 6 * DOFS), ("hessian", &numbers.hessian, 6 * DOFS * DOFS)]
-    {
-        if let Some(array) = array {
-            length(what, array.len(), expected(each))?;
-        }
-    }
+    numbers.check(states, connectors)?;
     if states == 0 || connectors == 0 {
         return Ok(Tally::default());
     }
