@@ -222,3 +222,62 @@ print(compared)
         String::from_utf8_lossy(&output.stdout).trim().parse().unwrap_or_else(|_| panic!("{told}"));
     assert_eq!(compared, 12 * 2 * 22);
 }
+
+/// What `eval --format npz` writes are the numbers of its JSON, with and without behaviour; what arrays cannot hold is refused.
+#[test]
+fn evaluations_are_written_as_arrays() {
+    let folder = folder("evaluated");
+    let has = std::process::Command::new(python()).args(["-c", "import numpy"]).output();
+    if !has.is_ok_and(|output| output.status.success()) {
+        assert!(std::env::var_os("CI").is_none(), "CI has no NumPy");
+        eprintln!("SKIPPED: there is no NumPy");
+        return;
+    }
+    let mut compared = 0;
+    for (scene, outputs) in [
+        ("gallery:slider_crank", "CP,CU,RES"),
+        ("gallery:slider_crank", "CU,CTF,CEF"),
+        ("gallery:seat_belt", "CU,CV,CA"),
+    ] {
+        for (format, file) in [("json", "it.json"), ("npz", "it.npz")] {
+            let arguments = ["eval", scene, "--outputs", outputs, "--order", "1", "--format", format];
+            let done = there(&folder, &arguments).assert().success();
+            fs::write(folder.join(file), &done.get_output().stdout).unwrap();
+        }
+        let program = r#"
+import json, numpy
+arrays, compared, lines = numpy.load("it.npz"), 0, json.load(open("it.json"))
+names, components = [n for n in arrays.files if n.startswith("C")], ["u1", "u2", "u3", "ur1", "ur2", "ur3"]
+for s, state in enumerate(lines["scenes"][0]["states"]):
+    assert arrays["state"][s] == state["index"] and arrays["time"][s] == state["time"]
+    for c, connector in enumerate(state["connectors"]):
+        assert arrays["element"][c] == str(connector["element"])
+        for component, of in connector["components"].items():
+            k = components.index(component)
+            for name in names:
+                known, found = of.get(name), arrays[name][s, c, k]
+                if isinstance(known, float):
+                    assert abs(found - known) <= 1e-14 * (1 + abs(known)), (name, s, c, k, found, known)
+                    compared += 1
+                elif known is None:
+                    assert numpy.isnan(found), (name, s, c, k, found)
+assert arrays["jacobian"].shape == (*arrays[names[0]].shape, 14)
+print(compared)
+"#;
+        let output =
+            std::process::Command::new(python()).args(["-c", program]).current_dir(&folder).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        let all = String::from_utf8_lossy(&output.stdout);
+        compared += all.trim().parse::<usize>().unwrap_or_else(|_| panic!("{scene} {outputs}: {told}"));
+    }
+    assert!(compared > 1_000, "{compared}");
+    for (more, why) in [
+        (&["--outputs", "NF"][..], "no number of a component"),
+        (&["--jacobian", "it.mtx"], "--jacobian is not for --format npz"),
+        (&["--show", "1"], "--show is not for --format npz"),
+    ] {
+        let arguments = [&["eval", "gallery:slider_crank", "--format", "npz"], more].concat();
+        let refused = stderr(&there(&folder, &arguments).assert().code(2));
+        assert!(refused.contains(why), "{refused}");
+    }
+}

@@ -1,26 +1,16 @@
 //! Four connectors that share their measures, from state to state: where they are, what their histories decide, what they give.
 
 use crate::batch::tile::{Four, four, matrix, vector};
-use crate::batch::{History, Section, Tile};
+use crate::batch::{History, Moves, Section, Tile};
 use crate::connector::{Branch, Connector, Follower, Increment, Mask, Tally, Turns};
 use crate::measure::{self, Measure, Shared};
 use crate::node::Dependence;
 use crate::scalar::Real;
 use crate::scalar::lanes::{LANES, Lanes};
-use crate::vector::{Matrix, Vector, product};
-use pulp::{Arch, Simd, WithSimd};
+use crate::vector::{Matrix, Vector};
 
 /// Lanes of any processor.
 pub(super) type Plain = Lanes<false>;
-
-/// Where four pairs of nodes are, as what happened to them since the initial state.
-#[derive(Clone, Copy, Debug)]
-pub struct Moves {
-    /// U of a and of b (length).
-    pub displacement: [[Vector<f64>; LANES]; 2],
-    /// How they are turned.
-    pub rotation: [[Matrix<f64>; LANES]; 2],
-}
 
 /// From where the values of one component are counted.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +79,7 @@ impl Fours {
         history: Option<(&[Increment<f64>; LANES], Mask)>,
         tally: &mut Tally,
     ) {
-        Arch::new().dispatch(Place { moves, initial: &self.initial, tile: &mut self.tile });
+        self.tile.place(&self.initial, moves);
         self.follow_history(kind, history, tally);
     }
 
@@ -176,28 +166,6 @@ impl Fours {
     /// What the connector of a lane remembers.
     pub fn branch(&self, lane: usize) -> Branch<f64> {
         branch(&self.branch, lane)
-    }
-}
-
-/// The nodes of four, on the vector unit that there is: T = R T₀.
-struct Place<'l> {
-    moves: &'l Moves,
-    initial: &'l [[[Four; 3]; 3]; 2],
-    tile: &'l mut Tile,
-}
-
-impl WithSimd for Place<'_> {
-    type Output = ();
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn with_simd<V: Simd>(self, _: V) {
-        let Self { moves, initial, tile } = self;
-        for end in 0..2 {
-            tile.displacement[end] = vector(&moves.displacement[end], |one| *one);
-            let turn = matrix(&moves.rotation[end], |one| *one).map(|row| row.map(Lanes::<false>));
-            let start = initial[end].map(|row| row.map(Lanes::<false>));
-            tile.triad[end] = product(&turn, &start).map(|row| row.map(|x| x.0));
-        }
     }
 }
 

@@ -30,6 +30,14 @@ pub struct CompactRow {
     pub turning_b: [Four; 3],
 }
 
+impl CompactRow {
+    /// The row of a lane by itself.
+    pub fn lane(&self, lane: usize) -> crate::connector::CompactRow<f64> {
+        let of = |x: &[Four; 3]| x.each_ref().map(|x| x.get(lane).copied().unwrap_or(f64::NAN));
+        crate::connector::CompactRow::new(of(&self.turning_a), of(&self.moving_b), of(&self.turning_b))
+    }
+}
+
 /// A row with second derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]

@@ -64,11 +64,11 @@ use crate::node::DOFS;
 use pulp::{Arch, Simd, WithSimd};
 
 pub use crate::scalar::lanes::LANES;
-pub use fours::{Fours, Moves, Origin};
+pub use fours::{Fours, Origin};
 pub use kernel::Layout;
 pub use layout::{CompactRow, HessianRow, Row};
 pub use rows::{Array, COMPACT, Columns, Nodes, Orientation, States};
-pub use tile::{Four, History, Section, Tile};
+pub use tile::{Four, History, Moves, Section, Tile};
 
 /// Why connectors cannot be evaluated as a batch.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,8 @@ use crate::connector::{Branch, Connector};
 use crate::measure;
 use crate::node::{Node, Pair};
 use crate::scalar::lanes::{LANES, Lanes};
-use crate::vector::{Matrix, Vector};
+use crate::vector::{Matrix, Vector, product};
+use pulp::{Arch, Simd, WithSimd};
 
 /// A number of each of four elements.
 pub type Four = [f64; LANES];
@@ -19,6 +20,15 @@ pub struct Tile {
     pub displacement: [[Four; 3]; 2],
     /// The local directions of a and of b as columns.
     pub triad: [[[Four; 3]; 3]; 2],
+}
+
+/// Where four pairs of nodes are, as what happened to them since the initial state.
+#[derive(Clone, Copy, Debug)]
+pub struct Moves {
+    /// U of a and of b (length).
+    pub displacement: [[Vector<f64>; LANES]; 2],
+    /// How they are turned.
+    pub rotation: [[Matrix<f64>; LANES]; 2],
 }
 
 /// The data of four connectors that measures refer to; see [`measure::Section`].
@@ -70,6 +80,27 @@ impl Tile {
         }
     }
 
+    /// Four pairs of nodes that were moved from where they were: X_b − X_a, the initial triads, and the moves since then.
+    pub fn placed(
+        references: &[Vector<f64>; LANES],
+        triads: &[[Matrix<f64>; 2]; LANES],
+        moves: &Moves,
+    ) -> Self {
+        let initial = [0, 1].map(|end| matrix(triads, |one| one[end]));
+        let mut tile = Self {
+            reference: vector(references, |one| *one),
+            displacement: [[[0.0; LANES]; 3]; 2],
+            triad: initial,
+        };
+        tile.place(&initial, moves);
+        tile
+    }
+
+    /// Moves nodes from their initial triads: T = R T₀.
+    pub(super) fn place(&mut self, initial: &[[[Four; 3]; 3]; 2], moves: &Moves) {
+        Arch::new().dispatch(Place { moves, initial, tile: self });
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn pair<const FUSED: bool>(&self) -> Pair<Lanes<FUSED>> {
         let node = |end: usize| Node {
@@ -78,6 +109,28 @@ impl Tile {
             flow: Lanes::splat(0.0),
         };
         Pair { reference: lanes(&self.reference), a: node(0), b: node(1) }
+    }
+}
+
+/// The nodes of four, on the vector unit that there is: T = R T₀.
+struct Place<'l> {
+    moves: &'l Moves,
+    initial: &'l [[[Four; 3]; 3]; 2],
+    tile: &'l mut Tile,
+}
+
+impl WithSimd for Place<'_> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_simd<V: Simd>(self, _: V) {
+        let Self { moves, initial, tile } = self;
+        for end in 0..2 {
+            tile.displacement[end] = vector(&moves.displacement[end], |one| *one);
+            let turn = matrix(&moves.rotation[end], |one| *one).map(|row| row.map(Lanes::<false>));
+            let start = initial[end].map(|row| row.map(Lanes::<false>));
+            tile.triad[end] = product(&turn, &start).map(|row| row.map(|x| x.0));
+        }
     }
 }
 

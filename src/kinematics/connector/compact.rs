@@ -48,6 +48,12 @@ impl<R: Real> CompactRow<R> {
 }
 
 impl CompactRow<f64> {
+    /// Of the derivatives by θ_a, x_b and θ_b, without material flow.
+    pub(crate) const fn new(turning_a: Vector<f64>, moving_b: Vector<f64>, turning_b: Vector<f64>) -> Self {
+        let gradient = RelativeGradient { translation: moving_b, rotation: turning_b, flow: [0.0; 2] };
+        Self { gradient, arm: turning_a }
+    }
+
     /// Whether all its parts are finite.
     pub fn is_finite(&self) -> bool {
         let RelativeGradient { translation, rotation, flow } = &self.gradient;

@@ -421,6 +421,11 @@ impl Connector<f64> {
         [0, 1, 2, 3, 4, 5].map(|k| Some(StopStatus::at(&self.kind.stops[k]?, position[k]?)))
     }
 
+    /// Whether it is two-dimensional.
+    pub fn is_planar(&self) -> bool {
+        self.kind.is_planar
+    }
+
     /// The stops.
     pub fn stops(&self) -> &Components<Stop> {
         &self.kind.stops

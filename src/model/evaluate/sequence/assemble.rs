@@ -6,10 +6,11 @@
 use crate::evaluate::jacobian::{CompressedColumns, ForeignPattern, Jacobian};
 use crate::evaluate::parallel;
 use crate::evaluate::sequence::element::{ConnectorResult, Context};
+use crate::evaluate::sequence::lanes::{Lanes, PART, Rows};
 use crate::evaluate::sequence::nodes::STILL;
 use crate::evaluate::sequence::{Sequence, at_mpc, at_relation, turns};
 use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::connector::{CompactRow, Flag, Request, Tally};
+use pintle_kinematics::connector::{CompactRow, Components, Flag, Mask, Request, Tally};
 use pintle_kinematics::mpc::Dofs;
 use pintle_scene::State as SceneState;
 
@@ -40,7 +41,7 @@ fn fill_rows<M: Send>(
     work: impl Fn(Part<'_, M>) -> Told + Sync,
     told: &mut Told,
 ) {
-    let size = parallel::part(memories.len());
+    let size = parallel::part(memories.len()).max(PART);
     let mut parts = Vec::with_capacity(memories.len().div_ceil(size));
     let mut first = from;
     for memories in memories.chunks_mut(size) {
@@ -141,6 +142,7 @@ impl Sequence<'_> {
             mpc_nodes,
             relation_nodes,
             mpcs,
+            lanes,
             ..
         } = self;
         let context = Context {
@@ -153,9 +155,22 @@ impl Sequence<'_> {
         };
         let (followed, needed) = (&*followed, &*needed);
         let of_connectors = |Part { first, memories, entries }: Part<'_, _>| {
-            let (mut told, mut result) = (Told::default(), ConnectorResult::room());
+            let (mut told, mut result, mut rows) =
+                (Told::default(), ConnectorResult::room(), Rows::default());
             let mut put = in_turn(entries);
+            let are_in_lanes = state.forces.is_empty();
+            if are_in_lanes {
+                let of = (&**model, plan.connectors.as_slice());
+                let told = (&mut told.flags, &mut told.tally);
+                lanes.rows(of, (first, memories), (ends, moved), &mut rows, told);
+            }
             for (at, memory) in (first..).zip(memories) {
+                if let Some(Some(rows)) = rows.all.get(at - first) {
+                    jacobian.write(at, rows, &mut put);
+                    let wanted = jacobian.wanted(at);
+                    told.flags.extend(broken(wanted, rows).map(|flag| (at, flag)));
+                    continue;
+                }
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
                 let wanted = jacobian.wanted(at);
                 let mut request = Request::nothing(0);
@@ -166,13 +181,8 @@ impl Sequence<'_> {
                 let (connector, branch) = (&model.connectors[index].connector, &result.evaluation.branch);
                 let rows = connector.compact_rows(&result.state, branch, wanted, &mut told.tally);
                 jacobian.write(at, &rows, &mut put);
-                let broken = |k: &usize| {
-                    wanted[*k] && rows[*k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite())
-                };
-                let broken = (0..6)
-                    .filter(broken)
-                    .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" });
-                told.flags.extend(result.flags.drain(..).chain(broken).map(|flag| (at, flag)));
+                let flags = result.flags.drain(..).chain(broken(wanted, &rows));
+                told.flags.extend(flags.map(|flag| (at, flag)));
             }
             told
         };
@@ -250,9 +260,20 @@ impl Sequence<'_> {
                 turns(&mut self.turning, &self.ends[at]);
             }
         }
+        let of = (self.model, self.plan.connectors.as_slice());
+        self.lanes = Lanes::new(of, jacobian, (&self.followed, &self.needed));
         self.pattern = Some(jacobian.origin().clone());
         Ok(())
     }
+}
+
+/// The rows wanted that are not there, or not finite.
+fn broken(wanted: Mask, rows: &Components<CompactRow<f64>>) -> impl Iterator<Item = Flag> {
+    let is_broken = [0, 1, 2, 3, 4, 5]
+        .map(|k| wanted[k] && rows[k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite()));
+    (0..6)
+        .filter(move |k| is_broken[*k])
+        .map(|k| Flag::NotFinite { component: COMPONENT[k], quantity: "derivative" })
 }
 
 /// Puts one entry after the other.

@@ -4,6 +4,7 @@ mod assemble;
 mod belts;
 mod branches;
 mod element;
+mod lanes;
 pub(super) mod nodes;
 
 use crate::behavior::Conditions;
@@ -18,6 +19,7 @@ use crate::evaluate::relation::RelationResult;
 use branches::{Saved, followed};
 use element::{Context, Memory};
 pub(super) use element::{Needed, place};
+use lanes::Lanes;
 use nodes::{Moved, Orientation, STILL, UNTURNED, follow, is_unturned};
 use pintle_kinematics::connector::{Mask, Request, Tally, Turns};
 use pintle_kinematics::mpc;
@@ -89,6 +91,8 @@ pub struct Sequence<'a> {
     conditions: Conditions,
     /// What the pattern of the Jacobian whose histories are followed shares with its copies.
     pattern: Option<Arc<()>>,
+    /// Those whose rows it takes four at a time.
+    lanes: Lanes,
     /// Room for results.
     rooms: Rooms,
 }
@@ -220,6 +224,7 @@ impl<'a> Sequence<'a> {
             velocities: Velocities::default(),
             conditions: Conditions::default(),
             pattern: None,
+            lanes: Lanes::default(),
             rooms: Rooms::default(),
             model,
             plan,
