@@ -533,12 +533,6 @@ fn turned_tile(tile: &Tile, turn: &Matrix<f64>) -> Tile {
     turned
 }
 
-/// X_b + U_b − X_a − U_a of a lane.
-fn apart(tile: &Tile, lane: usize) -> Vector<f64> {
-    let [a, b] = &tile.displacement;
-    [0, 1, 2].map(|i: usize| tile.reference[i][lane] + (b[i][lane] - a[i][lane]))
-}
-
 impl Seen {
     fn of(rows: &[Row], flows: &[[Four; 2]], tile: &Tile, is_whole: bool) -> Self {
         let rigid = is_whole.then_some([0.0; LANES]);
@@ -556,7 +550,7 @@ impl Seen {
         }
         if let Some(rigid) = &mut seen.rigid {
             for (lane, rigid) in rigid.iter_mut().enumerate() {
-                let d = apart(tile, lane);
+                let d = tile.apart(lane);
                 *rigid = rows.iter().fold(0.0, |most, row| most.max(left_along_rigid(&row.columns, lane, d)));
             }
         }
@@ -572,7 +566,7 @@ impl Seen {
         of: &Ready,
     ) {
         for (lane, frame) in self.frame.iter_mut().enumerate() {
-            let length = of.source.length.max(norm(apart(tile, lane)));
+            let length = of.source.length.max(norm(tile.apart(lane)));
             let size = |j: usize| if j / 3 % 2 == 0 { length } else { 1.0 };
             let mut most = Some(0.0);
             for ((row, again), winds) in rows.iter().zip(again).zip(&of.winds) {

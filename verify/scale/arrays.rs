@@ -11,7 +11,7 @@ use pintle_model::evaluate::{
     evaluate_arrays,
 };
 use pintle_report::{Value, value_of};
-use pintle_scene::{Label, Rotation, State};
+use pintle_scene::{Label, NodeMotion, Rotation, Scene, State};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -44,7 +44,7 @@ impl Held {
     fn of(states: &[State]) -> Self {
         let nodes: Vec<Label> = states[0].nodes.keys().copied().collect();
         let motions = || states.iter().flat_map(|state| state.nodes.values());
-        let vector = |motion: &pintle_scene::NodeMotion| match motion.rotation {
+        let vector = |motion: &NodeMotion| match motion.rotation {
             Rotation::Vector(vector) => vector,
             Rotation::Quaternion(_) => unreachable!(),
         };
@@ -313,4 +313,39 @@ fn what_arrays_do_not_give_is_refused() {
     let of = |output: Output| Request::new(&[output], [true; 6], 0);
     assert_eq!(refused(of(Output::CTF), 96), ArrayError::Output("CTF"));
     assert_eq!(refused(of(Output::CU), 95), ArrayError::Length { what: "CU", found: 95, expected: 96 });
+}
+
+/// Beyond the lengths that batches are stated for, and on singular sets, numbers are those of a connector by itself, bit for bit.
+#[test]
+fn lengths_beyond_a_batch_are_taken_one_by_one() {
+    let deck = "*NODE\n3, 0., 0., 0.\n4, 2., 0., 0.\n5, 1., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 3, 4\n8, 3, 5\n\
+                *CONNECTOR SECTION, ELSET=C\nLINK,\n";
+    let scene = Scene::parse("far.inp", deck).unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let at = |x: f64, y: f64| NodeMotion { displacement: [x, y, 0.0], ..NodeMotion::default() };
+    let states: Vec<State> = [
+        [at(-1.5e308, 1e308), at(1.5e308, 1e308)],
+        [at(0.0, 0.0), at(-2.0, 0.0)],
+        [at(0.0, 0.0), at(-2.0, 1e-305)],
+        [at(0.0, 0.0), at(-2.0, 1e305)],
+    ]
+    .map(|[a, b]| State { nodes: [(3.into(), a), (4.into(), b)].into(), ..State::default() })
+    .into();
+    let request = Request::new(&[Output::CU, Output::RES], [true; 6], 1);
+    let (known, found) =
+        (walked(&model, &request, &states), found(&model, &request, Motions::States(&states)));
+    let mut compared = 0;
+    for s in 0..states.len() {
+        // The first connector; the second is sound in all but the first state.
+        let first = s * 12;
+        for k in first..first + 6 {
+            let rows = (&found.jacobian[k * DOFS..][..DOFS], &known.jacobian[k * DOFS..][..DOFS]);
+            let values = found.values.iter().zip(&known.values).map(|(x, y)| (x[k], y[k]));
+            for (x, y) in values.chain(rows.0.iter().copied().zip(rows.1.iter().copied())) {
+                assert!(is_same(x, y), "state {s}: {x} {y}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, states.len() * 6 * 16);
 }

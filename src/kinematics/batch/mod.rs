@@ -98,6 +98,8 @@ pub struct Batch {
     measures: Vec<(usize, Measure)>,
     passes: Vec<Pass>,
     arch: Arch,
+    /// Whether a row is that of a length.
+    has_length: bool,
 }
 
 impl Batch {
@@ -122,7 +124,10 @@ impl Batch {
         if let Some(row) = left.first() {
             return Err(refused(*row));
         }
-        Ok(Self { passes, measures, arch: Arch::new() })
+        let is_length =
+            |of: &Measure| matches!(of, Measure::Distance | Measure::Strain | Measure::RadialDistance);
+        let has_length = list.iter().any(is_length);
+        Ok(Self { passes, measures, arch: Arch::new(), has_length })
     }
 
     /// The same batch in the instructions of every processor that this program runs on, without a vector unit chosen at run
@@ -130,6 +135,17 @@ impl Batch {
     pub const fn baseline(mut self) -> Self {
         self.arch = Arch::Scalar;
         self
+    }
+
+    /// Whether the nodes of a lane are as far from each other as rows are stated for: 1e-300 to 1e300, or nearer where no row is that of a
+    /// length. Beyond it a row may be zero that is not.
+    pub fn takes(&self, tile: &Tile, lane: usize) -> bool {
+        const NEAR: f64 = 1e-300;
+        let most = tile
+            .apart(lane)
+            .into_iter()
+            .fold(0.0_f64, |most, x| if x.is_nan() { x } else { most.max(x.abs()) });
+        most <= 1.0 / NEAR && (!self.has_length || most >= NEAR)
     }
 
     /// The number of rows of each tile.

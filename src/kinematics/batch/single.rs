@@ -4,7 +4,6 @@ use crate::batch::layout::{Derivatives, Fused, Put};
 use crate::batch::tile::Four;
 use crate::batch::{History, Section, Tile};
 use crate::measure::{self, Measure, Shared};
-use crate::node::{Node, Pair};
 use crate::scalar::Seeded;
 use crate::scalar::lanes::{FirstOrder, LANES, SecondOrder};
 use crate::vector::{Matrix, Vector};
@@ -53,12 +52,7 @@ fn of<S: Seeded<6, Real = f64>>(
     let number = |of: &Four| of[lane];
     let vector = |of: &[Four; 3]| -> Vector<f64> { of.each_ref().map(number) };
     let matrix = |of: &[[Four; 3]; 3]| -> Matrix<f64> { of.each_ref().map(vector) };
-    let node = |end: usize| Node {
-        displacement: vector(&tile.displacement[end]),
-        triad: matrix(&tile.triad[end]),
-        flow: 0.0,
-    };
-    let pair = Pair { reference: vector(&tile.reference), a: node(0), b: node(1) };
+    let pair = tile.lane(lane);
     let section = measure::Section {
         initial_orientation: matrix(&section.initial_orientation),
         initial_length: 0.0,

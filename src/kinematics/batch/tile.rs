@@ -96,6 +96,25 @@ impl Tile {
         tile
     }
 
+    /// x_b − x_a of a lane.
+    pub fn apart(&self, lane: usize) -> Vector<f64> {
+        let [a, b] = &self.displacement;
+        let of = |x: &Four| x.get(lane).copied().unwrap_or(f64::NAN);
+        [0, 1, 2].map(|i| of(&self.reference[i]) + (of(&b[i]) - of(&a[i])))
+    }
+
+    /// The nodes of a lane.
+    pub fn lane(&self, lane: usize) -> Pair<f64> {
+        let number = |of: &Four| of.get(lane).copied().unwrap_or(f64::NAN);
+        let vector = |of: &[Four; 3]| -> Vector<f64> { of.each_ref().map(number) };
+        let node = |end: usize| Node {
+            displacement: vector(&self.displacement[end]),
+            triad: self.triad[end].each_ref().map(vector),
+            flow: 0.0,
+        };
+        Pair { reference: vector(&self.reference), a: node(0), b: node(1) }
+    }
+
     /// Moves nodes from their initial triads: T = R T₀.
     pub(super) fn place(&mut self, initial: &[[[Four; 3]; 3]; 2], moves: &Moves) {
         Arch::new().dispatch(Place { moves, initial, tile: self });

@@ -4,7 +4,7 @@ use crate::evaluate::arrays::quad::{Quads, Room};
 use crate::evaluate::arrays::{Places, Sorted};
 use crate::evaluate::sequence::nodes::{Moved, Orientation, STILL, UNTURNED, follow};
 use crate::evaluate::sequence::place;
-use pintle_kinematics::connector::{Branch, Evaluation, Output, Tally};
+use pintle_kinematics::connector::{Branch, Connector, Evaluation, Output, Request, Tally};
 use pintle_kinematics::node::DOFS;
 use pintle_scene::Label;
 use std::ops::Range;
@@ -118,32 +118,43 @@ impl Single {
         let (state, increment) = place(element, ends);
         self.branch = connector.follow(&state, &increment, &self.branch, request.components(), tally);
         connector.evaluate_into(evaluation, &state, self.branch, request, tally);
-        let first = self.at * 6;
-        for &mut (output, ref mut numbers) in &mut places.values {
-            let stops =
-                if output == Output::CSLST { connector.stop_status(&evaluation.position) } else { [None; 6] };
-            for (k, place) in numbers.iter_mut().skip(first).take(6).enumerate() {
-                let value = match output {
-                    Output::CSLST => stops[k].map(|stop| f64::from(stop.flag())),
-                    Output::TURNS => evaluation.turns[k].map(|turns| turns.turns),
-                    of_motion => evaluation.value(of_motion, k),
-                };
-                *place = value.filter(|_| request.wants(output, k)).unwrap_or(f64::NAN);
-            }
+        write(evaluation, connector, request, self.at, places);
+    }
+}
+
+/// Writes the numbers of a connector, by its place in the part.
+pub(super) fn write(
+    evaluation: &Evaluation<f64>,
+    connector: &Connector<f64>,
+    request: &Request,
+    at: usize,
+    places: &mut Places<'_>,
+) {
+    let first = at * 6;
+    for &mut (output, ref mut numbers) in &mut places.values {
+        let stops =
+            if output == Output::CSLST { connector.stop_status(&evaluation.position) } else { [None; 6] };
+        for (k, place) in numbers.iter_mut().skip(first).take(6).enumerate() {
+            let value = match output {
+                Output::CSLST => stops[k].map(|stop| f64::from(stop.flag())),
+                Output::TURNS => evaluation.turns[k].map(|turns| turns.turns),
+                of_motion => evaluation.value(of_motion, k),
+            };
+            *place = value.filter(|_| request.wants(output, k)).unwrap_or(f64::NAN);
         }
-        if let Some(numbers) = &mut places.jacobian {
-            let rows = numbers.chunks_exact_mut(DOFS).skip(first);
-            for (to, row) in rows.zip(&evaluation.jacobian) {
-                to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
-            }
+    }
+    if let Some(numbers) = &mut places.jacobian {
+        let rows = numbers.chunks_exact_mut(DOFS).skip(first);
+        for (to, row) in rows.zip(&evaluation.jacobian) {
+            to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
         }
-        if let Some(numbers) = &mut places.hessian {
-            let all = numbers.chunks_exact_mut(DOFS * DOFS).skip(first);
-            for (to, hessian) in all.zip(&evaluation.hessian) {
-                match hessian {
-                    Some(hessian) => to.copy_from_slice(hessian.as_flattened()),
-                    None => to.fill(f64::NAN),
-                }
+    }
+    if let Some(numbers) = &mut places.hessian {
+        let all = numbers.chunks_exact_mut(DOFS * DOFS).skip(first);
+        for (to, hessian) in all.zip(&evaluation.hessian) {
+            match hessian {
+                Some(hessian) => to.copy_from_slice(hessian.as_flattened()),
+                None => to.fill(f64::NAN),
             }
         }
     }

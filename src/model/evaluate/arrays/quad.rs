@@ -1,10 +1,11 @@
 //! Connectors of one kind, four at a time.
 
+use crate::evaluate::arrays::part::write;
 use crate::evaluate::arrays::{Kind, Places};
 use crate::evaluate::model::Model;
 use crate::evaluate::sequence::nodes::{Moved, STILL};
 use pintle_kinematics::batch::{CompactRow, Four, Fours, History, LANES, Moves, Section, Tile};
-use pintle_kinematics::connector::{Connector, Increment, Output, Request, Tally};
+use pintle_kinematics::connector::{Branch, Connector, Evaluation, Increment, Output, Request, State, Tally};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::DOFS;
 
@@ -20,16 +21,29 @@ struct Quad<'a> {
     fours: Fours,
     /// Their places in the part, and their nodes.
     members: Vec<(usize, &'a [bool; DOFS])>,
+    connectors: [&'a Connector<f64>; LANES],
     ends: [[Option<usize>; LANES]; 2],
 }
 
 /// Room for the rows of some of them.
-#[derive(Default)]
 pub(super) struct Room {
     tiles: Vec<Tile>,
     sections: Vec<Section>,
     histories: Vec<History>,
     rows: Vec<CompactRow>,
+    evaluation: Evaluation<f64>,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            tiles: Vec::new(),
+            sections: Vec::new(),
+            histories: Vec::new(),
+            rows: Vec::new(),
+            evaluation: Evaluation::empty(Branch::none()),
+        }
+    }
 }
 
 /// A connector of a part: its place there, its index in the model, its nodes.
@@ -48,6 +62,7 @@ impl<'a> Quads<'a> {
             let elements = four.map(|(_, index, _)| &model.connectors[index]);
             let connectors: [&Connector<f64>; LANES] = elements.map(|element| &element.connector);
             Some(Quad {
+                connectors,
                 fours: Fours::new(
                     &connectors,
                     &elements.map(|element| element.reference),
@@ -129,6 +144,13 @@ impl<'a> Quads<'a> {
                 if let Some(numbers) = &mut places.jacobian {
                     quad.put_rows((batch.measures(), own), request, numbers);
                 }
+                for (lane, (at, _)) in quad.members.iter().enumerate() {
+                    if !batch.takes(quad.fours.tile(), lane) {
+                        quad.alone(lane, request, room);
+                        tally.values += room.evaluation.position.iter().flatten().count() as u64;
+                        write(&room.evaluation, quad.connectors[lane], request, *at, places);
+                    }
+                }
             }
         }
     }
@@ -166,6 +188,15 @@ impl Quad<'_> {
             |row| row.value,
         );
         Some(std::array::from_fn(|lane| value[lane] - from[lane]))
+    }
+
+    /// The connector of a lane by itself, where its nodes are too far apart, or too near, for a batch.
+    fn alone(&self, lane: usize, request: &Request, room: &mut Room) {
+        let pair = self.fours.tile().lane(lane);
+        let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let branch = self.fours.branch(lane);
+        let work = &mut Tally::default();
+        self.connectors[lane].evaluate_into(&mut room.evaluation, &state, branch, request, work);
     }
 
     /// Writes rows: x_a, θ_a, Ψ_a, x_b, θ_b, Ψ_b.

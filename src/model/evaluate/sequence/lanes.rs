@@ -1,17 +1,17 @@
 //! Rows of the sparse Jacobian, four connectors of one kind at a time ([`pintle_kinematics::batch`]).
 //!
 //! That is for connectors whose history is not followed, and of which nothing but rows is asked: no behaviour, no force, no flag but that of
-//! a singular set near by. All others are evaluated by themselves.
+//! a singular set near by; and where lengths are such that rows are right to rounding. All others are evaluated by themselves.
 
 use crate::evaluate::jacobian::Jacobian;
 use crate::evaluate::model::Model;
 use crate::evaluate::sequence::Place;
 use crate::evaluate::sequence::element::{Memory, Needed};
 use crate::evaluate::sequence::nodes::{Moved, STILL};
-use pintle_kinematics::batch::{self, Batch, Four, History, LANES, Moves, Section, Tile};
+use pintle_kinematics::batch::{self, Batch, History, LANES, Moves, Section, Tile};
 use pintle_kinematics::connector::{CompactRow, Components, Flag, Increment, Mask, State, Tally};
-use pintle_kinematics::node::{DOFS, Node, Pair};
-use pintle_kinematics::vector::{Matrix, Vector};
+use pintle_kinematics::node::DOFS;
+use pintle_kinematics::vector::Vector;
 
 /// How many connectors are taken together, among which those of one kind are found.
 pub(super) const PART: usize = 256;
@@ -134,6 +134,9 @@ impl Lanes {
             tally.gradients += (of_kind.len() * each) as u64;
             for (n, (_, at)) in of_kind.iter().enumerate() {
                 let (tile, lane) = (n / LANES, n % LANES);
+                if !kind.batch.takes(&rows.tiles[tile], lane) {
+                    continue;
+                }
                 let mut own = [None; 6];
                 for ((k, _), row) in kind.batch.measures().iter().zip(&rows.found[tile * each..]) {
                     own[*k] = Some(row.lane(lane));
@@ -141,7 +144,8 @@ impl Lanes {
                 rows.all[*at] = Some(own);
                 if kind.is_singular_somewhere {
                     let index = connectors[first + at];
-                    let state = state_of(&rows.tiles[tile], lane);
+                    let pair = rows.tiles[tile].lane(lane);
+                    let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
                     look(
                         model,
                         (index, kind.wanted),
@@ -170,18 +174,4 @@ fn look(
     let branches = [&memory.branch; 2];
     let flags = connector.flags_of([false; 6], &margins, &Increment::none(), state, branches);
     flags.into_iter().for_each(tell);
-}
-
-/// The state of a lane, at rest.
-fn state_of(tile: &Tile, lane: usize) -> State<f64> {
-    let number = |of: &Four| of[lane];
-    let vector = |of: &[Four; 3]| -> Vector<f64> { of.each_ref().map(number) };
-    let matrix = |of: &[[Four; 3]; 3]| -> Matrix<f64> { of.each_ref().map(vector) };
-    let node = |end: usize| Node {
-        displacement: vector(&tile.displacement[end]),
-        triad: matrix(&tile.triad[end]),
-        flow: 0.0,
-    };
-    let pair = Pair { reference: vector(&tile.reference), a: node(0), b: node(1) };
-    State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }
 }
