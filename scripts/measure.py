@@ -621,6 +621,7 @@ MEASUREMENTS = {
     printed("scale"): ("scale",),
     printed("history", is_pinned=False): ("history",),
     printed("threads", is_pinned=False): ("threads",),
+    printed("arrays", is_pinned=False): ("arrays",),
     printed("stress", "--picture", str(EXPLANATION / "stress.svg")): ("stress",),
     proof: ("proof",),
     printed("assembly"): ("assembly",),

@@ -19,9 +19,10 @@ pub(super) struct Quads<'a> {
 /// Four connectors, the last of which may stand for those that are missing.
 struct Quad<'a> {
     fours: Fours,
-    /// Their places in the part, and their nodes.
-    members: Vec<(usize, &'a [bool; DOFS])>,
+    /// Their places in the part.
+    members: Vec<usize>,
     connectors: [&'a Connector<f64>; LANES],
+    /// Their nodes, by their places in the part; none is the ground.
     ends: [[Option<usize>; LANES]; 2],
 }
 
@@ -68,10 +69,7 @@ impl<'a> Quads<'a> {
                     &elements.map(|element| element.reference),
                     &elements.map(|element| element.triads().map(|triad| *triad)),
                 ),
-                members: members
-                    .iter()
-                    .map(|(at, index, _)| (*at, model.connectors[*index].connector.active()))
-                    .collect(),
+                members: members.iter().map(|(at, ..)| *at).collect(),
                 ends: [0, 1].map(|end| four.map(|(_, _, ends)| ends[end])),
             })
         });
@@ -134,7 +132,7 @@ impl<'a> Quads<'a> {
                         } else {
                             None
                         };
-                        for (lane, (at, _)) in quad.members.iter().enumerate() {
+                        for (lane, at) in quad.members.iter().enumerate() {
                             if let Some(place) = numbers.get_mut(at * 6 + k) {
                                 *place = value.map_or(f64::NAN, |value| value[lane]);
                             }
@@ -144,7 +142,7 @@ impl<'a> Quads<'a> {
                 if let Some(numbers) = &mut places.jacobian {
                     quad.put_rows((batch.measures(), own), request, numbers);
                 }
-                for (lane, (at, _)) in quad.members.iter().enumerate() {
+                for (lane, at) in quad.members.iter().enumerate() {
                     if !batch.takes(quad.fours.tile(), lane) {
                         quad.alone(lane, request, room);
                         tally.values += room.evaluation.position.iter().flatten().count() as u64;
@@ -207,7 +205,8 @@ impl Quad<'_> {
         numbers: &mut [f64],
     ) {
         let wanted = request.rows();
-        for (lane, (at, active)) in self.members.iter().enumerate() {
+        for (lane, at) in self.members.iter().enumerate() {
+            let active = self.connectors[lane].active();
             let is_free = active.iter().enumerate().all(|(j, is)| *is || j % (DOFS / 2) == 6);
             let Some(own) = numbers.get_mut(at * 6 * DOFS..(at + 1) * 6 * DOFS) else { continue };
             let own = own.as_chunks_mut::<DOFS>().0;
@@ -233,7 +232,7 @@ impl Quad<'_> {
                     0.0,
                 ];
                 if !is_free {
-                    to.iter_mut().zip(*active).filter(|(_, is)| !*is).for_each(|(entry, _)| *entry = 0.0);
+                    to.iter_mut().zip(active).filter(|(_, is)| !*is).for_each(|(entry, _)| *entry = 0.0);
                 }
                 is_there[*k] = true;
             }
