@@ -92,6 +92,8 @@ pub struct Checked {
     pub outside: u64,
     /// How many of the states that were drawn the domain left out.
     pub left_out: u64,
+    /// At how many it continued angles on another sheet.
+    pub elsewhere: u64,
     /// What it does not offer: values, rows, components of the connector.
     pub not_offered: Vec<&'static str>,
     /// How many requests it got, for differences of its own values and all.
@@ -140,6 +142,12 @@ impl Checked {
                  or they stay near a singular set outside of it"
             ));
         }
+        if self.elsewhere > 0 {
+            let (elsewhere, states) = (self.elsewhere, self.states);
+            notes.push(format!(
+                "at {elsewhere} of {states} states angles go on otherwise, and no farther from the state before: these are not judged"
+            ));
+        }
         notes
     }
 }
@@ -178,7 +186,7 @@ fn check_connector<D: Door>(
     let led = if session.has_memory() { led(at) } else { at.to_vec() };
     let candidate = if led.is_empty() { candidate } else { candidate.at(&led) };
     let left_out = candidate.left_out() as u64;
-    let mut report = candidate.try_check(|asked: &[Question<'_>]| {
+    let (mut report, elsewhere) = candidate.try_check_on_sheets(|asked: &[Question<'_>]| {
         let given = session.ask(asked)?;
         for (_, given) in asked.iter().zip(&given).filter(|(asked, _)| asked.is_drawn) {
             states += 1;
@@ -194,7 +202,8 @@ fn check_connector<D: Door>(
     session.ask_again()?;
     let asked = session.asked();
     session.close()?;
-    Ok(Checked { report, states, outside, left_out, not_offered, asked })
+    let elsewhere = elsewhere as u64;
+    Ok(Checked { report, states, outside, left_out, elsewhere, not_offered, asked })
 }
 
 /// States of a history, each with the whole way to it: a routine with a memory is led along.

@@ -3,6 +3,7 @@
 use crate::case::Step;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use pintle_kinematics::connector::{Components, NodalMatrix, NodalRow, State};
+use pintle_kinematics::node::DOFS;
 
 /// What a routine gives at a state: numbers of each component, `None` where the connector has no such component, or the routine none.
 ///
@@ -115,6 +116,29 @@ impl Given {
     pub fn element_stiffness(mut self, stiffness: NodalMatrix<f64>) -> Self {
         self.1.stiffness = Some(stiffness);
         self
+    }
+
+    /// Without columns of the ground, which a routine need not know of.
+    pub(super) fn without_ground(&mut self, moves: [bool; 2]) {
+        let is_ground = |j: usize| !moves[usize::from(j >= DOFS / 2)];
+        if moves == [true; 2] {
+            return;
+        }
+        for (quantity, is_matrix) in [
+            (Quantity::FirstDerivatives, false),
+            (Quantity::NodalForces, false),
+            (Quantity::SecondDerivatives, true),
+            (Quantity::GeometricStiffness, true),
+        ] {
+            for entries in self.0.entries_mut(quantity).0.iter_mut().flatten() {
+                for (i, entry) in entries.iter_mut().enumerate() {
+                    let of_ground = is_ground(i % DOFS) || (is_matrix && is_ground(i / DOFS % DOFS));
+                    if of_ground && entry.is_finite() {
+                        *entry = 0.0;
+                    }
+                }
+            }
+        }
     }
 
     /// Without the components, and without what is not wanted.

@@ -31,6 +31,7 @@ mod element;
 mod friction;
 mod given;
 mod right;
+mod sheet;
 mod tables;
 
 pub use constraint::ConstraintCandidate;
@@ -324,8 +325,20 @@ impl<'a> Candidate<'a> {
     /// The first of the routine.
     pub fn try_check<E>(
         &self,
-        mut routine: impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
+        routine: impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
     ) -> Result<Report, E> {
+        Ok(self.try_check_on_sheets(routine)?.0)
+    }
+
+    /// The same, with the number of states at which it continued angles on another sheet ([`sheet`]): they are not judged.
+    ///
+    /// # Errors
+    /// The first of the routine.
+    pub fn try_check_on_sheets<E>(
+        &self,
+        mut routine: impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
+    ) -> Result<(Report, usize), E> {
+        let mut elsewhere = 0;
         let mut found: Vec<Check> = Vec::new();
         let mut of_element = Vec::new();
         let mut coverage = Coverage::default();
@@ -346,6 +359,10 @@ impl<'a> Candidate<'a> {
                 }
                 let Some(given) = answers.next().flatten() else { continue };
                 let given = self.read(given, &self.offers, asked);
+                if !self.is_principal && sheet::is_another(&asked.case, &given, &asked.values_before) {
+                    elsewhere += 1;
+                    continue;
+                }
                 let is_wide = wide.contains(&asked.number);
                 checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide, &mut of_element)?);
             }
@@ -376,7 +393,7 @@ impl<'a> Candidate<'a> {
         let of_values = subject.checks.iter().filter(is_formula);
         let values = of_values.filter(|check| is_witness(check.against) && check.compared > 0);
         subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
-        Ok(Report {
+        let report = Report {
             version: pintle_kinematics::VERSION,
             settings: self.settings.clone(),
             constant: crate::C,
@@ -384,7 +401,8 @@ impl<'a> Candidate<'a> {
             sampled: Vec::new(),
             atlas: Vec::new(),
             models: self.lacks(coverage).into_iter().collect(),
-        })
+        };
+        Ok((report, elsewhere))
     }
 
     /// What the states leave out, if anything.
@@ -426,6 +444,7 @@ impl<'a> Candidate<'a> {
     /// What was asked of what was given, principal angles on the sheet of the right ones.
     fn read(&self, given: Given, wants: &[Quantity], asked: &Asked) -> Given {
         let mut given = given.only(wants, [true; 6]);
+        given.without_ground(self.definition.moves);
         if self.is_principal {
             given.continue_angles(&asked.case);
         }

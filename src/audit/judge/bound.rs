@@ -157,9 +157,10 @@ impl Bound {
         self.is_of_wide && (want.is_infinite() || !self.scale(quantity, k, i).is_finite())
     }
 
-    /// How far an entry may be from the truth, where that is known.
+    /// How far an entry may be from the truth, where that is known. Numbers below the range of doubles have no digits left.
     pub fn known(&self, quantity: Quantity, k: usize, i: usize) -> Option<f64> {
-        self.tolerance.entries(quantity).get(k, i)
+        let tolerance = self.tolerance.entries(quantity).get(k, i)?;
+        Some(if tolerance < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { tolerance })
     }
 
     /// How far an entry may be from the truth.

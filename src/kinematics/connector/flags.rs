@@ -397,14 +397,19 @@ impl Singular {
 
 impl Connector<f64> {
     /// Which residuals are beyond rounding of the coordinates: 2e-6 of the largest of them, or 2e-6 rad. `driven` says which components a
-    /// connector motion drives.
+    /// connector motion drives. Nodes at the origin are as far off as rounding of a model of that `length` makes them: 2e-12 of it.
     pub fn off_constraint(
         &self,
         pair: &Pair<f64>,
         residual: &Components<f64>,
         driven: Mask,
+        length: f64,
     ) -> impl Iterator<Item = Flag> {
-        let size = |measure: Measure| if measure.unit() == Unit::Length { extent(pair) } else { 1.0 };
+        const OF_MODEL: f64 = 1e-6;
+        let size = move |measure: Measure| match measure.unit() {
+            Unit::Length => extent(pair).max(OF_MODEL * length),
+            _ => 1.0,
+        };
         (0..6).filter_map(move |k| {
             let (residual, measure) = (residual[k]?, self.differentiated(k)?);
             let by = match () {

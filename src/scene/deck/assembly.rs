@@ -7,7 +7,7 @@ use crate::deck::connector::RawMpc;
 use crate::deck::constraint::Raw;
 use crate::deck::faces::OtherElements;
 use crate::deck::sets::SetBuilder;
-use crate::deck::{Deck, keywords};
+use crate::deck::{Deck, keywords, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::label::labelled::LabelSet;
 use crate::label::{Instance, Label};
@@ -74,6 +74,13 @@ pub(super) struct Assembly {
     begun: Option<Span>,
     /// The first definition that stands in no part, instance or assembly.
     outside: Option<Span>,
+}
+
+impl Assembly {
+    /// Whether a part, an instance or the assembly is being read.
+    pub(super) fn is_open(&self) -> bool {
+        !self.open.is_empty()
+    }
 }
 
 impl Open {
@@ -510,6 +517,9 @@ pub(super) fn end_assembly(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()>
 
 pub(super) fn instance(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     deck.open_block(keyword, Some("ASSEMBLY"))?;
+    if keyword.has("LIBRARY") {
+        return of_library(deck, keyword);
+    }
     let name = keyword.need_name("NAME")?;
     if deck.lexer.assembly.as_ref().is_some_and(|assembly| assembly.eq_ignore_ascii_case(&name.value)) {
         // Then its name qualifies what the instance has.
@@ -533,6 +543,18 @@ pub(super) fn instance(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let level = known.level.clone();
     deck.count_generated(copied, keyword.span)?;
     deck.enter(level);
+    let instance = Instance::named(&name.value);
+    deck.assembly.instances.insert(name.value, keyword.span);
+    deck.assembly.open.push((Open::Instance(instance, placement), keyword.span));
+    Ok(())
+}
+
+/// An instance of another deck's model: nothing is known of it but its name.
+fn of_library(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    unread::elsewhere(deck, keyword);
+    let name = keyword.need_name("INSTANCE")?;
+    let placement = placement(deck)?;
+    deck.enter(Level::default());
     let instance = Instance::named(&name.value);
     deck.assembly.instances.insert(name.value, keyword.span);
     deck.assembly.open.push((Open::Instance(instance, placement), keyword.span));

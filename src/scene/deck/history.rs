@@ -108,6 +108,12 @@ pub(super) const NAMED: &[(&str, &[u8])] = &[
 const OF_SECTIONS: [&str; 3] = ["NOWARP", "NOOVAL", "NODEFORM"];
 
 pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    // The imaginary part of a perturbation about the state.
+    if keyword.has("IMAGINARY") {
+        let lines = deck.lexer.skip()?;
+        deck.count_skipped(keyword, lines);
+        return Ok(());
+    }
     let kind = motion_type(keyword)?;
     let applied = application(deck, keyword, ConditionKind::Boundary)?;
     let mut warning = None;
@@ -193,7 +199,7 @@ pub(super) fn initial_conditions(deck: &mut Deck<'_>, keyword: &Keyword) -> Resu
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
         let degree_of_freedom = items.need("the degree of freedom")?.component()?;
-        let magnitude = items.need("the velocity")?.number()?;
+        let magnitude = items.number()?.unwrap_or(0.0);
         items.end("a node or node set, a degree of freedom and a velocity")?;
         deck.scene.initial_velocities.push(InitialVelocity { target, degree_of_freedom, magnitude });
     }
@@ -206,7 +212,7 @@ pub(super) fn concentrated_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
         let degree_of_freedom = any_degree_of_freedom(&items.need("the degree of freedom")?)?;
-        let magnitude = items.need("the magnitude")?.number()?;
+        let magnitude = items.number()?.unwrap_or(0.0);
         items.end("a node or node set, a degree of freedom and a magnitude")?;
         if !is_mechanical(degree_of_freedom) {
             deck.scene
@@ -234,10 +240,22 @@ pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
         for item in items {
             values.push(if item.text.is_empty() { None } else { Some(item.number()?) });
         }
-        if label == "GRAV" && (values.len() != 4 || values.iter().any(Option::is_none)) {
-            let message = "GRAV takes a magnitude and a direction";
-            return Err(Diagnostic::error(Code::MissingData, line.span, message, "needs four numbers")
+        if label == "GRAV" {
+            let direction = values.get(1..).unwrap_or_default();
+            let is_given = values.first().is_some_and(Option::is_some) && values.len() <= 4;
+            if !is_given || direction.iter().all(Option::is_none) {
+                let message = "GRAV takes a magnitude and a direction";
+                return Err(Diagnostic::error(
+                    Code::MissingData,
+                    line.span,
+                    message,
+                    "needs three or four numbers",
+                )
                 .help("write: set, GRAV, g, x, y, z"));
+            }
+            // In a plane there is no z, and a blank is zero.
+            values.resize(4, None);
+            values.iter_mut().for_each(|value| *value = value.or(Some(0.0)));
         }
         let load = DistributedLoad { target, label, values, applied: applied.clone() };
         step_of(&mut deck.step, keyword)?.distributed_loads.push(load);
@@ -368,13 +386,14 @@ pub(super) fn set_procedure(step: &mut Step, procedure: Procedure, keyword: &Key
 fn times(deck: &mut Deck<'_>) -> Result<Times> {
     let Some(line) = deck.lexer.data()? else { return Ok(Times::default()) };
     let mut items = line.items();
-    let mut values = [None; 8];
+    let mut values = [None; 4];
     for value in &mut values {
         *value = items.number()?;
     }
-    items.end("initial, total, minimum and maximum time")?;
-    let [initial, total, minimum, maximum, rest @ ..] = values;
-    let (line, further) = (line.span, rest.iter().flatten().count());
+    // Of *STATIC, RIKS the largest load factor, and a node or set whose displacement ends the step.
+    let further = items.filter(|item| !item.text.is_empty()).count();
+    let [initial, total, minimum, maximum] = values;
+    let line = line.span;
     if let Some(negative) = [initial, total, minimum, maximum].into_iter().flatten().find(|time| *time < 0.0)
     {
         let message = format!("a time is negative: {negative}");

@@ -191,7 +191,7 @@ pub(super) static RULES: &[Rule] = &[
     ),
     rule(
         "NSET",
-        Model,
+        Both,
         &[
             need("NSET", Name),
             may("ELSET", Name),
@@ -206,7 +206,7 @@ pub(super) static RULES: &[Rule] = &[
     .with_strange(Strange::Unlike),
     rule(
         "ELSET",
-        Model,
+        Both,
         &[
             need("ELSET", Name),
             may("GENERATE", Flag),
@@ -225,6 +225,8 @@ pub(super) static RULES: &[Rule] = &[
             need("TYPE", Text),
             may("ELSET", Name),
             may("INPUT", Text),
+            // Of a substructure.
+            pass("FILE", Text),
             pass("OFFSET", Count),
             pass("SOLID ELEMENT NUMBERING", Text),
         ],
@@ -296,7 +298,7 @@ pub(super) static RULES: &[Rule] = &[
     rule(
         "INSTANCE",
         Model,
-        &[need("NAME", Name), need("PART", Name)],
+        &[may("NAME", Name), may("PART", Name), may("LIBRARY", Text), may("INSTANCE", Name)],
         "line 1 is a translation, line 2: two points of an axis, and an angle in degrees",
         assembly::instance,
     ),
@@ -682,6 +684,7 @@ pub(super) static RULES: &[Rule] = &[
             may("FIXED", Flag),
             may("USER", Flag),
             pass("REAL", Flag),
+            may("IMAGINARY", Flag),
             pass("REGION TYPE", Text),
         ],
         "each line is: node or node set, first, last degree of freedom, magnitude",

@@ -1,6 +1,7 @@
 //! Nodes, sets, elements, orientations, and the properties of point elements.
 
 use crate::deck::sets::SetBuilder;
+use crate::deck::unread::Redefined;
 use crate::deck::{Deck, table};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::freedom::element_rotates;
@@ -67,17 +68,14 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                 place.insert(Node { coordinates, span: line.span });
             }
             Entry::Occupied(first) if first.get().coordinates == coordinates => {}
-            Entry::Occupied(first) => {
-                let first = first.get().span;
-                let message = format!("node {label} is defined twice, at different places");
-                return Err(Diagnostic::error(
-                    Code::DuplicateNode,
-                    line.span,
-                    message,
-                    format!("first defined on line {}", first.line()),
-                )
-                .beside(first)
-                .help("give one of the two another number"));
+            Entry::Occupied(mut known) => {
+                let again = Redefined { label: label.into(), first: known.get().span, again: line.span };
+                // In a part its label is not yet the one that a connector has.
+                if deck.assembly.is_open() {
+                    return Err(again.error());
+                }
+                known.insert(Node { coordinates, span: line.span });
+                deck.unread.redefined.push(again);
             }
         }
         if let Some(members) = &mut members {

@@ -206,7 +206,7 @@ struct Deck<'a> {
     system: Option<mesh::Axes>,
     /// What bears on a connector only if one uses it.
     unread: unread::Unread,
-    /// `*SPRING` and `*DASHPOT` belong to the `*JOINT` above.
+    /// `*SPRING` and `*DASHPOT` belong to the `*JOINT` or `*ITS` above.
     within_joint: bool,
     warnings: Vec<Diagnostic>,
     /// Of each code the place of its first warning, and their number.
@@ -293,7 +293,7 @@ impl Deck<'_> {
 
     fn take(&mut self, mut keyword: Keyword) -> Result<()> {
         let Some(rule) = keywords::find(&keyword.name).filter(|rule| !self.is_of_another(rule)) else {
-            self.within_joint &= ["SPRING", "DASHPOT"].contains(&keyword.name.as_str());
+            self.within_joint &= ["SPRING", "DASHPOT", "FRICTION"].contains(&keyword.name.as_str());
             return self.pass_over(&keyword);
         };
         self.within_joint = false;
@@ -346,7 +346,7 @@ impl Deck<'_> {
         }
     }
 
-    /// `*FRICTION` belongs to contact unless a connector behaviour is being read; `*SPRING` and `*DASHPOT` may belong to `*JOINT`.
+    /// `*FRICTION` belongs to contact unless a connector behaviour is being read; `*SPRING` and `*DASHPOT` may belong to `*JOINT` or `*ITS`.
     fn is_of_another(&self, rule: &Rule) -> bool {
         let is_of_joint = self.within_joint && ["SPRING", "DASHPOT"].contains(&rule.name);
         is_of_joint || (rule.name == "FRICTION" && !self.behavior_open)
@@ -388,7 +388,7 @@ impl Deck<'_> {
 
     /// Skips a keyword that is not understood.
     fn pass_over(&mut self, keyword: &Keyword) -> Result<()> {
-        self.within_joint |= keyword.name == "JOINT";
+        self.within_joint |= ["JOINT", "ITS"].contains(&keyword.name.as_str());
         if let Some(near) = nearest(&keyword.name, keywords::RULES.iter().map(|rule| rule.name))
             .filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
         {
@@ -421,7 +421,12 @@ impl Deck<'_> {
         let read = match keyword.name.as_str() {
             "PARAMETER" => return unread::parameter(self, keyword),
             "MODEL CHANGE" => unread::model_change(self, keyword)?,
-            "IMPERFECTION" | "RESTART" | "IMPORT" => {
+            "IMPERFECTION" => unread::imperfection(self, keyword)?,
+            "FASTENER" => {
+                unread::fastener(self, keyword)?;
+                0
+            }
+            "RESTART" | "IMPORT" => {
                 unread::elsewhere(self, keyword);
                 0
             }

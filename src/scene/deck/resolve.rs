@@ -27,7 +27,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     elements(deck, &mut errors);
     let sets = build_sets(deck, &mut errors);
     errors.value(sets);
-    sections(&mut deck.scene, &mut errors);
+    sections(&mut deck.scene, &std::mem::take(&mut deck.unread.fasteners), &mut errors);
     for (name, behavior) in &deck.scene.behaviors {
         errors.value(check_behavior(name, behavior));
     }
@@ -43,7 +43,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     let of_others = nodes.filter(|node| bearing.contains(node)).collect();
     deck.scene.skipped.nodes = are_known.then_some(of_others);
     unread::judge(deck, &bearing);
-    if deck.unread.is_elsewhere && deck.scene.connectors.is_empty() && deck.scene.mpcs.is_empty() {
+    if deck.unread.is_elsewhere {
         unread::drop_steps(deck);
     }
     let mut errors = std::mem::take(&mut deck.errors);
@@ -53,6 +53,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
 
 fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
     deck.other_elements.sort();
+    let is_elsewhere = deck.unread.is_elsewhere;
     let scene = &deck.scene;
     let connectors =
         scene.connectors.iter().map(|(&label, element)| (label, element.span, [element.a, element.b]));
@@ -66,9 +67,11 @@ fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
         for node in nodes.into_iter().flatten() {
             if !known.contains(node) {
                 let message = format!("element {label} uses node {node}, which is not defined");
+                let elsewhere = || "the model is in another deck: read that one".to_owned();
+                let remedy = if is_elsewhere { elsewhere() } else { undefined(Kind::Node)() };
                 errors.add(
                     Diagnostic::error(Code::UnknownNode, span, message, format!("no node {node}"))
-                        .help(undefined(Kind::Node)()),
+                        .help(remedy),
                 );
             }
         }
@@ -175,7 +178,7 @@ fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
 }
 
 /// Names on connector sections, and one section for each connector.
-fn sections(scene: &mut Scene, errors: &mut Errors) {
+fn sections(scene: &mut Scene, fasteners: &[String], errors: &mut Errors) {
     for place in 0..scene.connector_sections.len() {
         let section = &scene.connector_sections[place];
         errors.value(check_name(
@@ -187,6 +190,14 @@ fn sections(scene: &mut Scene, errors: &mut Errors) {
         ));
         for orientation in [&section.orientation_a, &section.orientation_b] {
             errors.value(check_orientation(scene, orientation.as_ref()));
+        }
+        let name = &section.element_set.value;
+        let is_empty =
+            scene.element_sets.get(name).is_none_or(|set| set.labels.is_empty() && set.unmodelled == 0);
+        if is_empty && fasteners.contains(name) {
+            let (what, line) = ("connectors that *FASTENER generates".to_owned(), section.span.line());
+            scene.skipped.count(what, line);
+            continue;
         }
         let labels = errors.value(section_elements(scene, section)).unwrap_or_default();
         for label in labels {

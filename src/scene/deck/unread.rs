@@ -18,8 +18,12 @@ pub(super) struct Unread {
     /// Amplitudes by name: where they are, and why they are not read.
     amplitudes: IndexMap<String, (Span, String)>,
     changes: Vec<Change>,
-    /// What moves nodes or takes them from elsewhere.
-    warnings: Vec<Diagnostic>,
+    /// What moves nodes, these or any, or takes them from elsewhere.
+    warnings: Vec<(Option<Vec<Spanned<Target>>>, Diagnostic)>,
+    /// Sets of connectors that are generated.
+    pub(super) fasteners: Vec<String>,
+    /// Nodes that are defined again, at another place.
+    pub(super) redefined: Vec<Redefined>,
     /// The model is in another deck.
     pub(super) is_elsewhere: bool,
 }
@@ -30,6 +34,25 @@ struct OnNodes {
     what: String,
     targets: Vec<Spanned<Target>>,
     remedy: String,
+}
+
+/// A node that is defined twice.
+#[derive(Debug)]
+pub(super) struct Redefined {
+    pub(super) label: Label,
+    pub(super) first: Span,
+    pub(super) again: Span,
+}
+
+impl Redefined {
+    /// That it is at two places.
+    pub(super) fn error(&self) -> Diagnostic {
+        let message = format!("node {} is defined twice, at different places", self.label);
+        let label = format!("first defined on line {}", self.first.line());
+        Diagnostic::error(Code::DuplicateNode, self.again, message, label)
+            .beside(self.first)
+            .help("give one of the two another number")
+    }
 }
 
 /// Elements that `*MODEL CHANGE` removes or adds.
@@ -97,24 +120,39 @@ pub(super) fn model_change(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<u64
     Ok(lines)
 }
 
-/// `*IMPERFECTION`, `*IMPORT` and `*RESTART, READ`: nodes, or all of the model, come from elsewhere.
+/// `*IMPORT`, `*RESTART, READ` and `*INSTANCE, LIBRARY`: the model, or a part of it, is in another deck.
 pub(super) fn elsewhere(deck: &mut Deck<'_>, keyword: &Keyword) {
-    let (message, label, remedy) = match keyword.name.as_str() {
-        "RESTART" if !keyword.has("READ") => return,
-        "IMPERFECTION" => (
-            "*IMPERFECTION moves nodes, and is not read: connectors are where *NODE puts them",
-            "moves nodes",
-            "list the nodes under *NODE, at their final positions, if that matters",
-        ),
-        _ => (
-            "the model is in another deck, from which this one goes on; what stands here is read alone",
-            "goes on from another deck",
-            "read the deck of the model",
-        ),
-    };
-    let warning = Diagnostic::warning(Code::NotFollowed, keyword.span, message, label).help(remedy);
-    deck.unread.is_elsewhere |= keyword.name != "IMPERFECTION";
-    deck.unread.warnings.push(warning);
+    if keyword.name == "RESTART" && !keyword.has("READ") {
+        return;
+    }
+    let message = "the model is in another deck, from which this one goes on; what stands here is read alone";
+    let label = "goes on from another deck";
+    let warning = Diagnostic::warning(Code::NotFollowed, keyword.span, message, label);
+    deck.unread.is_elsewhere = true;
+    deck.unread.warnings.push((None, warning.help("read the deck of the model")));
+}
+
+/// `*IMPERFECTION`: nodes are elsewhere, those that its lines name or any. The number of its lines.
+pub(super) fn imperfection(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<u64> {
+    let is_of_lines = ["FILE", "INPUT", "SYSTEM"].iter().all(|parameter| !keyword.has(parameter));
+    let (mut targets, mut lines) = (Vec::new(), 0);
+    while let Some(line) = deck.lexer.row()? {
+        lines += 1;
+        let first = line.items().maybe().map(|item| target(&item, "the node number")).transpose();
+        targets.extend(first.ok().flatten());
+    }
+    let message = "*IMPERFECTION moves nodes, and is not read: connectors are where *NODE puts them";
+    let warning = Diagnostic::warning(Code::NotFollowed, keyword.span, message, "moves nodes")
+        .help("list the nodes under *NODE, at their final positions, if that matters");
+    deck.unread.warnings.push((is_of_lines.then_some(targets), warning));
+    Ok(lines)
+}
+
+/// `*FASTENER` generates the connectors of its set, which is empty in the deck.
+pub(super) fn fastener(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let set = keyword.name_of("ELSET")?;
+    deck.unread.fasteners.extend(set.map(|set| set.value));
+    Ok(())
 }
 
 /// Whatever a target names of the members of `among`.
@@ -139,9 +177,18 @@ fn ends(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
 
 /// Tells which of what was passed over bears on connectors and constraints. The sets and constraints must be resolved.
 pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
-    let Unread { lines, amplitudes, changes, warnings, is_elsewhere } = std::mem::take(&mut deck.unread);
+    let Unread { lines, amplitudes, changes, warnings, is_elsewhere, redefined, .. } =
+        std::mem::take(&mut deck.unread);
     deck.unread.is_elsewhere = is_elsewhere;
-    let scene = &mut deck.scene;
+    for node in redefined {
+        if bearing.contains(&node.label) {
+            deck.errors.add(node.error());
+        } else {
+            let what = "nodes defined again: the last place counts".to_owned();
+            deck.scene.skipped.count(what, node.again.line());
+        }
+    }
+    let scene = &deck.scene;
     let ends: LabelSet = ends(scene).collect();
     for OnNodes { what, targets, remedy } in lines {
         // Equations also join nodes of a network of fluids, whose degree of freedom 1 is no displacement.
@@ -158,8 +205,16 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     if !amplitudes.is_empty() {
         drop_unread(deck, &amplitudes, bearing);
     }
-    if !bearing.is_empty() || is_elsewhere {
-        warnings.into_iter().for_each(|warning| deck.warn(warning));
+    for (targets, warning) in warnings {
+        let bears = match targets {
+            None => !bearing.is_empty() || is_elsewhere,
+            Some(targets) => targets
+                .iter()
+                .any(|target| named(&deck.scene, &target.value, |label| bearing.contains(label)).is_some()),
+        };
+        if bears {
+            deck.warn(warning);
+        }
     }
     for Change { is_removal, targets } in changes {
         for target in targets {
@@ -182,22 +237,58 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     }
 }
 
-/// Takes out what acts on a model that another deck has, and counts it.
+/// Takes out what acts on a model that another deck has, and counts it: on nodes, elements and sets that are not here.
 pub(super) fn drop_steps(deck: &mut Deck<'_>) {
-    let Scene { steps, boundaries, initial_velocities, skipped, .. } = &mut deck.scene;
-    let mut drop = |count: usize, line: u32| {
-        for _ in 0..count {
+    let others = &deck.other_elements;
+    let Scene {
+        steps,
+        boundaries,
+        initial_velocities,
+        connector_motions,
+        skipped,
+        nodes,
+        node_sets,
+        connectors,
+        point_elements: points,
+        element_sets,
+        ..
+    } = &mut deck.scene;
+    let (nodes, node_sets, element_sets) = (&*nodes, &*node_sets, &*element_sets);
+    let (connectors, points) = (&*connectors, &*points);
+    let is_node = |target: &Target| match target {
+        Target::Label(label) => nodes.contains_key(label),
+        Target::Set(name) => node_sets.contains_key(name),
+    };
+    let is_element = |target: &Target| match target {
+        Target::Label(label) => {
+            connectors.contains_key(label) || points.contains_key(label) || others.contains(*label)
+        }
+        Target::Set(name) => element_sets.contains_key(name),
+    };
+    let mut keeps = |is_here: bool, line: u32| {
+        if !is_here {
             skipped.count("what acts on the model of another deck".to_owned(), line);
         }
+        is_here
     };
-    drop(std::mem::take(boundaries).len(), 0);
-    drop(std::mem::take(initial_velocities).len(), 0);
+    boundaries.retain(|held| keeps(is_node(&held.target.value), held.target.span.line()));
+    initial_velocities.retain(|given| keeps(is_node(&given.target.value), given.target.span.line()));
+    connector_motions.retain(|motion| keeps(is_element(&motion.target.value), motion.target.span.line()));
     for step in steps {
         let line = step.span.line();
-        drop(std::mem::take(&mut step.boundaries).len(), line);
-        drop(std::mem::take(&mut step.concentrated_loads).len(), line);
-        drop(std::mem::take(&mut step.distributed_loads).len(), line);
-        drop(std::mem::take(&mut step.outputs).len(), line);
+        step.boundaries.retain(|held| keeps(is_node(&held.target.value), held.target.span.line()));
+        step.concentrated_loads.retain(|load| keeps(is_node(&load.target.value), load.target.span.line()));
+        step.connector_motions
+            .retain(|motion| keeps(is_element(&motion.target.value), motion.target.span.line()));
+        step.connector_loads.retain(|load| keeps(is_element(&load.target.value), load.target.span.line()));
+        step.distributed_loads
+            .retain(|load| keeps(load.target.as_ref().is_none_or(|target| is_element(&target.value)), line));
+        step.outputs.retain(|request| {
+            let elements =
+                request.element_set.as_ref().is_none_or(|set| element_sets.contains_key(&set.value));
+            let nodes = request.node_set.as_ref().is_none_or(|set| node_sets.contains_key(&set.value));
+            keeps(elements && nodes, line)
+        });
     }
 }
 

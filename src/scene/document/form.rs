@@ -576,6 +576,8 @@ form! {
         pin_set: Option<Name>,
         /// Nodes that belong to it with their rotations.
         tie_set: Option<Name>,
+        /// More of these, one by one: those of elements that are not read.
+        nodes: List<Target>,
     }
 }
 

@@ -194,6 +194,7 @@ impl Context<'_> {
             &result.state.pair,
             &result.evaluation.residual,
             driven,
+            self.model.length,
         ));
         let (at, slopes) = ((&result.state, &result.evaluation), result.tangent.as_deref());
         let forces = ForceResult::of(connector, at, total, slopes, request, tally);

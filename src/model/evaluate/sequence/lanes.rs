@@ -1,7 +1,7 @@
 //! Rows of the sparse Jacobian, four connectors of one kind at a time ([`pintle_kinematics::batch`]).
 //!
-//! That is for connectors whose history is not followed, and of which nothing but rows is asked: no behaviour, no force, no flag but that of
-//! a singular set near by; and where lengths are such that rows are right to rounding. All others are evaluated by themselves.
+//! That is for connectors of which nothing but rows is asked, and whose history is not followed: without behaviour, without forces. Near singular
+//! sets they are flagged as others are. Beyond the lengths that batches are stated for, connectors are evaluated by themselves.
 
 use crate::evaluate::jacobian::Jacobian;
 use crate::evaluate::model::Model;

@@ -28,13 +28,15 @@ impl Deck {
                 self.end(false);
             }
         }
-        for body in &document.rigid_bodies {
-            let form::RigidBody { reference, element_set, pin_set, tie_set } = &body.value;
+        for (place, body) in document.rigid_bodies.iter().enumerate() {
+            let form::RigidBody { reference, element_set, pin_set, tie_set, .. } = &body.value;
+            let own = self.nodes_of((place, body), document)?;
+            let tie_set = own.as_ref().or(tie_set.as_ref());
             self.keyword("RIGID BODY", body.span);
             self.node_parameter("REF NODE", reference)?;
             self.maybe_name("ELSET", element_set.as_ref())?;
             self.maybe_name("PIN NSET", pin_set.as_ref())?;
-            self.maybe_name("TIE NSET", tie_set.as_ref())?;
+            self.maybe_name("TIE NSET", tie_set)?;
             self.go();
         }
         for coupling in &document.couplings {
@@ -55,6 +57,36 @@ impl Deck {
             self.end(false);
         }
         Ok(())
+    }
+
+    /// A set of the nodes that a rigid body names one by one, with those of its set.
+    fn nodes_of(
+        &mut self,
+        (place, body): (usize, &Spanned<form::RigidBody>),
+        document: &Document,
+    ) -> Result<Option<Spanned<String>>> {
+        let nodes = &body.value.nodes;
+        if nodes.is_empty() {
+            return Ok(None);
+        }
+        let mut name = format!("NODES-OF-RIGID-BODY-{}", place + 1);
+        while document.node_sets.0.iter().any(|(known, _)| known.value.eq_ignore_ascii_case(&name)) {
+            name.push('-');
+        }
+        self.keyword("NSET", body.span);
+        self.parameter("NSET", &name, body.span);
+        self.go();
+        for node in nodes {
+            self.begin(node.span);
+            self.target(node)?;
+            self.end(false);
+        }
+        if let Some(set) = &body.value.tie_set {
+            self.begin(set.span);
+            self.item(&super::quoted(set)?, set.span);
+            self.end(false);
+        }
+        Ok(Some(Spanned::new(name, body.span)))
     }
 
     /// A parameter that names a node.

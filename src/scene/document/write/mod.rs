@@ -205,6 +205,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
             element_set: body.element_set.as_ref().map(name),
             pin_set: body.pin_set.as_ref().map(name),
             tie_set: body.tie_set.as_ref().map(name),
+            nodes: list(&body.others, |node| label(*node).value),
         }),
         couplings: list(couplings, |coupling| form::Coupling {
             name: name(&coupling.name),

@@ -1,0 +1,129 @@
+//! Sheets of angles: the same rotation by other angles.
+//!
+//! Where a state is far from the one before, several sheets continue the angles, and none is wrong that is no farther from there than the one of
+//! the product: by the sum of what the angles move, by its square, or by the largest.
+
+use crate::candidate::Given;
+use crate::candidate::initial_positions;
+use crate::case::Case;
+use crate::case::quantity::Quantity;
+use pintle_kinematics::connector::{Components, Output, Request};
+use pintle_kinematics::measure::Measure;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::{add, dot, scale, sub};
+use std::f64::consts::{PI, TAU};
+
+/// How far angles of one rotation may be apart (rad): more than rounding, and less than any fault that matters here.
+const SAME: f64 = 1e-6;
+
+/// Whether angles differ by whole turns.
+fn is_turn(by: f64) -> bool {
+    (by - TAU * (by / TAU).round()).abs() < SAME
+}
+
+/// Whether what is given continues the angles on another sheet, no farther from the state before.
+pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -> bool {
+    let connector = case.connector();
+    let kinds = [0, 1, 2, 3, 4, 5].map(|k| connector.differentiated(k));
+    let has_sheets = |measure: &Measure| {
+        measure.winds() || matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))
+    };
+    let angles: Vec<usize> = (0..6).filter(|k| kinds[*k].as_ref().is_some_and(has_sheets)).collect();
+    let value = |k: usize| given.0.entries(Quantity::Value).get(k, 0);
+    let Some(found) = angles.iter().map(|k| value(*k)).collect::<Option<Vec<f64>>>() else { return false };
+    if angles.is_empty() || found.iter().any(|x| !x.is_finite()) {
+        return false;
+    }
+    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+    let Some((right, _)) = case.evaluation(&asked) else { return false };
+    let wanted = angles.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
+    let start = angles.iter().map(|k| before[*k]);
+    let (Some(wanted), Some(start)) =
+        (wanted.collect::<Option<Vec<f64>>>(), start.collect::<Option<Vec<f64>>>())
+    else {
+        return false;
+    };
+    if found.iter().zip(&wanted).all(|(x, y)| (x - y).abs() < SAME) {
+        return false;
+    }
+    let first = initial_positions(case);
+    let position = |of: &[f64]| -> Vec<f64> {
+        of.iter().zip(&angles).map(|(x, k)| x + first[*k].unwrap_or(0.0)).collect()
+    };
+    let measures: Vec<Measure> = angles.iter().filter_map(|k| kinds[*k]).collect();
+    is_same(&measures, &position(&found), &position(&wanted)) && is_as_near(&found, &wanted, &start)
+}
+
+/// Whether they are angles of one rotation.
+fn is_same(measures: &[Measure], found: &[f64], wanted: &[f64]) -> bool {
+    let (mut vector, mut euler) = (Vec::new(), Vec::new());
+    let mut turns = true;
+    for (at, measure) in measures.iter().enumerate() {
+        match measure {
+            Measure::RotationVector(_) | Measure::RotationVectorAtB(_) => vector.push(at),
+            Measure::Euler(_) => euler.push(at),
+            _ => turns &= is_turn(found[at] - wanted[at]),
+        }
+    }
+    let of_vector = match vector[..] {
+        [] => true,
+        [i, j, k] => {
+            let (found, wanted) = ([found[i], found[j], found[k]], [wanted[i], wanted[j], wanted[k]]);
+            let length = norm(wanted);
+            length > SAME && {
+                let axis = scale(wanted, 1.0 / length);
+                let by = TAU * (dot(sub(found, wanted), axis) / TAU).round();
+                // Next to a whole turn the axis has no more digits than the angle left.
+                let apart = norm(sub(found, add(wanted, scale(axis, by))));
+                apart < SAME * (1.0 + length)
+            }
+        }
+        _ => false,
+    };
+    let of_euler = match euler[..] {
+        [] => true,
+        [i, j, k] => {
+            let by = |at: usize| found[at] - wanted[at];
+            let same = [i, j, k].into_iter().all(|at| is_turn(by(at)));
+            let other = is_turn(by(i) - PI) && is_turn(found[j] + wanted[j]) && is_turn(by(k) - PI);
+            same || other
+        }
+        _ => false,
+    };
+    turns && of_vector && of_euler
+}
+
+/// Whether the one is as near to where both come from as the other, by any of three measures.
+fn is_as_near(found: &[f64], wanted: &[f64], start: &[f64]) -> bool {
+    let measures = |of: &[f64]| {
+        let by = of.iter().zip(start).map(|(x, y)| (x - y).abs());
+        by.fold([0.0_f64; 3], |[sum, square, most], x| [sum + x, x.mul_add(x, square), most.max(x)])
+    };
+    measures(found).into_iter().zip(measures(wanted)).any(|(one, other)| one <= other * (1.0 + SAME))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sheets are of one rotation, and none is taken that is farther by every measure.
+    #[test]
+    fn sheets_are_of_one_rotation() {
+        let euler = [Measure::Euler(0), Measure::Euler(1), Measure::Euler(2)];
+        let wanted = [0.4, 0.7, -1.1];
+        assert!(is_same(&euler, &[0.4 + PI, -0.7, -1.1 - PI], &wanted));
+        assert!(is_same(&euler, &[0.4 + TAU, 0.7, -1.1], &wanted));
+        for wrong in [[0.4 + PI, 0.7, -1.1 + PI], [0.4, 0.7, -1.0], [0.4 + PI, -0.7, -1.1]] {
+            assert!(!is_same(&euler, &wrong, &wanted), "{wrong:?}");
+        }
+        let vector = [Measure::RotationVector(0), Measure::RotationVector(1), Measure::RotationVector(2)];
+        let wanted = [1.0, 2.0, -2.0];
+        let longer = |turns: f64| [0, 1, 2].map(|i| wanted[i] * (1.0 + TAU * turns / 3.0));
+        assert!(is_same(&vector, &longer(1.0), &wanted) && is_same(&vector, &longer(-2.0), &wanted));
+        assert!(!is_same(&vector, &longer(0.5), &wanted) && !is_same(&vector, &[2.0, 1.0, -2.0], &wanted));
+        assert!(
+            is_as_near(&[1.0, 1.0], &[0.0, 1.5], &[0.0; 2])
+                && !is_as_near(&[3.0, 1.0], &[0.0, 0.5], &[0.0; 2])
+        );
+    }
+}
