@@ -46,6 +46,10 @@ impl<R: Number> Dense<R> {
             }
         }
         let least = R::from_f64(PIVOT * R::ROUNDING);
+        // What is no number is there, too.
+        let smallest = R::from_f64(f64::from_bits(1));
+        let is_there = |x: R| !x.magnitude().less(smallest);
+        let mut filled = Vec::with_capacity(w);
         for k in 0..n {
             let mut best = k;
             for i in k + 1..n {
@@ -62,14 +66,15 @@ impl<R: Number> Dense<R> {
                 }
             }
             let inverse = R::integer(1) / a[k * w + k];
-            for i in k + 1..n {
-                let entry = a[i * w + k];
-                if !zero.less(entry.magnitude()) {
-                    continue;
-                }
-                let factor = entry * inverse;
-                for j in k + 1..w {
-                    a[i * w + j] = a[i * w + j] - factor * a[k * w + j];
+            // Bodies are joined to a few others: most entries are zero.
+            let (above, below) = a.split_at_mut((k + 1) * w);
+            let pivot = above.get(k * w..).unwrap_or_default();
+            filled.clear();
+            filled.extend((k + 1..w).filter(|j| is_there(pivot[*j])));
+            for row in below.chunks_mut(w).filter(|row| is_there(row[k])) {
+                let factor = row[k] * inverse;
+                for j in &filled {
+                    row[*j] = row[*j] - factor * pivot[*j];
                 }
             }
         }
@@ -77,7 +82,7 @@ impl<R: Number> Dense<R> {
         for (side, x) in found.iter_mut().enumerate() {
             for k in (0..n).rev() {
                 let mut sum = a[k * w + n + side];
-                for j in k + 1..n {
+                for j in (k + 1..n).filter(|j| is_there(a[k * w + j])) {
                     sum = sum - a[k * w + j] * x[j];
                 }
                 x[k] = sum / a[k * w + k];
