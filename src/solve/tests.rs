@@ -439,6 +439,26 @@ fn closed_forms_are_met_on_237_bits() {
     assert_eq!(compared, 10);
 }
 
+/// A spring first presses the block down and then lifts it: where the force on its rail passes zero, friction goes on along its other branch,
+/// on 237 bits, too, where the state there is known to fewer digits than its numbers have.
+#[test]
+fn a_force_passes_zero_on_237_bits() {
+    let deck = BLOCK
+        .replace("3, 1., 0., 0.", "3, 0.5, 0.8, 0.")
+        .replace("3, 2, 6", "3, 1, 6")
+        .replace("*BOUNDARY, AMPLITUDE=PULL\n3, 1, 1, 5.\n", "")
+        .replace("M, GRAV, 10.", "M, GRAV, 1.")
+        .replace("*STEP\n", "*INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 3.\n*STEP\n");
+    let options = Options { digits: 17, until: Some(0.75), ..Options::default() };
+    let one: Solution<Wide> = solved(&deck, &options);
+    let other: Solution<Wide> = solved(&deck, &Options { method: Method::Collocation, ..options });
+    let force = |frame: usize| one.frames[frame].connectors[0].total[1].to_f64();
+    assert!(force(0) * force(one.frames.len() - 1) < 0.0, "{} {}", force(0), force(one.frames.len() - 1));
+    let apart = one.difference(&other, 1.0);
+    println!("{apart:?}");
+    assert!(apart.compared > 20 && apart.largest() < 1e-15, "{apart:?}");
+}
+
 /// A motion in two steps is that in one: what a stop and friction hold goes on.
 #[test]
 fn steps_go_on() {

@@ -394,7 +394,6 @@ impl<R: Number> Run<'_, R> {
     pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
         let mut changed = false;
         let zero = R::integer(0);
-        let tiny = largest(solved.forces.iter().copied()) * R::from_f64(1e7 * R::ROUNDING);
         for (s, (mode, limit)) in self.modes.frictions.iter_mut().zip(&solved.limits).enumerate() {
             if mode.is_stuck() {
                 continue;
@@ -411,11 +410,14 @@ impl<R: Number> Run<'_, R> {
                 // To the opposite one they turn by an event alone: just after it rounding may have them on the other side.
                 let turn = |switch: &&Switch<R>| switch.of == s && switch.cause == Cause::Turns(Some(part));
                 let along = solved.switches.iter().find(turn).map(|switch| switch.value);
-                if !along.is_some_and(|along| along.less(zero) && along.magnitude().less(tiny)) {
+                let is_beyond = along.is_some_and(|along| along.less(zero));
+                if !is_beyond || !mode.branches.turned.contains(&Some(part)) {
+                    changed |= is_beyond;
                     known.clone_from(now);
                 }
             }
-            let normal = limit.branches.normal.or(mode.branches.normal);
+            let kept = mode.branches.normal.filter(|_| mode.branches.turned.contains(&None));
+            let normal = kept.or(limit.branches.normal).or(mode.branches.normal);
             changed |= normal.is_some() != mode.branches.normal.is_some();
             mode.branches.normal = normal;
         }
@@ -447,6 +449,11 @@ impl<R: Number> Run<'_, R> {
             let base = self.state.clone();
             let y = self.packed();
             let (slope, _) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            // Back on its constraints a state may be beyond what it was just before.
+            let beyond = which.filter(|_| iteration > 0).and_then(|index| slope.switches.get(index));
+            if let Some(switch) = beyond.filter(|switch| switch.value.less(zero)) {
+                return self.happens(switch.of, switch.cause);
+            }
             let passed = base.time - start;
             // Where the switch that is nearest to its end would vanish.
             let ahead = high - passed;
@@ -524,6 +531,7 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         self.state = next;
+        self.modes.frictions.iter_mut().for_each(|mode| mode.branches.turned.clear());
         if let Some(reached) = &self.options.reached {
             reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
         }
