@@ -371,6 +371,7 @@ impl Places {
                     Output::CP => of.position[*k],
                     Output::CU => of.displacement[*k],
                     Output::CV => of.velocity[*k],
+                    Output::CTF if of.open[*k] => return None,
                     Output::CTF => of.total[*k],
                     Output::CSF => of.friction[*k],
                     _ => return None,

@@ -19,7 +19,10 @@ macro_rules! deck {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub static REFERENCES: &[(&str, &str)] = &[
+    deck!("andrews"),
+    deck!("belt_swing"),
     deck!("block"),
+    deck!("bricard"),
     deck!("cardan_shaft"),
     deck!("collision"),
     deck!("cross_friction"),

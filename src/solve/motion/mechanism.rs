@@ -214,6 +214,8 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) schedule: Schedule,
     /// Degrees of freedom, 7 for each node, that boundary conditions keep at zero.
     pub(crate) held: Vec<bool>,
+    /// Whether the step is static.
+    pub(crate) is_still: bool,
     /// The size of lengths.
     pub(crate) length: f64,
 }
@@ -258,6 +260,7 @@ impl<R: Number> Mechanism<R> {
         let bodies = bodies.collect::<Result<Vec<_>, Refusal>>()?;
         let mut mechanism = Self {
             held: vec![false; DOFS * bodies.len()],
+            is_still: schedule.span(step).is_some_and(|(_, is_dynamic)| !is_dynamic),
             bodies,
             joints: Vec::new(),
             sliders: Vec::new(),
@@ -673,6 +676,10 @@ impl<R: Number> Mechanism<R> {
             Owner::Given(index) => self.velocities.get(index).map_or_else(String::new, |(node, k, _)| {
                 format!("initial velocity of node {} in {}", self.bodies[*node].label, k + 1)
             }),
+            Owner::Ring(slider) => {
+                let joint = self.sliders.get(slider).and_then(|of| self.joints.get(of.joint));
+                joint.map_or_else(String::new, |joint| format!("{} at its ring", joint.title))
+            }
             Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
                 format!(
                     "boundary condition of node {} in {}",
@@ -693,6 +700,12 @@ impl<R: Number> Mechanism<R> {
             Owner::Relation(index, _) => {
                 self.relations.get(index).map_or(Vec::new(), |(.., nodes)| nodes.clone())
             }
+            Owner::Ring(slider) => self.sliders.get(slider).map_or(Vec::new(), |of| {
+                let next = of.ring.map(|(next, _)| next);
+                let joints =
+                    [Some(of.joint), next].into_iter().flatten().filter_map(|of| self.joints.get(of));
+                joints.flat_map(|joint| joint.ends.into_iter().flatten()).collect()
+            }),
             Owner::Bound(index) => self.bounds.get(index).map_or(Vec::new(), |bound| vec![bound.node]),
             Owner::Given(index) => self.velocities.get(index).map_or(Vec::new(), |(node, ..)| vec![*node]),
         }

@@ -200,6 +200,7 @@ impl<R> Solution<R> {
             steps: 0,
             evaluations: 0,
             violation: 0.0,
+            liveliest: 0.0,
         }
     }
 }
@@ -629,6 +630,8 @@ impl<'a, R: Number> Run<'a, R> {
             velocity: six(&self.state.rates[node]),
             acceleration: if self.is_still { [R::integer(0); 6] } else { six(&solved.accelerations[node]) },
         });
+        let open: Vec<Owner> =
+            self.layout.open.iter().filter_map(|row| found.rows.get(*row)).map(|row| row.owner).collect();
         let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
             let now = &found.joints[index];
             let of = self.mechanism.sliders.iter().zip(&self.modes.frictions);
@@ -649,6 +652,7 @@ impl<'a, R: Number> Run<'a, R> {
                 displacement: now.displacement,
                 velocity: now.velocity,
                 total: solved.total[index],
+                open: [0, 1, 2, 3, 4, 5].map(|k| open.contains(&Owner::Joint(index, k))),
                 friction: solved.friction[index],
                 wanted: joint.wanted,
                 sticks: of

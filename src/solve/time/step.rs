@@ -443,6 +443,8 @@ impl<R: Number> Run<'_, R> {
         let mut which: Option<usize> = None;
         let mut weight = R::integer(1);
         let mut high_value: Option<R> = None;
+        // Half of a step that was too long.
+        let mut shorter: Option<R> = None;
         let start = self.state.time;
         let resolution = larger(start.magnitude(), h) * R::from_f64(4.0 * R::ROUNDING);
         for iteration in 0..400 {
@@ -471,9 +473,11 @@ impl<R: Number> Run<'_, R> {
             let guess = if is_small { ahead } else { guess };
             let guess =
                 if guess.less(resolution * R::ratio(1, 4)) { resolution * R::ratio(1, 4) } else { guess };
+            let guess = shorter.take().map_or(guess, |most: R| guess.lesser(most));
             let tried = self.tried(&base, &y, &slope, guess).map_err(|trouble| self.say(trouble))?;
             if tried.error > 1.0 {
-                return Err(self.stuck_in_time());
+                shorter = Some(guess * R::ratio(1, 2));
+                continue;
             }
             let ended = self.switches_at(&base, base.time + guess, &tried.end)?;
             // The one that is crossed first: by its value before and after.
@@ -530,6 +534,9 @@ impl<R: Number> Run<'_, R> {
             .assemble(&instant, &self.modes, &self.beginnings)
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
+        if !self.is_still {
+            self.solution.liveliest = self.solution.liveliest.max(found.kinetic().to_f64());
+        }
         self.state = next;
         self.modes.frictions.iter_mut().for_each(|mode| mode.branches.turned.clear());
         if let Some(reached) = &self.options.reached {

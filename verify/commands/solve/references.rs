@@ -67,7 +67,7 @@ fn columns<R: Number>(solution: &Solution<R>, frame: &Frame<R>) -> Vec<(String, 
             ("CSF", |of| of.friction),
         ];
         for (name, six) in parts {
-            for k in (0..6).filter(|k| of.wanted[*k]) {
+            for k in (0..6).filter(|k| of.wanted[*k] && !(name == "CTF" && of.open[*k])) {
                 found.push((format!("{title} {name} {}", COMPONENT[k]), six(of)[k]));
             }
         }
@@ -194,8 +194,11 @@ fn page(name: &str, scene: &Scene, stored: &Value) -> String {
     let stop = if sentence.ends_with('.') { "" } else { "." };
     let title = name.replace('_', " ");
     let mut text = format!("# {title}\n\n![{sentence}](picture.svg)\n\n{sentence}{stop}\n\n");
-    let closed = fs::read_to_string(folder(name).join("closed.json")).ok();
-    let closed: Option<Value> = closed.map(|text| serde_json::from_str(&text).unwrap());
+    let beside = |file: &str| -> Option<Value> {
+        let text = fs::read_to_string(folder(name).join(file)).ok()?;
+        Some(serde_json::from_str(&text).unwrap())
+    };
+    let closed = beside("closed.json");
     let _ = writeln!(text, "| | |\n|---|---|\n| deck | [deck.inp](deck.inp) |");
     let error = stored["error"].as_f64().unwrap();
     let _ = writeln!(
@@ -205,7 +208,12 @@ fn page(name: &str, scene: &Scene, stored: &Value) -> String {
     );
     if let Some(closed) = &closed {
         let form = closed["form"].as_str().unwrap_or_default().replace('|', "\\|");
-        let _ = writeln!(text, "| closed form | [closed.json](closed.json): {form} |");
+        let kind = closed["from"].as_str().and_then(|from| from.split(':').next()).unwrap_or_default();
+        let _ = writeln!(text, "| {kind} | [closed.json](closed.json): {form} |");
+    }
+    if let Some(published) = beside("published.json") {
+        let from = published["from"].as_str().unwrap();
+        let _ = writeln!(text, "| published | [published.json](published.json): {from} |");
     }
     let kappa = stored["lipschitz"].as_f64().unwrap();
     let rubs = stored["columns"].as_object().unwrap().keys().any(|name| name.contains("CSF"));
