@@ -354,6 +354,16 @@ def bricard():
     return [], end
 
 
+def ellipse_slide():
+    """v̇_k ~ −R_k² v_k with R = 1, 2: v3 = 2 (v2/1.5)⁴ goes with v2 to rest, and time and ways are integrals over v2."""
+    other = lambda v: 2 * (v / mpf("1.5")) ** 4
+    slowness = lambda v: sqrt(1 + 4 * (other(v) / v) ** 2) * mpf("0.4")
+    over = lambda of: quad(lambda v: of(v) * slowness(v), [0, mpf("1.5")])
+    end = component("101", 2, over(lambda v: v), 0, 0)
+    end["101"].update(component("101", 3, over(other), 0, 0)["101"])
+    return [(over(lambda v: mpf(1)), "sticks")], end
+
+
 def extrapolated(rates, y, h, columns=16):
     """One step of the midpoint rule, extrapolated in h²."""
     table = []
@@ -420,7 +430,7 @@ def belt_swing():
 
 
 PROBLEMS = [
-    belt_swing, block, bricard, collision, cv_joint, damped_coast, damper_oneway, failure, failure_hang, free_top, friction_decay, load_reversal,
+    belt_swing, block, bricard, collision, cv_joint, damped_coast, damper_oneway, ellipse_slide, failure, failure_hang, free_top, friction_decay, load_reversal,
     lock, lock_flywheel, lock_slide, oscillator, pendulum, pendulum_turns, projectile, self_locking, spin_down,
     static_axial, static_belt, static_drawer, static_lever, stop_between, stop_elastic, stop_friction, stop_pendulum, stop_rigid,
     translator_moment, two_masses,

@@ -31,6 +31,7 @@ pub static REFERENCES: &[(&str, &str)] = &[
     deck!("damper_oneway"),
     deck!("double_pendulum"),
     deck!("drawer"),
+    deck!("ellipse_slide"),
     deck!("failure"),
     deck!("failure_hang"),
     deck!("four_bar"),

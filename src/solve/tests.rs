@@ -187,7 +187,7 @@ fn a_block_sticks_and_slips() {
 }
 
 /// Every problem of `references/`, with the error that is allowed between the methods, and how many events it has.
-const EXPECTED: [(&str, f64, usize); 48] = [
+const EXPECTED: [(&str, f64, usize); 49] = [
     ("andrews", 2e-12, 0),
     ("belt_swing", 1e-12, 6),
     ("block", 1e-12, 3),
@@ -200,6 +200,7 @@ const EXPECTED: [(&str, f64, usize); 48] = [
     ("damper_oneway", 1e-12, 0),
     ("double_pendulum", 1e-12, 0),
     ("drawer", 1e-12, 5),
+    ("ellipse_slide", 1e-12, 1),
     ("failure", 1e-12, 1),
     ("failure_hang", 1e-12, 1),
     ("four_bar", 1e-12, 0),

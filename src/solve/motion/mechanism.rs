@@ -395,10 +395,17 @@ impl<R: Number> Mechanism<R> {
                 self.tables.push(Table { of: TableOf::Joint(joint, component), is_rate, rows });
             }
             for (index, friction) in behavior.friction.frictions.iter().enumerate() {
-                let Tangential::Norm(components) = &friction.criterion.tangential else {
+                let components = match &friction.criterion.tangential {
+                    Tangential::Norm(components) => Some(components.clone()),
+                    Tangential::Potential(potential) => potential.norm().filter(|components| {
+                        let turns = components.iter().filter(|(k, _)| *k >= 3).count();
+                        turns == 0 || turns == components.len()
+                    }),
+                };
+                let Some(components) = components else {
                     return refused(
-                        "friction with a *CONNECTOR POTENTIAL is not solved yet",
-                        "give COMPONENT= or PREDEFINED",
+                        "friction with a *CONNECTOR POTENTIAL that is no root of squares of forces, or of moments, is not solved",
+                        "give the exponent 2 and single components, COMPONENT= or PREDEFINED",
                     );
                 };
                 let partly = behavior.failures.iter().any(|failure| {
@@ -411,7 +418,7 @@ impl<R: Number> Mechanism<R> {
                         "release all of them, or none",
                     );
                 }
-                self.sliders.push(Slider { joint, index, components: components.clone(), ring: None });
+                self.sliders.push(Slider { joint, index, components, ring: None });
             }
             let definition = element.definition();
             let constrained = behavior.constrained();
