@@ -364,7 +364,7 @@ impl Places {
             }
             Key::Connector(label, output, k) => {
                 let of = &frame.connectors[*self.connectors.get(label)?];
-                if !of.wanted[*k] {
+                if !of.wanted[*k] && !of.free[*k] {
                     return None;
                 }
                 match output {

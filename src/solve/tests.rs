@@ -591,6 +591,14 @@ fn the_squeezing_mechanism_is_the_published_one() {
     let solution: Solution<f64> = solved(reference("andrews"), &Options::default());
     let last = solution.frames.last().unwrap();
     let number = |value: &serde_json::Value| value.as_str().unwrap().parse::<f64>().unwrap();
+    // What moves freely is an output, too: the crank in its hinge, with its turns.
+    let crank = &last.connectors[0];
+    let turned = number(&stored["end"]["beta"][0]) - number(&stored["begin"]["beta"]);
+    assert!(
+        crank.free[3] && (crank.displacement[3] / turned - 1.0).abs() < 1e-10,
+        "{:?}",
+        crank.displacement
+    );
     let mut compared = 0;
     for (label, angles) in stored["nodes"].as_object().unwrap() {
         let node = solution.nodes.iter().position(|known| known.to_string() == *label).unwrap();
@@ -646,4 +654,9 @@ fn what_is_not_determined_is_refused_by_name() {
     let beyond =
         BLOCK.replace("*FRICTION\n0.25\n", "*FRICTION\n0.25\n*CONNECTOR STOP, COMPONENT=1\n0.1, 1.\n");
     assert!(refused(&beyond).contains("beyond its stop"), "{}", refused(&beyond));
+    let cubes =
+        reference("ellipse_slide").replace("*CONNECTOR POTENTIAL", "*CONNECTOR POTENTIAL, EXPONENT=3.");
+    assert!(refused(&cubes).contains("no root of squares"), "{}", refused(&cubes));
+    let wet = reference("belt_swing").replace("1000.\n", "1000.\n*CONNECTOR DAMPING, COMPONENT=1\n2.\n");
+    assert!(refused(&wet).contains("a belt with damping"), "{}", refused(&wet));
 }

@@ -170,7 +170,7 @@ fn state<R: Number>(
 ) -> io::Result<()> {
     let mut rows = Vec::new();
     for ((_, title), of) in solution.connectors.iter().zip(&frame.connectors) {
-        for k in (0..6).filter(|k| of.wanted[*k]) {
+        for k in (0..6).filter(|k| of.wanted[*k] || of.free[*k]) {
             let moves = of.displacement[k].to_f64() != 0.0 || of.velocity[k].to_f64() != 0.0;
             let is_zero = !moves && !of.open[k] && of.total[k].to_f64() == 0.0;
             if is_zero {

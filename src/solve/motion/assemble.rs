@@ -6,7 +6,7 @@ use crate::motion::mode::{Does, Modes};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Now, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, WORKS};
 use crate::number::Number;
-use pintle_kinematics::connector::{Increment, Output, Request, State as PairState, Tally, Turns};
+use pintle_kinematics::connector::{Branch, Increment, Output, Request, State as PairState, Tally, Turns};
 use pintle_kinematics::force::Want;
 use pintle_kinematics::mpc;
 use pintle_kinematics::node::{DOFS as PAIR, Node, Pair};
@@ -135,15 +135,8 @@ impl<R: Number> Mechanism<R> {
         Ok(())
     }
 
-    /// A connector: its equations, and the forces that follow from its motion.
-    fn joint(
-        &self,
-        index: usize,
-        at: &Instant<'_, R>,
-        modes: &Modes<R>,
-        beginnings: &Beginnings,
-        all: &mut Assembled<R>,
-    ) -> Result<(), Trouble> {
+    /// The nodes of a connector with their velocities.
+    fn pair_state(&self, index: usize, at: &Instant<'_, R>) -> PairState<R> {
         let zero = R::integer(0);
         let joint = &self.joints[index];
         let still = [zero; DOFS];
@@ -159,7 +152,7 @@ impl<R: Number> Mechanism<R> {
         let mut velocity = [zero; PAIR];
         velocity[..DOFS].copy_from_slice(&rate(0));
         velocity[DOFS..].copy_from_slice(&rate(1));
-        let state = PairState {
+        PairState {
             pair: Pair {
                 reference: joint.initial.reference,
                 a: node(0, &joint.initial.a),
@@ -167,7 +160,33 @@ impl<R: Number> Mechanism<R> {
             },
             velocity,
             acceleration: [zero; PAIR],
-        };
+        }
+    }
+
+    /// CP, CU and CV of the components of a connector that move freely.
+    pub(crate) fn free_motion(&self, index: usize, at: &Instant<'_, R>, branch: Branch<R>) -> [[R; 6]; 3] {
+        let joint = &self.joints[index];
+        let mut request = Request::nothing(1);
+        for output in [Output::CP, Output::CU, Output::CV] {
+            request.add(output, joint.free);
+        }
+        let state = self.pair_state(index, at);
+        let found = joint.connector.evaluate_on(&state, branch, &request, &mut Tally::default());
+        [found.position, found.displacement, found.velocity].map(|of| of.map(|x| x.unwrap_or(R::integer(0))))
+    }
+
+    /// A connector: its equations, and the forces that follow from its motion.
+    fn joint(
+        &self,
+        index: usize,
+        at: &Instant<'_, R>,
+        modes: &Modes<R>,
+        beginnings: &Beginnings,
+        all: &mut Assembled<R>,
+    ) -> Result<(), Trouble> {
+        let zero = R::integer(0);
+        let joint = &self.joints[index];
+        let state = self.pair_state(index, at);
         let turned =
             |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
         let increment = Increment {
@@ -176,8 +195,8 @@ impl<R: Number> Mechanism<R> {
             flow: [zero; 2],
         };
         let mut tally = Tally::default();
-        let branch =
-            joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
+        let followed = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] || joint.free[k]);
+        let branch = joint.connector.follow(&state, &increment, &at.branches[index], followed, &mut tally);
         let mut request = Request::nothing(1);
         let free = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && !joint.constrained[k]);
         let held = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && joint.constrained[k]);

@@ -52,6 +52,8 @@ pub(crate) struct Joint<R: Number> {
     pub(crate) constrained: Mask,
     /// The components whose motion or force matters.
     pub(crate) wanted: Mask,
+    /// Those that move freely: nothing depends on them, but they are outputs.
+    pub(crate) free: Mask,
     /// The components that elasticity keeps at their reference.
     pub(crate) rigid: Mask,
 }
@@ -421,6 +423,10 @@ impl<R: Number> Mechanism<R> {
                 self.sliders.push(Slider { joint, index, components, ring: None });
             }
             let definition = element.definition();
+            let moves = |k: usize| {
+                let measure = element.connector.position_measure(k);
+                measure.is_some_and(|measure| !measure.is_one_form())
+            };
             let constrained = behavior.constrained();
             let drives = &element.behavior.drives;
             let acting = [behavior.elasticity.components(), behavior.damping.components()];
@@ -454,6 +460,7 @@ impl<R: Number> Mechanism<R> {
                 rigid: behavior.elasticity.rigid(),
                 behavior: Arc::clone(&element.behavior),
                 constrained,
+                free: [0, 1, 2, 3, 4, 5].map(|k| moves(k) && !wanted[k] && !constrained[k]),
                 wanted,
                 title,
             });

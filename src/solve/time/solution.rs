@@ -39,6 +39,9 @@ pub struct ConnectorFrame<R> {
     pub friction: [R; 6],
     /// Which components have a motion or force that matters to the solution.
     pub wanted: [bool; 6],
+    /// Which others have a motion, but nothing that depends on it.
+    #[serde(default)]
+    pub free: Mask,
     /// Whether each of its frictions sticks.
     pub sticks: Vec<bool>,
     /// P and its limit μ F_N of each of its frictions.

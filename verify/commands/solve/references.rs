@@ -189,7 +189,7 @@ fn written<R: Solvable>(scene: &Scene, [options, witness]: [&Options; 2], length
 }
 
 /// The page of a problem.
-fn page(name: &str, scene: &Scene, stored: &Value) -> String {
+fn page(name: &str, scene: &Scene, (stored, leaves_open): (&Value, bool)) -> String {
     let sentence = scene.heading.trim();
     let stop = if sentence.ends_with('.') { "" } else { "." };
     let title = name.replace('_', " ");
@@ -214,6 +214,10 @@ fn page(name: &str, scene: &Scene, stored: &Value) -> String {
     if let Some(published) = beside("published.json") {
         let from = published["from"].as_str().unwrap();
         let _ = writeln!(text, "| published | [published.json](published.json): {from} |");
+    }
+    if leaves_open {
+        let why = "open: constraints repeat each other, so that many fit";
+        let _ = writeln!(text, "| CTF | {why} |");
     }
     let kappa = stored["lipschitz"].as_f64().unwrap();
     let rubs = stored["columns"].as_object().unwrap().keys().any(|name| name.contains("CSF"));
@@ -337,7 +341,9 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
             events += 1;
         }
         let title = scene.heading.trim().to_string();
-        stale.extend(differs(&folder(name).join("README.md"), &page(name, &scene, &wanted)));
+        let leaves_open =
+            solution.frames.iter().flat_map(|of| &of.connectors).any(|of| of.open.contains(&true));
+        stale.extend(differs(&folder(name).join("README.md"), &page(name, &scene, (&wanted, leaves_open))));
         stale.extend(differs(&folder(name).join("picture.svg"), &picture(&solution, &title)));
         pages += 1;
     }
