@@ -458,8 +458,8 @@ fn closed_forms_are_met_on_237_bits() {
     assert_eq!(compared, 10);
 }
 
-/// A spring first presses the block down and then lifts it: where the force on its rail passes zero, friction goes on along its other branch,
-/// on 237 bits, too, where the state there is known to fewer digits than its numbers have.
+/// A spring first presses the block down and then lifts it. Where the force on its rail passes zero, friction goes on along its other branch:
+/// on 237 bits, too, where a state has fewer digits than its numbers.
 #[test]
 fn a_force_passes_zero_on_237_bits() {
     let deck = BLOCK
