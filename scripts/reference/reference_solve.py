@@ -430,10 +430,10 @@ def belt_swing():
 
 
 PROBLEMS = [
-    belt_swing, block, bricard, collision, cv_joint, damped_coast, damper_oneway, ellipse_slide, failure, failure_hang, free_top, friction_decay, load_reversal,
-    lock, lock_flywheel, lock_slide, oscillator, pendulum, pendulum_turns, projectile, self_locking, spin_down,
-    static_axial, static_belt, static_drawer, static_lever, stop_between, stop_elastic, stop_friction, stop_pendulum, stop_rigid,
-    translator_moment, two_masses,
+    belt_swing, block, bricard, collision, cv_joint, damped_coast, damper_oneway, ellipse_slide, failure, failure_hang,
+    free_top, friction_decay, load_reversal, lock, lock_flywheel, lock_slide, oscillator, pendulum, pendulum_turns,
+    projectile, self_locking, spin_down, static_axial, static_belt, static_drawer, static_lever, stop_between, stop_elastic,
+    stop_friction, stop_pendulum, stop_rigid, translator_moment, two_masses,
 ]
 
 
