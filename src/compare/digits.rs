@@ -364,13 +364,14 @@ impl Places {
             }
             Key::Connector(label, output, k) => {
                 let of = &frame.connectors[*self.connectors.get(label)?];
-                if !of.wanted[*k] {
+                if !of.wanted[*k] && !of.free[*k] {
                     return None;
                 }
                 match output {
                     Output::CP => of.position[*k],
                     Output::CU => of.displacement[*k],
                     Output::CV => of.velocity[*k],
+                    Output::CTF if of.open[*k] => return None,
                     Output::CTF => of.total[*k],
                     Output::CSF => of.friction[*k],
                     _ => return None,

@@ -16,6 +16,9 @@ pub trait Number: Differentiable + Ordered + Serialize + DeserializeOwned + Send
     /// The nearest double.
     fn to_f64(self) -> f64;
 
+    /// Whether it is zero, of either sign.
+    fn is_nothing(self) -> bool;
+
     /// So many significant digits, in scientific notation.
     fn digits(self, count: usize) -> String;
 }
@@ -25,6 +28,10 @@ impl Number for f64 {
 
     fn to_f64(self) -> f64 {
         self
+    }
+
+    fn is_nothing(self) -> bool {
+        self == 0.0
     }
 
     fn digits(self, count: usize) -> String {
@@ -39,6 +46,10 @@ impl Number for Wide {
 
     fn to_f64(self) -> f64 {
         Self::to_f64(self)
+    }
+
+    fn is_nothing(self) -> bool {
+        self == Self::default()
     }
 
     fn digits(self, count: usize) -> String {

@@ -19,7 +19,10 @@ macro_rules! deck {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub static REFERENCES: &[(&str, &str)] = &[
+    deck!("andrews"),
+    deck!("belt_swing"),
     deck!("block"),
+    deck!("bricard"),
     deck!("cardan_shaft"),
     deck!("collision"),
     deck!("cross_friction"),
@@ -28,6 +31,7 @@ pub static REFERENCES: &[(&str, &str)] = &[
     deck!("damper_oneway"),
     deck!("double_pendulum"),
     deck!("drawer"),
+    deck!("ellipse_slide"),
     deck!("failure"),
     deck!("failure_hang"),
     deck!("four_bar"),

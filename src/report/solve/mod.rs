@@ -115,6 +115,19 @@ pub fn human<R: Number>(
         say("unique", &format!("not certain: κ = {:.3} is not below 1", solution.lipschitz))?;
     }
     say("rows", &format!("violated by {:.0e} at most", solution.violation))?;
+    let open: usize = last
+        .iter()
+        .flat_map(|last| &last.connectors)
+        .map(|of| of.open.iter().filter(|is| **is).count())
+        .sum();
+    if open > 0 {
+        say(
+            "open",
+            &format!(
+                "{open} CTF: constraints repeat each other, so that many forces fit; pintle audit names them"
+            ),
+        )?;
+    }
     if !solution.events.is_empty() {
         const MOST: usize = 40;
         let rows: Vec<Vec<String>> = solution
@@ -157,9 +170,9 @@ fn state<R: Number>(
 ) -> io::Result<()> {
     let mut rows = Vec::new();
     for ((_, title), of) in solution.connectors.iter().zip(&frame.connectors) {
-        for k in (0..6).filter(|k| of.wanted[*k]) {
+        for k in (0..6).filter(|k| of.wanted[*k] || of.free[*k]) {
             let moves = of.displacement[k].to_f64() != 0.0 || of.velocity[k].to_f64() != 0.0;
-            let is_zero = !moves && of.total[k].to_f64() == 0.0;
+            let is_zero = !moves && !of.open[k] && of.total[k].to_f64() == 0.0;
             if is_zero {
                 continue;
             }
@@ -167,7 +180,7 @@ fn state<R: Number>(
                 format!("{title} {}", COMPONENT[k]),
                 number(of.displacement[k]),
                 number(of.velocity[k]),
-                number(of.total[k]),
+                if of.open[k] { "open".to_string() } else { number(of.total[k]) },
                 number(of.friction[k]),
             ]);
         }
@@ -235,10 +248,12 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
                 .iter()
                 .zip(&frame.connectors)
                 .map(|((label, _), of)| {
+                    let force = |k: usize| if of.open[k] { Value::Null } else { number(of.total[k]) };
+                    let forces: Vec<Value> = (0..6).map(force).collect();
                     let value = json!({
                         "CU": list(&of.displacement),
                         "CV": list(&of.velocity),
-                        "CTF": list(&of.total),
+                        "CTF": forces,
                         "CSF": list(&of.friction),
                         "sticks": of.sticks,
                         "CSLST": of.held,

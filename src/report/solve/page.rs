@@ -109,9 +109,11 @@ impl<'a, R: Number> Drawn<'a, R> {
     /// Forces and friction, by connector and unit.
     fn forces(&self) -> Vec<Plot> {
         let mut plots = Vec::new();
+        let frames = &self.solution.frames;
         for (c, (_, title)) in self.solution.connectors.iter().enumerate() {
             for (range, unit) in [(0..3, "force"), (3..6, "moment")] {
-                let total = range.clone().map(|k| {
+                let open = |k: &usize| frames.iter().any(|frame| frame.connectors[c].open[*k]);
+                let total = range.clone().filter(|k| !open(k)).map(|k| {
                     self.curve(format!("CTF {}", COMPONENT[k]), |frame| frame.connectors[c].total[k])
                 });
                 let friction = range.clone().map(|k| {

@@ -6,17 +6,18 @@ use crate::motion::mode::{Does, Modes};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Now, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, WORKS};
 use crate::number::Number;
-use pintle_kinematics::connector::{Increment, Output, Request, State as PairState, Tally, Turns};
+use pintle_kinematics::connector::{Branch, Increment, Output, Request, State as PairState, Tally, Turns};
 use pintle_kinematics::force::Want;
 use pintle_kinematics::mpc;
 use pintle_kinematics::node::{DOFS as PAIR, Node, Pair};
 use pintle_kinematics::relation::{Point, place_of};
-use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::scalar::elementary::{exp_m1, norm};
 use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Vector, add, apply, cross, dot, sub};
 use pintle_model::behavior::drive::{Drive, Prescribed};
+use pintle_model::behavior::friction::FLOW;
 use pintle_model::behavior::{Conditions, Motion, Unknown};
 
 fn unknown(what: &str, why: Unknown) -> Trouble {
@@ -83,6 +84,7 @@ impl<R: Number> Mechanism<R> {
         for index in 0..self.joints.len() {
             self.joint(index, at, modes, beginnings, &mut all)?;
         }
+        self.rings(modes, &mut all)?;
         self.constraints(at, &mut all);
         self.bounds(at, beginnings, &mut all)?;
         self.springs(at, modes, &mut all)?;
@@ -133,15 +135,8 @@ impl<R: Number> Mechanism<R> {
         Ok(())
     }
 
-    /// A connector: its equations, and the forces that follow from its motion.
-    fn joint(
-        &self,
-        index: usize,
-        at: &Instant<'_, R>,
-        modes: &Modes<R>,
-        beginnings: &Beginnings,
-        all: &mut Assembled<R>,
-    ) -> Result<(), Trouble> {
+    /// The nodes of a connector with their velocities.
+    fn pair_state(&self, index: usize, at: &Instant<'_, R>) -> PairState<R> {
         let zero = R::integer(0);
         let joint = &self.joints[index];
         let still = [zero; DOFS];
@@ -157,7 +152,7 @@ impl<R: Number> Mechanism<R> {
         let mut velocity = [zero; PAIR];
         velocity[..DOFS].copy_from_slice(&rate(0));
         velocity[DOFS..].copy_from_slice(&rate(1));
-        let state = PairState {
+        PairState {
             pair: Pair {
                 reference: joint.initial.reference,
                 a: node(0, &joint.initial.a),
@@ -165,7 +160,33 @@ impl<R: Number> Mechanism<R> {
             },
             velocity,
             acceleration: [zero; PAIR],
-        };
+        }
+    }
+
+    /// CP, CU and CV of the components of a connector that move freely.
+    pub(crate) fn free_motion(&self, index: usize, at: &Instant<'_, R>, branch: Branch<R>) -> [[R; 6]; 3] {
+        let joint = &self.joints[index];
+        let mut request = Request::nothing(1);
+        for output in [Output::CP, Output::CU, Output::CV] {
+            request.add(output, joint.free);
+        }
+        let state = self.pair_state(index, at);
+        let found = joint.connector.evaluate_on(&state, branch, &request, &mut Tally::default());
+        [found.position, found.displacement, found.velocity].map(|of| of.map(|x| x.unwrap_or(R::integer(0))))
+    }
+
+    /// A connector: its equations, and the forces that follow from its motion.
+    fn joint(
+        &self,
+        index: usize,
+        at: &Instant<'_, R>,
+        modes: &Modes<R>,
+        beginnings: &Beginnings,
+        all: &mut Assembled<R>,
+    ) -> Result<(), Trouble> {
+        let zero = R::integer(0);
+        let joint = &self.joints[index];
+        let state = self.pair_state(index, at);
         let turned =
             |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
         let increment = Increment {
@@ -174,8 +195,8 @@ impl<R: Number> Mechanism<R> {
             flow: [zero; 2],
         };
         let mut tally = Tally::default();
-        let branch =
-            joint.connector.follow(&state, &increment, &at.branches[index], joint.wanted, &mut tally);
+        let followed = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] || joint.free[k]);
+        let branch = joint.connector.follow(&state, &increment, &at.branches[index], followed, &mut tally);
         let mut request = Request::nothing(1);
         let free = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && !joint.constrained[k]);
         let held = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] && joint.constrained[k]);
@@ -338,6 +359,94 @@ impl<R: Number> Mechanism<R> {
         }
         all.joints.push(now);
         Ok(())
+    }
+
+    /// Belts that slip over their rings: what has no inertia goes on so that the tensions keep their ratio, max(T1, T2) = min(T1, T2) exp(μ α).
+    fn rings(&self, modes: &Modes<R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
+        let (zero, one) = (R::integer(0), R::integer(1));
+        if self.is_still {
+            return Ok(());
+        }
+        for (s, (slider, mode)) in self.sliders.iter().zip(&modes.frictions).enumerate() {
+            let (Some((next, angle)), Does::Slips(along)) = (slider.ring, &mode.does) else { continue };
+            let joint = &self.joints[slider.joint];
+            let (Some(belt), Some(ring)) = (self.belt(slider), joint.ends[1]) else { continue };
+            let flow = DOFS * ring + DOFS - 1;
+            let refused = |why: &str| Err(Trouble::Unknown(joint.title.clone(), why.to_string()));
+            let tables = self
+                .tables
+                .iter()
+                .any(|table| matches!(table.of, TableOf::Joint(of, 0) if of == slider.joint || of == next));
+            let damps = |of: usize| self.joints[of].behavior.behavior.damping.components()[0];
+            if tables || damps(slider.joint) || damps(next) {
+                return refused(
+                    "a belt with damping or a table of forces that slips over a ring is not solved in a dynamic step",
+                );
+            }
+            let tension = |of: usize| all.joints[of].elastic[0];
+            let least = if tension(next).less(tension(slider.joint)) { next } else { slider.joint };
+            let seeds = [R::Gradient::<2>::seed(zero, 0), R::Gradient::<2>::seed(tension(least), 1)];
+            let mu = belt.coefficient.at(seeds[0], seeds[1], &Conditions::default());
+            if belt.maximum.is_some() || mu.gradient().iter().any(|slope| !slope.is_nothing()) {
+                return refused(
+                    "a belt whose friction has a largest force, or depends on slip or tension, is not solved in a dynamic step",
+                );
+            }
+            let entry = |of: &[(usize, R)]| of.iter().find(|(dof, _)| *dof == flow).map_or(zero, |(_, x)| *x);
+            // Which of the two pulls: the flow is in balance, T1 e1 + T2 e2 + n T_f e = 0 with e2 = −e1.
+            let now = &all.joints[slider.joint];
+            let pulls = along[FLOW] * entry(&now.columns[FLOW]) * entry(&now.columns[0]);
+            let ratio = one + exp_m1(mu.real() * R::from_f64(angle));
+            let (first, second) = if zero.less(pulls) { (-ratio, one) } else { (one, -ratio) };
+            let mut row = Row {
+                owner: Owner::Ring(s),
+                coefficients: Vec::new(),
+                force: vec![(flow, one)],
+                residual: Some(zero),
+                rate: Some(zero),
+                bias: zero,
+                driven: zero,
+            };
+            let mut stiffness = zero;
+            for (of, weight) in [(slider.joint, first), (next, second)] {
+                let Some([value, rate, bias, slope]) = self.tension(of, all) else { continue };
+                let plus = |sum: Option<R>, x: R| sum.map(|sum| sum + weight * x);
+                (row.residual, row.rate) = (plus(row.residual, value), plus(row.rate, rate));
+                row.bias = row.bias + weight * bias;
+                let entries =
+                    all.joints[of].rows[0].iter().map(|(dof, entry)| (*dof, weight * slope * *entry));
+                row.coefficients.extend(entries);
+                stiffness = stiffness + (slope * entry(&all.joints[of].rows[0])).magnitude();
+            }
+            // As a length of belt.
+            let scale = stiffness.reciprocal_or_zero();
+            row.coefficients.iter_mut().for_each(|(_, entry)| *entry = *entry * scale);
+            (row.residual, row.rate) = (row.residual.map(|x| x * scale), row.rate.map(|x| x * scale));
+            row.bias = row.bias * scale;
+            all.rows.push(row);
+        }
+        Ok(())
+    }
+
+    /// The tension of a belt, its rate, the part of its second rate that accelerations do not enter, and its slope over the elongation.
+    fn tension(&self, joint: usize, all: &Assembled<R>) -> Option<[R; 4]> {
+        let now = &all.joints[joint];
+        let elasticity = &self.joints[joint].behavior.behavior.elasticity;
+        let conditions = Conditions::default();
+        let moving = |x: &[R; 6]| -> [R::Time; 6] {
+            std::array::from_fn(|k| R::moving(x[k], now.velocity[k], now.bias[k]))
+        };
+        let velocity = std::array::from_fn(|k| R::moving(now.velocity[k], now.bias[k], R::integer(0)));
+        let motion = Motion { position: moving(&now.position), constitutive: moving(&now.motion), velocity };
+        let force = elasticity.forces(&motion, &conditions).value[0]?;
+        let (rate, bias) = R::rates(force);
+        let constant = |x: &[R; 6]| x.map(R::Gradient::<1>::from_real);
+        let mut constitutive = constant(&now.motion);
+        constitutive[0] = R::Gradient::<1>::seed(now.motion[0], 0);
+        let motion =
+            Motion { position: constant(&now.position), constitutive, velocity: constant(&now.velocity) };
+        let slope = elasticity.forces(&motion, &conditions).value[0]?.gradient()[0];
+        Some([Scalar::real(force), rate, bias, slope])
     }
 
     /// Multi-point constraints and relations.

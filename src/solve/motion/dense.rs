@@ -39,16 +39,18 @@ impl<R: Number> Dense<R> {
         let zero = R::integer(0);
         let a = &mut self.entries;
         for row in a.chunks_mut(w.max(1)) {
-            let most = row.iter().take(n).fold(zero, |most, x| larger(most, x.magnitude()));
+            let there = row.iter().take(n).filter(|x| !x.is_nothing());
+            let most = there.fold(zero, |most, x| larger(most, x.magnitude()));
             if zero.less(most) {
                 let factor = most.reciprocal_or_zero();
-                row.iter_mut().for_each(|x| *x = *x * factor);
+                row.iter_mut().filter(|x| !x.is_nothing()).for_each(|x| *x = *x * factor);
             }
         }
         let least = R::from_f64(PIVOT * R::ROUNDING);
+        let mut filled = Vec::with_capacity(w);
         for k in 0..n {
             let mut best = k;
-            for i in k + 1..n {
+            for i in (k + 1..n).filter(|i| !a[*i * w + k].is_nothing()) {
                 if a[best * w + k].magnitude().less(a[i * w + k].magnitude()) {
                     best = i;
                 }
@@ -62,14 +64,15 @@ impl<R: Number> Dense<R> {
                 }
             }
             let inverse = R::integer(1) / a[k * w + k];
-            for i in k + 1..n {
-                let entry = a[i * w + k];
-                if !zero.less(entry.magnitude()) {
-                    continue;
-                }
-                let factor = entry * inverse;
-                for j in k + 1..w {
-                    a[i * w + j] = a[i * w + j] - factor * a[k * w + j];
+            // Bodies are joined to a few others: most entries are zero.
+            let (above, below) = a.split_at_mut((k + 1) * w);
+            let pivot = above.get(k * w..).unwrap_or_default();
+            filled.clear();
+            filled.extend((k + 1..w).filter(|j| !pivot[*j].is_nothing()));
+            for row in below.chunks_mut(w).filter(|row| !row[k].is_nothing()) {
+                let factor = row[k] * inverse;
+                for j in &filled {
+                    row[*j] = row[*j] - factor * pivot[*j];
                 }
             }
         }
@@ -77,7 +80,7 @@ impl<R: Number> Dense<R> {
         for (side, x) in found.iter_mut().enumerate() {
             for k in (0..n).rev() {
                 let mut sum = a[k * w + n + side];
-                for j in k + 1..n {
+                for j in (k + 1..n).filter(|j| !a[k * w + j].is_nothing()) {
                     sum = sum - a[k * w + j] * x[j];
                 }
                 x[k] = sum / a[k * w + k];

@@ -84,7 +84,10 @@ impl Layout {
             let involved: Vec<usize> =
                 involved.filter(|(part, _)| part.abs() > ZERO).map(|(_, index)| *index).collect();
             needed(mechanism, assembled, modes, &involved)?;
+            self.open.extend(involved);
         }
+        self.open.sort_unstable();
+        self.open.dedup();
         Ok(())
     }
 

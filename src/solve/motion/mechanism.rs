@@ -52,6 +52,8 @@ pub(crate) struct Joint<R: Number> {
     pub(crate) constrained: Mask,
     /// The components whose motion or force matters.
     pub(crate) wanted: Mask,
+    /// Those that move freely: nothing depends on them, but they are outputs.
+    pub(crate) free: Mask,
     /// The components that elasticity keeps at their reference.
     pub(crate) rigid: Mask,
 }
@@ -214,6 +216,8 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) schedule: Schedule,
     /// Degrees of freedom, 7 for each node, that boundary conditions keep at zero.
     pub(crate) held: Vec<bool>,
+    /// Whether the step is static.
+    pub(crate) is_still: bool,
     /// The size of lengths.
     pub(crate) length: f64,
 }
@@ -258,6 +262,7 @@ impl<R: Number> Mechanism<R> {
         let bodies = bodies.collect::<Result<Vec<_>, Refusal>>()?;
         let mut mechanism = Self {
             held: vec![false; DOFS * bodies.len()],
+            is_still: schedule.span(step).is_some_and(|(_, is_dynamic)| !is_dynamic),
             bodies,
             joints: Vec::new(),
             sliders: Vec::new(),
@@ -392,10 +397,17 @@ impl<R: Number> Mechanism<R> {
                 self.tables.push(Table { of: TableOf::Joint(joint, component), is_rate, rows });
             }
             for (index, friction) in behavior.friction.frictions.iter().enumerate() {
-                let Tangential::Norm(components) = &friction.criterion.tangential else {
+                let components = match &friction.criterion.tangential {
+                    Tangential::Norm(components) => Some(components.clone()),
+                    Tangential::Potential(potential) => potential.norm().filter(|components| {
+                        let turns = components.iter().filter(|(k, _)| *k >= 3).count();
+                        turns == 0 || turns == components.len()
+                    }),
+                };
+                let Some(components) = components else {
                     return refused(
-                        "friction with a *CONNECTOR POTENTIAL is not solved yet",
-                        "give COMPONENT= or PREDEFINED",
+                        "friction with a *CONNECTOR POTENTIAL that is no root of squares of forces, or of moments, is not solved",
+                        "give the exponent 2 and single components, COMPONENT= or PREDEFINED",
                     );
                 };
                 let partly = behavior.failures.iter().any(|failure| {
@@ -408,9 +420,13 @@ impl<R: Number> Mechanism<R> {
                         "release all of them, or none",
                     );
                 }
-                self.sliders.push(Slider { joint, index, components: components.clone(), ring: None });
+                self.sliders.push(Slider { joint, index, components, ring: None });
             }
             let definition = element.definition();
+            let moves = |k: usize| {
+                let measure = element.connector.position_measure(k);
+                measure.is_some_and(|measure| !measure.is_one_form())
+            };
             let constrained = behavior.constrained();
             let drives = &element.behavior.drives;
             let acting = [behavior.elasticity.components(), behavior.damping.components()];
@@ -444,6 +460,7 @@ impl<R: Number> Mechanism<R> {
                 rigid: behavior.elasticity.rigid(),
                 behavior: Arc::clone(&element.behavior),
                 constrained,
+                free: [0, 1, 2, 3, 4, 5].map(|k| moves(k) && !wanted[k] && !constrained[k]),
                 wanted,
                 title,
             });
@@ -673,6 +690,10 @@ impl<R: Number> Mechanism<R> {
             Owner::Given(index) => self.velocities.get(index).map_or_else(String::new, |(node, k, _)| {
                 format!("initial velocity of node {} in {}", self.bodies[*node].label, k + 1)
             }),
+            Owner::Ring(slider) => {
+                let joint = self.sliders.get(slider).and_then(|of| self.joints.get(of.joint));
+                joint.map_or_else(String::new, |joint| format!("{} at its ring", joint.title))
+            }
             Owner::Bound(index) => self.bounds.get(index).map_or_else(String::new, |bound| {
                 format!(
                     "boundary condition of node {} in {}",
@@ -693,6 +714,12 @@ impl<R: Number> Mechanism<R> {
             Owner::Relation(index, _) => {
                 self.relations.get(index).map_or(Vec::new(), |(.., nodes)| nodes.clone())
             }
+            Owner::Ring(slider) => self.sliders.get(slider).map_or(Vec::new(), |of| {
+                let next = of.ring.map(|(next, _)| next);
+                let joints =
+                    [Some(of.joint), next].into_iter().flatten().filter_map(|of| self.joints.get(of));
+                joints.flat_map(|joint| joint.ends.into_iter().flatten()).collect()
+            }),
             Owner::Bound(index) => self.bounds.get(index).map_or(Vec::new(), |bound| vec![bound.node]),
             Owner::Given(index) => self.velocities.get(index).map_or(Vec::new(), |(node, ..)| vec![*node]),
         }

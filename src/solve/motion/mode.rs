@@ -24,6 +24,8 @@ pub(crate) struct Branches<R> {
     pub(crate) normal: Option<R>,
     /// Whether the limit is the largest friction force.
     pub(crate) is_capped: bool,
+    /// Those that have turned since the last step, `None` is the sum: on the other side of zero they are by the error of the state.
+    pub(crate) turned: Vec<Option<usize>>,
 }
 
 /// A friction in a mode.
@@ -161,6 +163,6 @@ impl<R: Number> Mode<R> {
 
 impl<R> Branches<R> {
     pub(crate) fn none() -> Self {
-        Self { magnitudes: Vec::new(), normal: None, is_capped: false }
+        Self { magnitudes: Vec::new(), normal: None, is_capped: false, turned: Vec::new() }
     }
 }

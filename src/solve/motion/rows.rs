@@ -14,6 +14,8 @@ pub(crate) enum Owner {
     Mpc(usize, usize),
     Relation(usize, usize),
     Bound(usize),
+    /// A belt that slips over its ring: the friction.
+    Ring(usize),
     /// A velocity given at the beginning.
     Given(usize),
 }
@@ -155,6 +157,8 @@ pub(crate) struct Layout {
     pub(crate) place: Vec<Option<usize>>,
     /// The equations that count: the others follow from them.
     pub(crate) kept: Vec<usize>,
+    /// The equations whose forces are not determined: they repeat each other.
+    pub(crate) open: Vec<usize>,
     /// Sets of unknowns that equations alone determine, each with these equations.
     pub(crate) determined: Vec<(Vec<usize>, Vec<usize>)>,
 }

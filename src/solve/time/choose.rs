@@ -53,6 +53,8 @@ impl<R: Number> Run<'_, R> {
             for (i, s) in open.iter().enumerate().take(ALL) {
                 match rest % 3 {
                     0 => {}
+                    // What has no inertia slips by its tensions alone, whose ratio is another one.
+                    _ if self.mechanism.sliders[*s].ring.is_some() => continue 'combinations,
                     1 => modes.frictions[*s] = Mode::slips(directions[i]),
                     // Of several components there is one direction, which is sought.
                     _ if self.mechanism.sliders[*s].components.len() > 1 => continue 'combinations,

@@ -27,6 +27,7 @@ impl<R: Number> Run<'_, R> {
                 // On the other side of zero the direction is the opposite one.
                 if let Some(mode) = self.modes.frictions.get_mut(of) {
                     let branches = &mut mode.branches;
+                    branches.turned.push(part);
                     match part {
                         None => branches.normal = branches.normal.map(|sign| -sign),
                         Some(part) => {

@@ -51,11 +51,17 @@ pub(crate) enum Rule<R> {
 /// What grows where a step is much better than it has to be.
 const GROWTH: f64 = 2.0;
 
+/// The most columns on doubles: each multiplies rounding, ten of them by a hundred.
+const FEW: usize = 7;
+
 impl<R: Number> Rule<R> {
     /// The rule for a method and a number of digits.
     pub(crate) fn new(method: Method, digits: usize) -> Self {
         match method {
-            Method::Extrapolation => Self::Extrapolation(7 + digits / 4),
+            Method::Extrapolation => {
+                let most = if R::ROUNDING > f64::EPSILON / 4.0 { FEW } else { usize::MAX };
+                Self::Extrapolation((7 + digits / 4).min(most))
+            }
             Method::Collocation => gauss(6 + digits / 4),
         }
     }

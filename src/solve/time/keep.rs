@@ -32,6 +32,8 @@ pub struct Kept<R> {
     steps: usize,
     evaluations: usize,
     violation: f64,
+    #[serde(default)]
+    liveliest: f64,
 }
 
 /// Where a run is kept, and how often.
@@ -81,6 +83,7 @@ impl<R: Number> Run<'_, R> {
             steps: self.solution.steps,
             evaluations: self.solution.evaluations,
             violation: self.solution.violation,
+            liveliest: self.solution.liveliest,
         });
         keeping.last = Instant::now();
     }
@@ -105,6 +108,7 @@ impl<R: Number> Run<'_, R> {
         self.solution.steps = kept.steps;
         self.solution.evaluations = kept.evaluations;
         self.solution.violation = kept.violation;
+        self.solution.liveliest = kept.liveliest;
         self.is_launched = true;
         self.is_resumed = true;
         kept.is_done

@@ -200,6 +200,7 @@ impl<R> Solution<R> {
             steps: 0,
             evaluations: 0,
             violation: 0.0,
+            liveliest: 0.0,
         }
     }
 }
@@ -629,6 +630,10 @@ impl<'a, R: Number> Run<'a, R> {
             velocity: six(&self.state.rates[node]),
             acceleration: if self.is_still { [R::integer(0); 6] } else { six(&solved.accelerations[node]) },
         });
+        let still = vec![[R::integer(0); 3]; self.state.poses.len()];
+        let instant = Instant::of(&self.state, self.step, &still);
+        let open: Vec<Owner> =
+            self.layout.open.iter().filter_map(|row| found.rows.get(*row)).map(|row| row.owner).collect();
         let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
             let now = &found.joints[index];
             let of = self.mechanism.sliders.iter().zip(&self.modes.frictions);
@@ -644,13 +649,22 @@ impl<'a, R: Number> Run<'a, R> {
                     Touch::Open | Touch::Leaves(_) => StopStatus::Free,
                 })
             };
+            let [mut position, mut displacement, mut velocity] =
+                self.mechanism.free_motion(index, &instant, now.branch);
+            for k in (0..6).filter(|k| !joint.free[*k]) {
+                position[k] = now.position[k];
+                displacement[k] = now.displacement[k];
+                velocity[k] = now.velocity[k];
+            }
             ConnectorFrame {
-                position: now.position,
-                displacement: now.displacement,
-                velocity: now.velocity,
+                position,
+                displacement,
+                velocity,
                 total: solved.total[index],
+                open: [0, 1, 2, 3, 4, 5].map(|k| open.contains(&Owner::Joint(index, k))),
                 friction: solved.friction[index],
                 wanted: joint.wanted,
+                free: joint.free,
                 sticks: of
                     .filter(|(slider, _)| slider.joint == index)
                     .map(|(_, mode)| mode.is_stuck())

@@ -32,10 +32,16 @@ pub struct ConnectorFrame<R> {
     pub velocity: [R; 6],
     /// CTF: internal forces and moments, positive resisting growth of their component.
     pub total: [R; 6],
+    /// Whose CTF is one of many: constraints repeat each other.
+    #[serde(default)]
+    pub open: Mask,
     /// CSF.
     pub friction: [R; 6],
     /// Which components have a motion or force that matters to the solution.
     pub wanted: [bool; 6],
+    /// Which others have a motion, but nothing that depends on it.
+    #[serde(default)]
+    pub free: Mask,
     /// Whether each of its frictions sticks.
     pub sticks: Vec<bool>,
     /// P and its limit μ F_N of each of its frictions.
@@ -150,6 +156,8 @@ pub struct Solution<R> {
     pub evaluations: usize,
     /// The most that equations were violated by at any frame: lengths by the size of the model, angles (rad).
     pub violation: f64,
+    /// The largest kinetic energy on the way.
+    pub liveliest: f64,
 }
 
 /// How far two solutions of one mechanism are apart.
@@ -163,7 +171,7 @@ pub struct Difference {
     pub velocity: f64,
     /// Of component forces, relative to the largest of their kind.
     pub force: f64,
-    /// Of energies and works, relative to the largest.
+    /// Of energies and works, relative to the largest on the way.
     pub energy: f64,
     /// Of event times, relative to the duration.
     pub event: f64,
@@ -222,7 +230,7 @@ impl<R: Number> Solution<R> {
             let Energies { kinetic, external, dissipated, stored, .. } = of.energies;
             [kinetic, external, dissipated, stored]
         };
-        let energy = largest(&|frame| works(frame).to_vec());
+        let energy = largest(&|frame| works(frame).to_vec()).max(self.liveliest);
         let (speeds, forces) = ([speed(0), speed(3)], [force(0), force(3)]);
         let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {
             for (x, y) in one.iter().zip(two) {
@@ -247,8 +255,9 @@ impl<R: Number> Solution<R> {
             }
             for (one, two) in one.connectors.iter().zip(&two.connectors) {
                 let count = &mut found.compared;
-                compare(&mut found.force, count, &one.total[..3], &two.total[..3], forces[0]);
-                compare(&mut found.force, count, &one.total[3..], &two.total[3..], forces[1]);
+                for k in (0..6).filter(|k| !one.open[*k]) {
+                    compare(&mut found.force, count, &one.total[k..=k], &two.total[k..=k], forces[k / 3]);
+                }
             }
         }
         found

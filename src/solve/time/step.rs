@@ -394,7 +394,6 @@ impl<R: Number> Run<'_, R> {
     pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
         let mut changed = false;
         let zero = R::integer(0);
-        let tiny = largest(solved.forces.iter().copied()) * R::from_f64(1e7 * R::ROUNDING);
         for (s, (mode, limit)) in self.modes.frictions.iter_mut().zip(&solved.limits).enumerate() {
             if mode.is_stuck() {
                 continue;
@@ -411,11 +410,14 @@ impl<R: Number> Run<'_, R> {
                 // To the opposite one they turn by an event alone: just after it rounding may have them on the other side.
                 let turn = |switch: &&Switch<R>| switch.of == s && switch.cause == Cause::Turns(Some(part));
                 let along = solved.switches.iter().find(turn).map(|switch| switch.value);
-                if !along.is_some_and(|along| along.less(zero) && along.magnitude().less(tiny)) {
+                let is_beyond = along.is_some_and(|along| along.less(zero));
+                if !is_beyond || !mode.branches.turned.contains(&Some(part)) {
+                    changed |= is_beyond;
                     known.clone_from(now);
                 }
             }
-            let normal = limit.branches.normal.or(mode.branches.normal);
+            let kept = mode.branches.normal.filter(|_| mode.branches.turned.contains(&None));
+            let normal = kept.or(limit.branches.normal).or(mode.branches.normal);
             changed |= normal.is_some() != mode.branches.normal.is_some();
             mode.branches.normal = normal;
         }
@@ -441,12 +443,19 @@ impl<R: Number> Run<'_, R> {
         let mut which: Option<usize> = None;
         let mut weight = R::integer(1);
         let mut high_value: Option<R> = None;
+        // Half of a step that was too long.
+        let mut shorter: Option<R> = None;
         let start = self.state.time;
         let resolution = larger(start.magnitude(), h) * R::from_f64(4.0 * R::ROUNDING);
         for iteration in 0..400 {
             let base = self.state.clone();
             let y = self.packed();
             let (slope, _) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            // Back on its constraints a state may be beyond what it was just before.
+            let beyond = which.filter(|_| iteration > 0).and_then(|index| slope.switches.get(index));
+            if let Some(switch) = beyond.filter(|switch| switch.value.less(zero)) {
+                return self.happens(switch.of, switch.cause);
+            }
             let passed = base.time - start;
             // Where the switch that is nearest to its end would vanish.
             let ahead = high - passed;
@@ -464,9 +473,11 @@ impl<R: Number> Run<'_, R> {
             let guess = if is_small { ahead } else { guess };
             let guess =
                 if guess.less(resolution * R::ratio(1, 4)) { resolution * R::ratio(1, 4) } else { guess };
+            let guess = shorter.take().map_or(guess, |most: R| guess.lesser(most));
             let tried = self.tried(&base, &y, &slope, guess).map_err(|trouble| self.say(trouble))?;
             if tried.error > 1.0 {
-                return Err(self.stuck_in_time());
+                shorter = Some(guess * R::ratio(1, 2));
+                continue;
             }
             let ended = self.switches_at(&base, base.time + guess, &tried.end)?;
             // The one that is crossed first: by its value before and after.
@@ -523,7 +534,11 @@ impl<R: Number> Run<'_, R> {
             .assemble(&instant, &self.modes, &self.beginnings)
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
+        if !self.is_still {
+            self.solution.liveliest = self.solution.liveliest.max(found.kinetic().to_f64());
+        }
         self.state = next;
+        self.modes.frictions.iter_mut().for_each(|mode| mode.branches.turned.clear());
         if let Some(reached) = &self.options.reached {
             reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
         }

@@ -274,6 +274,22 @@ impl Potential {
         self.contributions.iter().map(|contribution| contribution.shift.abs()).sum()
     }
 
+    /// The components (from 0) with their R, where P is √(Σ (f_k/R_k)²) of single components.
+    pub fn norm(&self) -> Option<Vec<(usize, f64)>> {
+        if self.operator != PotentialOperator::Sum || self.exponent != 2.0 {
+            return None;
+        }
+        let parts: Option<Vec<(usize, f64)>> = self
+            .contributions
+            .iter()
+            .map(|of| match of.of {
+                Form::Component(k) if of.is_plain_square() => Some((k, of.scale.abs())),
+                Form::Component(_) | Form::Derived(_) => None,
+            })
+            .collect();
+        parts.filter(|parts| parts.len() == self.components().len())
+    }
+
     /// The components (from 0) that contribute, each once, in order.
     pub fn components(&self) -> Vec<usize> {
         let mut components: Vec<usize> = self
@@ -535,6 +551,12 @@ where
 }
 
 impl Contribution {
+    /// Whether its square is (X/R)².
+    fn is_plain_square(&self) -> bool {
+        let is_magnitude = self.function == PotentialFunction::Abs && self.shift == 0.0;
+        is_magnitude && self.exponent == 2.0 && self.sign > 0.0
+    }
+
     /// The NORM that |X| is, if it is one without a shift.
     fn norm(&self) -> Option<&DerivedPart> {
         match (&self.of, self.function, self.shift) {

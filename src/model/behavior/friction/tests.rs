@@ -73,6 +73,9 @@ fn shifts_and_moving_factors_are_known() {
     let plain = vec![contribution(Form::Component(0), 0.5), contribution(Form::Component(1), -0.25)];
     let still = potential(plain.clone());
     assert_eq!((still.shift(), still.moves()), (0.75, false));
+    let centred = |k| Contribution { scale: -2.0, ..contribution(Form::Component(k), 0.0) };
+    assert_eq!(potential(vec![centred(0), centred(1)]).norm(), Some(vec![(0, 2.0), (1, 2.0)]));
+    assert_eq!([still.norm(), potential(vec![centred(0), centred(0)]).norm()], [None, None]);
     let part = |independent| {
         let scale = Some(Table::curve(&[(0.0, 1.0), (1.0, 2.0)], Extrapolation::Linear).unwrap());
         let part =

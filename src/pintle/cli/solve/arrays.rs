@@ -24,6 +24,9 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         vec![of.kinetic, of.stored, of.dissipated, of.external]
     });
     let count = frames.len();
+    let force = |of: &ConnectorFrame<R>, k: usize| if of.open[k] { f64::NAN } else { of.total[k].to_f64() };
+    let forces = frames.iter().flat_map(|frame| &frame.connectors);
+    let forces = forces.flat_map(|of| (0..6).map(|k| force(of, k))).collect();
     vec![
         Array::numbers("time", vec![count], each(&|frame| vec![frame.time])),
         Array::words("node", nodes.iter().map(ToString::to_string).collect()),
@@ -36,7 +39,7 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         Array::words("element", connectors.iter().map(|(label, _)| label.to_string()).collect()),
         of_connectors("CU", &|of| of.displacement),
         of_connectors("CV", &|of| of.velocity),
-        of_connectors("CTF", &|of| of.total),
+        Array::numbers("CTF", vec![count, connectors.len(), 6], forces),
         of_connectors("CSF", &|of| of.friction),
         Array::numbers("sticks", vec![count, connectors.len()], frames.iter().flat_map(sticks).collect()),
         Array::numbers("energies", vec![count, 4], energies),

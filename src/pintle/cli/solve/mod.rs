@@ -347,7 +347,7 @@ fn state<R: Number>(number: usize, frame: &Frame<R>, solution: &Solution<R>) -> 
     });
     let forces = solution.connectors.iter().zip(&frame.connectors).map(|((label, _), of)| {
         let mut forces = ElementForces::default();
-        for k in (0..6).filter(|k| of.wanted[*k]) {
+        for k in (0..6).filter(|k| of.wanted[*k] && !of.open[*k]) {
             forces.total[k] = Some(of.total[k].to_f64());
         }
         (*label, forces)
