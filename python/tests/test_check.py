@@ -1,6 +1,7 @@
 """Checks of callables: verdicts, causes, exceptions, batches, JAX."""
 
 import json
+import os
 import subprocess
 import sys
 import traceback
@@ -12,6 +13,9 @@ import pytest
 import routines
 
 import pintle
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "corpus"))
+import connectors
 
 jax.config.update("jax_enable_x64", True)
 QUICK = {"states": 30, "near_singular_states": 5, "wide_states": 5, "histories": 5}
@@ -167,3 +171,10 @@ def test_nothing_starts_at_import():
         pytest.skip("threads are counted in /proc")
     count = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env={"OPENBLAS_NUM_THREADS": "1"})
     assert count.stdout == "1\n", count
+
+
+@pytest.mark.parametrize("of", ["EULER", "ROTATION"])
+def test_another_sheet_that_is_no_farther_is_not_wrong(of):
+    # At the default's 250 states: at some of them two sheets are about as far from the state before.
+    report = pintle.check(connectors.right(of), of)
+    assert report.ok, report

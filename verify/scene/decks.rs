@@ -321,3 +321,81 @@ fn copies_of_nothing_are_nothing() {
     let scene = Scene::parse("copies.inp", deck);
     assert!(scene.is_ok_and(|scene| scene.nodes.len() == 1));
 }
+
+/// Lines that bear on no connector, each in a deck with a hinge: read, and the hinge is what it was.
+#[test]
+fn what_others_write_refuses_nothing() {
+    let plain = read(HINGE);
+    let step = |lines: &str| format!("*STEP\n*STATIC\n0.1, 1.\n{lines}*END STEP\n");
+    let solid = "*NODE\n11, 5., 0., 0.\n12, 6., 0., 0.\n";
+    let decks = [
+        "*NSET, NSET=TIP\n2,\n*STEP\n*STATIC, RIKS\n0.1, 1., 1e-5, 0.5, 2., TIP, 2, -0.3\n*END STEP\n".to_string(),
+        "*STEP\n*STATIC, RIKS\n0.1, 1., 1e-5, 0.5, 2., ASSEMBLY.TIP, 2, -0.3\n*END STEP\n".to_string(),
+        step("*DLOAD\nE, GRAV, 9.81, 0., -1.\n"),
+        step("*DLOAD\nE, GRAV, 9.81, , , -1.\n"),
+        step("*NSET, NSET=IN\n1, 2\n*ELSET, ELSET=OUT\n101,\n*NODE OUTPUT, NSET=IN\nU,\n"),
+        format!("{solid}*NODE\n12, 6.5, 0., 0.\n"),
+        "*CONNECTOR SECTION, ELSET=SPOTS\nBEAM\n*FASTENER, INTERACTION NAME=F, ELSET=SPOTS\n\nS1, S2\n".to_string(),
+        "*STEP, PERTURBATION\n*STEADY STATE DYNAMICS, DIRECT\n10., 100., 20\n*BOUNDARY, IMAGINARY\n2, 6, 6, 0.05\n*END STEP\n"
+            .to_string(),
+        "*ELEMENT, TYPE=ITSUNI, ELSET=ITS\n901, 1, 2\n*ITS, ELSET=ITS\n0.5, 0.1\n1., 0., 0.\n*DASHPOT\n1,\n10.\n\
+         *FRICTION\n0.3,\n*SPRING, NONLINEAR\n1,\n-1., -0.1\n1., 0.1\n"
+            .to_string(),
+        format!("{solid}*ELEMENT, TYPE=Z101, FILE=sub1, ELSET=SUB\n802, 11, 12\n"),
+        format!("{solid}{}", step("*CLOAD\n11, 1\n12, 2,\n")),
+        format!("{solid}*INITIAL CONDITIONS, TYPE=VELOCITY\n11, 1,\n"),
+        format!("{solid}*IMPERFECTION\n11, 0.1, 0., 0.\n"),
+    ];
+    for deck in &decks {
+        let text = format!("{HINGE}{deck}");
+        let scene = Scene::parse("deck.inp", &text)
+            .unwrap_or_else(|error| panic!("{text}\n{}", error.render(100, false)));
+        assert_eq!(scene.connectors, plain.connectors, "{deck}");
+        assert!(scene.warnings.is_empty(), "{deck}: {:?}", scene.warnings);
+    }
+    // What bears on the hinge is said, or refused.
+    let told = read(&format!("{HINGE}*IMPERFECTION\n2, 0.1, 0., 0.\n"));
+    assert_eq!(told.warnings.iter().map(pintle_scene::Diagnostic::code).collect::<Vec<_>>(), [Code::NotFollowed]);
+    let twice = Scene::parse("deck.inp", &format!("{HINGE}*NODE\n2, 9., 0., 0.\n")).unwrap_err();
+    assert_eq!(twice.code(), Code::DuplicateNode);
+}
+
+/// Of the model of another deck nothing is here: what acts on it is counted, and a connector that needs it says where it is.
+#[test]
+fn what_acts_on_another_deck_is_counted() {
+    for start in ["*RESTART, READ, STEP=1\n", "*IMPORT, STATE=YES\nOLD\n"] {
+        let steps = "*STEP\n*STATIC\n*CONNECTOR LOAD\nWIRE, 4, 0.3\n*CONNECTOR MOTION\n77, 1, 0.1\n*BOUNDARY\n1, 1\nOLD, 1, 3\n\
+                     *NODE OUTPUT, NSET=OLD\nU,\n*END STEP\n";
+        let scene = read(&format!("{start}{HINGE}{steps}"));
+        let what = "what acts on the model of another deck";
+        assert_eq!(scene.skipped.parameters[what].count, 4, "{start}");
+        assert_eq!((scene.steps[0].boundaries.len(), scene.connectors.len()), (1, 1), "{start}");
+    }
+    let deck = "*ASSEMBLY, NAME=A\n*INSTANCE, LIBRARY=Job-1, INSTANCE=Part-1-1\n*IMPORT, STATE=YES\n*END INSTANCE\n*NODE\n1, 0., 0., 0.\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=W\n1, 1, Part-1-1.4\n*CONNECTOR SECTION, ELSET=W\nBEAM,\n*END ASSEMBLY\n";
+    let error = Scene::parse("deck.inp", deck).unwrap_err();
+    let told = error.render(100, false);
+    assert!(error.code() == Code::UnknownNode && told.contains("the model is in another deck"), "{told}");
+}
+
+/// A rigid body keeps the nodes of elements that are not read, in every format.
+#[test]
+fn a_rigid_body_of_elements_that_are_not_read_is_kept() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n8, 0., 0., 2.\n9, 0.5, 0.5, 0.\n\
+                *ELEMENT, TYPE=R3D4, ELSET=RR\n70, 1, 2, 3, 4\n*ELEMENT, TYPE=CONN3D2, ELSET=LK\n191, 2, 8\n*CONNECTOR SECTION, ELSET=LK\n\
+                BEAM\n*RIGID BODY, ELSET=RR, REF NODE=9\n*BOUNDARY\n9, 1, 6\n";
+    let scene = read(deck);
+    assert_eq!(scene.rigid_bodies[0].others.len(), 1);
+    for format in [Format::Deck, Format::Toml, Format::Json] {
+        let written = scene.write(format).unwrap().text;
+        let back = match format {
+            Format::Deck => Scene::parse("deck.inp", &written),
+            Format::Toml => Scene::parse_toml("deck.toml", &written),
+            Format::Json => Scene::parse_json("deck.json", &written),
+        };
+        let back = back.unwrap_or_else(|error| panic!("{written}\n{}", error.render(100, false)));
+        let set = back.rigid_bodies[0].tie_set.as_ref().map(|set| back.node_sets[&set.value].labels.clone());
+        let kept = set.unwrap_or_default().len() + back.rigid_bodies[0].others.len();
+        assert_eq!(kept, 1, "{format:?}\n{written}");
+    }
+}
