@@ -1,7 +1,7 @@
 //! Sheets of angles: the same rotation by other angles.
 //!
-//! Where a state is far from the one before, several sheets continue the angles, and none is wrong that is no farther from there than the one of
-//! the product: by the sum of what the angles move, by its square, or by the largest.
+//! Where a state is far from the one before, several sheets continue the angles. None is wrong that is no farther from there than the one of
+//! the product. That is measured by the sum of what the angles move, by the sum of squares, and by the largest.
 
 use crate::candidate::Given;
 use crate::candidate::initial_positions;

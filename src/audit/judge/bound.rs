@@ -157,10 +157,12 @@ impl Bound {
         self.is_of_wide && (want.is_infinite() || !self.scale(quantity, k, i).is_finite())
     }
 
-    /// How far an entry may be from the truth, where that is known. Numbers below the range of doubles have no digits left.
+    /// How far an entry may be from the truth, where that is known. Products of small numbers are rounded to multiples of 2⁻¹⁰⁷⁴.
     pub fn known(&self, quantity: Quantity, k: usize, i: usize) -> Option<f64> {
+        /// 32 such roundings.
+        const LEAST: f64 = f64::from_bits(32);
         let tolerance = self.tolerance.entries(quantity).get(k, i)?;
-        Some(if tolerance < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { tolerance })
+        Some(if tolerance < LEAST { LEAST } else { tolerance })
     }
 
     /// How far an entry may be from the truth.

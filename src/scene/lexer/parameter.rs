@@ -33,18 +33,30 @@ use Number::{Real, Whole};
 
 /// Parameters by name.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Parameters(HashMap<String, Number>);
+pub(crate) struct Parameters {
+    numbers: HashMap<String, Number>,
+    /// Those in quotation marks.
+    texts: HashMap<String, String>,
+}
 
 impl Parameters {
-    /// Reads a line `name = expression`. False if it is nothing, or more than numbers, names, `+ - * / **`, parentheses and
-    /// [`FUNCTIONS`].
+    /// Reads a line `name = expression`. False if it is nothing, or more than a text, or than numbers, names, `+ - * / // % **`, parentheses,
+    /// [`FUNCTIONS`] and those of Python that give the same to everybody.
     pub(crate) fn define(&mut self, line: &str) -> bool {
         let line = line.split('#').next().unwrap_or_default().trim();
         let Some((name, expression)) = line.split_once('=') else { return line.is_empty() };
         let name = name.trim();
-        self.0.remove(name);
-        let value = self.value(expression).filter(|_| is_name(name));
-        value.map(|value| self.0.insert(name.to_owned(), value)).is_some()
+        self.numbers.remove(name);
+        self.texts.remove(name);
+        if !is_name(name) {
+            return false;
+        }
+        if let Some(text) = quoted(expression.trim()) {
+            self.texts.insert(name.to_owned(), text.to_owned());
+            return true;
+        }
+        let value = self.value(expression);
+        value.map(|value| self.numbers.insert(name.to_owned(), value)).is_some()
     }
 
     fn value(&self, text: &str) -> Option<Number> {
@@ -53,9 +65,17 @@ impl Parameters {
         expression.rest.is_empty().then_some(value)
     }
 
-    /// Puts numbers in the place of `<name>`; whether there was one. Names that are not known stay.
+    fn shown(&self, name: &str) -> Option<String> {
+        match self.numbers.get(name) {
+            Some(Whole(number)) => Some(number.to_string()),
+            Some(Real(number)) => Some(format!("{number:?}")),
+            None => self.texts.get(name).cloned(),
+        }
+    }
+
+    /// Puts numbers and texts in the place of `<name>`; whether there was one. Names that are not known stay.
     pub(super) fn replace(&self, line: &mut Vec<u8>) -> bool {
-        if self.0.is_empty() || !line.contains(&b'<') {
+        if (self.numbers.is_empty() && self.texts.is_empty()) || !line.contains(&b'<') {
             return false;
         }
         let Ok(text) = std::str::from_utf8(line) else { return false };
@@ -64,14 +84,10 @@ impl Parameters {
         let mut any = false;
         while let Some((before, after)) = rest.split_once('<') {
             replaced.push_str(before);
-            let known =
-                after.split_once('>').and_then(|(name, after)| Some((self.0.get(name.trim())?, after)));
+            let known = after.split_once('>').and_then(|(name, after)| Some((self.shown(name.trim())?, after)));
             match known {
-                Some((number, after)) => {
-                    replaced.push_str(&match number {
-                        Whole(number) => number.to_string(),
-                        Real(number) => format!("{number:?}"),
-                    });
+                Some((shown, after)) => {
+                    replaced.push_str(&shown);
                     (rest, any) = (after, true);
                 }
                 None => {
@@ -84,6 +100,12 @@ impl Parameters {
         *line = replaced.into_bytes();
         any
     }
+}
+
+/// What stands between quotation marks, if that is all.
+fn quoted(text: &str) -> Option<&str> {
+    let of = |mark: char| text.strip_prefix(mark)?.strip_suffix(mark).filter(|inner| !inner.contains(mark));
+    of('\'').or_else(|| of('"'))
 }
 
 fn is_name(text: &str) -> bool {
@@ -121,13 +143,19 @@ impl Expression<'_> {
     fn product(&mut self) -> Option<Number> {
         let mut product = self.signed()?;
         loop {
-            // What `//` and a division of whole numbers that leaves a rest give depends on who reads it.
-            if self.rest.starts_with("//") {
-                return None;
-            }
-            if self.take("*") {
+            if self.take("//") {
+                let floor = |a: i64, b: i64| Some(a.checked_div_euclid(b)? - i64::from(b < 0 && a % b != 0));
+                product = combined(product, self.signed()?, floor, |a, b| (a / b).floor())?;
+            } else if self.take("%") {
+                let rest = |a: i64, b: i64| {
+                    let rest = a.checked_rem_euclid(b)?;
+                    Some(if b < 0 && rest != 0 { rest + b } else { rest })
+                };
+                product = combined(product, self.signed()?, rest, |a, b| a - b * (a / b).floor())?;
+            } else if self.take("*") {
                 product = combined(product, self.signed()?, i64::checked_mul, |a, b| a * b)?;
             } else if self.take("/") {
+                // What a division of whole numbers that leaves a rest gives depends on who reads it.
                 let exact = |a: i64, b: i64| (b != 0 && a % b == 0).then(|| a / b);
                 product = combined(product, self.signed()?, exact, |a, b| a / b)?;
             } else {
@@ -174,11 +202,13 @@ impl Expression<'_> {
             let (name, rest) = self.rest.split_at(end);
             self.rest = rest.trim_start();
             if self.take("(") {
-                let (_, of) = FUNCTIONS.iter().find(|(known, _)| *known == name)?;
-                let argument = self.sum().filter(|_| self.take(")"))?;
-                return combined(Real(0.0), argument, |_, _| None, |_, x| of(x));
+                let mut arguments = vec![self.sum()?];
+                while self.take(",") {
+                    arguments.push(self.sum()?);
+                }
+                return if self.take(")") { called(name, &arguments) } else { None };
             }
-            return self.parameters.0.get(name).copied();
+            return self.parameters.numbers.get(name).copied();
         }
         let bytes = self.rest.as_bytes();
         let end = (0..bytes.len()).find(|&place| match bytes[place] {
@@ -189,6 +219,34 @@ impl Expression<'_> {
         self.rest = rest.trim_start();
         let real = || super::parse_number(number).ok().map(Real);
         number.parse().ok().map(Whole).or_else(real)
+    }
+}
+
+/// What a function gives.
+fn called(name: &str, arguments: &[Number]) -> Option<Number> {
+    let double = |number: &Number| match *number {
+        Whole(number) => number as f64,
+        Real(number) => number,
+    };
+    match (name, arguments) {
+        ("int", [Real(x)]) => (x.abs() < 9e15).then(|| Whole(x.trunc() as i64)),
+        ("int", [x @ Whole(_)]) => Some(*x),
+        ("float", [x]) => Some(Real(double(x))),
+        ("pow", [a, b]) => {
+            let whole = |a: i64, b: i64| a.checked_pow(u32::try_from(b).ok()?);
+            combined(*a, *b, whole, f64::powf)
+        }
+        ("min", [first, rest @ ..]) => {
+            rest.iter().fold(Some(first), |least, x| least.map(|y| if double(x) < double(y) { x } else { y })).copied()
+        }
+        ("max", [first, rest @ ..]) => {
+            rest.iter().fold(Some(first), |most, x| most.map(|y| if double(x) > double(y) { x } else { y })).copied()
+        }
+        (_, [argument]) => {
+            let (_, of) = FUNCTIONS.iter().find(|(known, _)| *known == name)?;
+            combined(Real(0.0), *argument, |_, _| None, |_, x| of(x))
+        }
+        _ => None,
     }
 }
 
@@ -231,10 +289,23 @@ mod tests {
             ("q = sqrt 4", false, "<q>"),
             ("r = log(0)", false, "<r>"),
             ("i = 1/0.", false, "<i>"),
-            ("j = 'name'", false, "<j>"),
+            ("j = 'name'", true, "name"),
+            ("j1 = \"OZ 1\"", true, "OZ 1"),
+            ("j2 = 'a' + 'b'", false, "<j2>"),
             ("k = a b", false, "<k>"),
             ("l = 2**3**2", true, "512"),
-            ("m = 8//2", false, "<m>"),
+            ("m = 8//2", true, "4"),
+            ("m1 = -7//2", true, "-4"),
+            ("m2 = 7//-2", true, "-4"),
+            ("m3 = -7 % 3", true, "2"),
+            ("m4 = 7 % -3", true, "-2"),
+            ("m5 = 7.5//2", true, "3.0"),
+            ("m6 = 1//0", false, "<m6>"),
+            ("n1 = int(2.9) + float(1)", true, "3.0"),
+            ("n2 = pow(2, 5)", true, "32"),
+            ("n3 = max(1, 2.5, 2)", true, "2.5"),
+            ("n4 = min(3, 1, 2)", true, "1"),
+            ("n5 = int(1, 2)", false, "<n5>"),
             ("a = b - 1", true, "1.5"),
         ];
         for (line, is_plain, shown) in lines {
