@@ -271,7 +271,8 @@ def cv_joint():
     """Both shafts turn alike: 0.2 ω̇ = 0.7, and the second carries its half of the moment."""
     turn = [cos(pi / 6), mpf(1) / 2, mpf(0)]
     rates = lambda axis: [mpf(0)] * 3 + [mpf("17.5") * x for x in axis]
-    return [], {"nodes": {"1": rates([mpf(1), mpf(0), mpf(0)]), "2": rates(turn)}}
+    end = component("101", 4, mpf("43.75"), mpf("17.5"), 0)
+    return [], end | {"nodes": {"1": rates([mpf(1), mpf(0), mpf(0)]), "2": rates(turn)}}
 
 
 def static_belt():
