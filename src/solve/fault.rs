@@ -47,6 +47,8 @@ pub(crate) enum Fault {
     RotationAdded,
     /// A rotation vector grows with ω.
     TurnRateTaken,
+    /// A belt slips as if it were pulled from its other end.
+    CapstanTurned,
 }
 
 #[cfg(test)]

@@ -498,7 +498,7 @@ fn steps_go_on() {
 /// Each fault of the solver is noticed by one of these references.
 #[test]
 fn faults_are_noticed() {
-    let faults: [(Fault, &[&str]); 22] = [
+    let faults: [(Fault, &[&str]); 23] = [
         (Fault::SlipReversed, &["stop_friction"]),
         (Fault::OnsetByDefault, &["stop_friction"]),
         (Fault::Drift, &["pendulum"]),
@@ -521,6 +521,7 @@ fn faults_are_noticed() {
         (Fault::DriveForgotten, &["block"]),
         (Fault::RotationAdded, &["free_top"]),
         (Fault::TurnRateTaken, &["free_top"]),
+        (Fault::CapstanTurned, &["belt_swing"]),
     ];
     let mut missed = Vec::new();
     for (fault, names) in faults {

@@ -395,7 +395,8 @@ impl<R: Number> Mechanism<R> {
             let entry = |of: &[(usize, R)]| of.iter().find(|(dof, _)| *dof == flow).map_or(zero, |(_, x)| *x);
             // Which of the two pulls: the flow is in balance, T1 e1 + T2 e2 + n T_f e = 0 with e2 = −e1.
             let now = &all.joints[slider.joint];
-            let pulls = along[FLOW] * entry(&now.columns[FLOW]) * entry(&now.columns[0]);
+            let along = if has(Fault::CapstanTurned) { -along[FLOW] } else { along[FLOW] };
+            let pulls = along * entry(&now.columns[FLOW]) * entry(&now.columns[0]);
             let ratio = one + exp_m1(mu.real() * R::from_f64(angle));
             let (first, second) = if zero.less(pulls) { (-ratio, one) } else { (one, -ratio) };
             let mut row = Row {
