@@ -186,12 +186,12 @@ fn measured(connectors: usize) {
     let batched: usize = kinds.iter().map(|kind| kind.members.len()).sum();
     let mut least = [f64::MAX; 4];
     for _ in 0..ROUNDS {
-        let kernels = || {
+        let mut kernels = || {
             let begun = Instant::now();
             run_kernels(&mut kinds);
             begun.elapsed().as_secs_f64()
         };
-        let walking = || {
+        let mut walking = || {
             let begun = Instant::now();
             one.install(|| walk(&model, &plan, &states, &mut walked, false));
             begun.elapsed().as_secs_f64()

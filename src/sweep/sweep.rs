@@ -221,7 +221,7 @@ impl Sweep {
     fn turn_of(&self, block: u64) -> Option<Matrix<f64>> {
         let drawn = splitmix64(splitmix64(self.key) ^ block);
         let at = 1 + drawn / TURNED % (self.cubes.len() as u64 - 1);
-        self.cubes.get(at as usize).copied().filter(|_| drawn % TURNED == 0)
+        self.cubes.get(at as usize).copied().filter(|_| drawn.is_multiple_of(TURNED))
     }
 
     fn piece(&self, range: Range<u64>, summary: &mut Summary) {
@@ -567,7 +567,7 @@ impl Seen {
     ) {
         for (lane, frame) in self.frame.iter_mut().enumerate() {
             let length = of.source.length.max(norm(tile.apart(lane)));
-            let size = |j: usize| if j / 3 % 2 == 0 { length } else { 1.0 };
+            let size = |j: usize| if (j / 3).is_multiple_of(2) { length } else { 1.0 };
             let mut most = Some(0.0);
             for ((row, again), winds) in rows.iter().zip(again).zip(&of.winds) {
                 let HessianRow { row: turned, hessian } = again;

@@ -48,7 +48,7 @@ fn what_bears_on_no_connector_is_skipped_and_counted() {
         ("*MPC\nBARREL, 11, 12\n", ""),
         ("*RESTART, WRITE, FREQUENCY=3\n", "RESTART"),
         ("*NMAP, NSET=FAR, TYPE=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n1., 0., 0.\n", "NMAP"),
-        ("*PARAMETER\nfar = 3\nname = 'text'\n", "PARAMETER"),
+        ("*PARAMETER\nfar = 3\nname = 7/2\n", "PARAMETER"),
         ("*TRANSFORM, NSET=FAR, TYPE=C\n5., 0., 0., 5., 0., 1.\n", ""),
         ("*ORIENTATION, NAME=UNUSED\n1., 0., 0., 2., 0., 0.\n", ""),
         ("*BOUNDARY,\n11, 1, 3\n", ""),

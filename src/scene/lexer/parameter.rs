@@ -84,7 +84,8 @@ impl Parameters {
         let mut any = false;
         while let Some((before, after)) = rest.split_once('<') {
             replaced.push_str(before);
-            let known = after.split_once('>').and_then(|(name, after)| Some((self.shown(name.trim())?, after)));
+            let known =
+                after.split_once('>').and_then(|(name, after)| Some((self.shown(name.trim())?, after)));
             match known {
                 Some((shown, after)) => {
                     replaced.push_str(&shown);
@@ -237,10 +238,10 @@ fn called(name: &str, arguments: &[Number]) -> Option<Number> {
             combined(*a, *b, whole, f64::powf)
         }
         ("min", [first, rest @ ..]) => {
-            rest.iter().fold(Some(first), |least, x| least.map(|y| if double(x) < double(y) { x } else { y })).copied()
+            Some(*rest.iter().fold(first, |least, x| if double(x) < double(least) { x } else { least }))
         }
         ("max", [first, rest @ ..]) => {
-            rest.iter().fold(Some(first), |most, x| most.map(|y| if double(x) > double(y) { x } else { y })).copied()
+            Some(*rest.iter().fold(first, |most, x| if double(x) > double(most) { x } else { most }))
         }
         (_, [argument]) => {
             let (_, of) = FUNCTIONS.iter().find(|(known, _)| *known == name)?;
