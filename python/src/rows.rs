@@ -23,8 +23,8 @@ const AT_ONCE: usize = 1024;
 pub(crate) struct Rows {
     connector: Connector<f64>,
     batch: Batch,
-    /// Four of it before any motion.
-    fours: Fours,
+    /// Four of it before any motion. Numbers of lanes are aligned to 32 bytes, as objects of Python are not.
+    fours: Box<Fours>,
     initial: Pair<f64>,
 }
 
@@ -152,7 +152,7 @@ impl Rows {
         let of = |first: usize| {
             let last = states.count.saturating_sub(1);
             let pairs = std::array::from_fn(|lane| states.pair((first + lane).min(last)));
-            let mut fours = self.fours.clone();
+            let mut fours = Fours::clone(&self.fours);
             let history = Some((&still, [true; 6]));
             fours.follow(&self.connector, Tile::new(&pairs), history, &mut Tally::default());
             fours.history()
@@ -208,7 +208,7 @@ impl Rows {
         let initial = definition.initial;
         let triads = [initial.a.triad, initial.b.triad];
         let fours = Fours::new(&[&connector; LANES], &[initial.reference; LANES], &[triads; LANES]);
-        Ok(Self { connector, batch, fours, initial })
+        Ok(Self { connector, batch, fours: Box::new(fours), initial })
     }
 
     /// The initial state, of which components of lengths are not less: x_b, and the triads of a and b, a direction a row.

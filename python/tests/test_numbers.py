@@ -1,6 +1,7 @@
 """Scenes and rows: against closed form, against the check, in every kind of array."""
 
 import json
+import os
 import pickle
 import subprocess
 import sys
@@ -69,14 +70,14 @@ def test_arrays_of_states_are_states(tmp_path):
             for name in known:
                 assert found[name].tobytes() == known[name].tobytes(), name
     # A walk of pintle eval gives the same to rounding.
-    command = [sys.executable, "-m", "pintle", "eval", "gallery:slider_crank", "--outputs", "CU", "--format", "json"]
+    command = [os.path.join(os.path.dirname(sys.executable), "pintle"), "eval", "gallery:slider_crank", "--outputs", "CU", "--format", "json"]
     told = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
     ours = scene.evaluate(outputs=["CU"])["CU"]
     compared = 0
-    for s, state in enumerate(told["states"]):
+    for s, state in enumerate(told["scenes"][0]["states"]):
         for c, connector in enumerate(state["connectors"]):
-            for component in connector["components"]:
-                k = ["u1", "u2", "u3", "ur1", "ur2", "ur3"].index(component["component"])
+            for name, component in connector["components"].items():
+                k = ["u1", "u2", "u3", "ur1", "ur2", "ur3"].index(name)
                 assert abs(component["CU"] - ours[s, c, k]) < 1e-14
                 compared += 1
     assert compared > 500
@@ -93,7 +94,7 @@ def test_arrays_are_written_where_they_are_wanted():
     locked = {"CU": numpy.zeros((300, 6, 6))}
     locked["CU"].flags.writeable = False
     for wrong, says in (
-        ({"CU": numpy.zeros((300, 6, 5))}, r"out\["CU"\] has shape"),
+        ({"CU": numpy.zeros((300, 6, 5))}, "out.*CU.*has shape"),
         ({"CU": numpy.zeros((300, 6, 6), numpy.float32)}, "no NumPy array of float64"),
         ({"CU": numpy.zeros((300, 6, 6), order="F")}, "in C order"),
         (locked, "cannot be written"),

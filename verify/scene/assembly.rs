@@ -297,7 +297,7 @@ fn faults_of_included_files_are_told_there() {
     assert_eq!((error.code(), error.file(), error.line()), (Code::MalformedNumber, "nodes.inp", Some(2)));
     let shown = error.render(110, false);
     assert!(shown.contains("nodes.inp:2:4") && shown.contains("2, x, 0., 0."), "{shown}");
-    let error = fails("*NODE\n1, 2., 0., 0.\n*INCLUDE, INPUT=again.inp\n");
+    let error = fails("*NODE\n1, 2., 0., 0.\n5, 9.\n*INCLUDE, INPUT=again.inp\n*MPC\nTIE, 1, 5\n");
     assert_eq!((error.code(), error.file(), error.line()), (Code::DuplicateNode, "again.inp", Some(2)));
     assert_eq!(error.label(), "first defined on line 2 of deck.inp");
     let error = fails("*INCLUDE, INPUT=a.inp\n");

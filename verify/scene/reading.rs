@@ -44,7 +44,7 @@ fn a_byte_order_mark_and_other_encodings_in_comments_do_not_matter() {
     assert_eq!(scene.nodes[&n(1)].coordinates, [2.0, 0.0, 0.0]);
     let error = Scene::parse("deck.inp", "\u{feff}*NODE, SET=N\n").unwrap_err();
     assert_eq!((error.code(), error.span().start(), error.span().end()), (Code::UnknownParameter, 10, 15));
-    bytes.extend_from_slice(b"*NODE\n1, 3.\n");
+    bytes.extend_from_slice(b"*NODE\n1, 3.\n5, 9.\n*MPC\nTIE, 1, 5\n");
     let error = Scene::parse_bytes("deck.inp", &bytes).unwrap_err();
     assert_eq!((error.code(), error.line()), (Code::DuplicateNode, Some(9)));
 }
