@@ -36,8 +36,8 @@ def _arrays(states):
         if name == "node":
             continue
         array = numpy.asarray(array)
-        if array.dtype == numpy.float32:
-            raise TypeError(f"{name} has dtype float32, and float64 is needed: {name}.astype(numpy.float64) converts it")
+        if array.dtype.kind == "f" and array.dtype != numpy.float64:
+            raise TypeError(f"{name} has dtype {array.dtype}, and float64 is needed: {name}.astype(numpy.float64) converts it")
         if array.dtype.kind not in "fiu":
             raise TypeError(f"{name} has dtype {array.dtype}, and numbers are needed")
         found[name] = numpy.ascontiguousarray(array, dtype=numpy.float64)

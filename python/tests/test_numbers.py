@@ -123,6 +123,7 @@ def test_arrays_that_cannot_be_are_refused_in_words():
         (quaternion, "a quaternion of norm 0"),
         ({**_crank(), "quaternion": numpy.zeros((25, 7, 4))}, "both rotation_vector and quaternion"),
         ({**_crank(), "u": numpy.zeros((25, 7, 3), numpy.float32)}, "dtype float32"),
+        ({**_crank(), "u": numpy.zeros((25, 7, 3), numpy.float16)}, "dtype float16"),
         ({**_crank(), "u": numpy.full((25, 7, 3), "a")}, "numbers are needed"),
     ):
         with pytest.raises((ValueError, TypeError), match=says):
