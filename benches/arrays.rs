@@ -7,6 +7,8 @@
 
 #[path = "../verify/scale/chain.rs"]
 mod chain;
+#[path = "hand/commit.rs"]
+mod commit;
 
 use pintle_kinematics::batch::{Array, Batch, Columns, History, LANES, Nodes, Orientation, Section, States};
 use pintle_kinematics::connector::{Branch, Connector, Output, Request};
@@ -226,6 +228,9 @@ fn measured(connectors: usize) {
 }
 
 fn main() {
+    if commit::is_told() {
+        return;
+    }
     println!("a chain of connectors of every type, {STATES} states; ns for each connector and state");
     println!("connectors   kernels    arrays  ratio   2 threads  speed      walk  speed");
     for connectors in [100, 1_000, 10_000, 100_000] {

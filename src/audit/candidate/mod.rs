@@ -330,7 +330,7 @@ impl<'a> Candidate<'a> {
         Ok(self.try_check_on_sheets(routine)?.0)
     }
 
-    /// The same, with the number of states at which it continued angles on another sheet ([`sheet`]): they are not judged.
+    /// The same, with the number of states at which it continued angles on another sheet: they are not judged.
     ///
     /// # Errors
     /// The first of the routine.
