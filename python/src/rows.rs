@@ -148,13 +148,13 @@ impl Rows {
         if !self.needs_history() {
             return vec![self.fours.history()];
         }
-        let still = [Increment::none(); LANES];
+        let (still, section) = ([Increment::none(); LANES], Section::new(&[&self.connector; LANES]));
         let of = |first: usize| {
             let last = states.count.saturating_sub(1);
             let pairs = std::array::from_fn(|lane| states.pair((first + lane).min(last)));
             let mut fours = Fours::clone(&self.fours);
-            let history = Some((&still, [true; 6]));
-            fours.follow(&self.connector, Tile::new(&pairs), history, &mut Tally::default());
+            let at = (&Tile::new(&pairs), &section);
+            fours.follow(&self.connector, at, &still, [true; 6], &mut Tally::default());
             fours.history()
         };
         (0..states.count).step_by(LANES).map(of).collect()
@@ -205,10 +205,8 @@ impl Rows {
         let connector = Connector::new(&definition);
         let batch =
             Batch::new(&connector, [true; 6]).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let initial = definition.initial;
-        let triads = [initial.a.triad, initial.b.triad];
-        let fours = Fours::new(&[&connector; LANES], &[initial.reference; LANES], &[triads; LANES]);
-        Ok(Self { connector, batch, fours: Box::new(fours), initial })
+        let fours = Box::new(Fours::new(&[&connector; LANES]));
+        Ok(Self { connector, batch, fours, initial: definition.initial })
     }
 
     /// The initial state, of which components of lengths are not less: x_b, and the triads of a and b, a direction a row.

@@ -109,8 +109,8 @@ pub mod relation {
 /// Many connectors of one type.
 pub mod batch {
     pub use pintle_kinematics::batch::{
-        Array, Batch, BatchError, COMPACT, Columns, CompactRow, Fours, HessianRow, History, Moves, Nodes,
-        Orientation, Row, Section, States, Tile,
+        Array, Batch, BatchError, COMPACT, Columns, CompactRow, Fours, HessianRow, History, Nodes,
+        Orientation, Poses, Row, Section, States, Tile, Triads,
     };
 }
 

@@ -360,17 +360,13 @@ impl Room {
         histories.clear();
         let (fours, _) = drawn.as_chunks::<LANES>();
         for four in fours {
-            tiles.push(Tile::new(&four.map(|one| one.pair)));
+            let tile = Tile::new(&four.map(|one| one.pair));
+            tiles.push(tile);
             if ready.has_history {
                 let increments: [Increment<f64>; LANES] = four.map(|one| one.increment);
-                let history = Some((&increments, [true; 6]));
                 let mut fours = ready.fours.clone();
-                fours.follow(
-                    &ready.connector,
-                    Tile::new(&four.map(|one| one.pair)),
-                    history,
-                    &mut Tally::default(),
-                );
+                let (kind, at) = (&ready.connector, (&tile, &ready.section));
+                fours.follow(kind, at, &increments, [true; 6], &mut Tally::default());
                 histories.push(fours.history());
                 branches.extend((0..LANES).map(|lane| fours.branch(lane)));
             }
@@ -434,11 +430,7 @@ impl Ready {
             winds: batch.iter().flat_map(Batch::measures).map(|(_, measure)| measure.winds()).collect(),
             batch,
             section: Section::new(&[&connector; LANES]),
-            fours: Fours::new(
-                &[&connector; LANES],
-                &[definition.initial.reference; LANES],
-                &[[definition.initial.a.triad, definition.initial.b.triad]; LANES],
-            ),
+            fours: Fours::new(&[&connector; LANES]),
             has_history: (0..6).any(|k| {
                 let is_one_form = connector.position_measure(k).is_some_and(Measure::is_one_form);
                 is_one_form || connector.row_has_history(k)

@@ -43,6 +43,17 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
+/// Whether there is a NumPy, which continuous integration must have.
+fn has_numpy() -> bool {
+    let has = std::process::Command::new(python()).args(["-c", "import numpy"]).output();
+    let has = has.is_ok_and(|output| output.status.success());
+    assert!(has || std::env::var_os("CI").is_none(), "CI has no NumPy");
+    if !has {
+        eprintln!("SKIPPED: there is no NumPy");
+    }
+    has
+}
+
 fn there(folder: &Path, arguments: &[&str]) -> assert_cmd::Command {
     let mut command = pintle(arguments);
     command.current_dir(folder);
@@ -188,10 +199,7 @@ fn bytes_are_read_as_text_is() {
 #[test]
 fn arrays_of_states_are_those_of_the_table() {
     let folder = folder("arrays");
-    let has = std::process::Command::new(python()).args(["-c", "import numpy"]).output();
-    if !has.is_ok_and(|output| output.status.success()) {
-        assert!(std::env::var_os("CI").is_none(), "CI has no NumPy");
-        eprintln!("SKIPPED: there is no NumPy");
+    if !has_numpy() {
         return;
     }
     for (format, file) in [("csv", "states.csv"), ("npz", "states.npz")] {
@@ -227,10 +235,7 @@ print(compared)
 #[test]
 fn evaluations_are_written_as_arrays() {
     let folder = folder("evaluated");
-    let has = std::process::Command::new(python()).args(["-c", "import numpy"]).output();
-    if !has.is_ok_and(|output| output.status.success()) {
-        assert!(std::env::var_os("CI").is_none(), "CI has no NumPy");
-        eprintln!("SKIPPED: there is no NumPy");
+    if !has_numpy() {
         return;
     }
     let mut compared = 0;

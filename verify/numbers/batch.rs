@@ -5,7 +5,7 @@ use crate::states::{Case, Draw, Ends, cases, dof_size};
 use crate::tolerance;
 use pintle_audit::singular::atlas::random_near;
 use pintle_kinematics::batch::{
-    Batch, BatchError, CompactRow, Fours, HessianRow, History, Moves, Row, Section, Tile,
+    Batch, BatchError, CompactRow, Fours, HessianRow, History, Poses, Row, Section, Tile, Triads,
 };
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{Branch, Connector, Evaluation, Increment, Request, State, Tally};
@@ -277,6 +277,22 @@ fn what_is_no_number_stays_in_its_lane() {
     }
 }
 
+/// A tile by poses from initial triads that are the global axes: the one that the pairs make.
+fn placed(pairs: &[Pair<f64>; 4]) -> Tile {
+    let axes = identity();
+    let initial = Triads::new(&[[&axes; 2]; 4]);
+    let ends = pairs.each_ref().map(|pair| [&pair.a, &pair.b]);
+    let poses = Poses {
+        displacement: [0, 1].map(|end| ends.map(|ends| &ends[end].displacement)),
+        rotation: [0, 1].map(|end| ends.map(|ends| &ends[end].triad)),
+    };
+    let mut tile = Tile::initial(&pairs.map(|pair| pair.reference), &initial);
+    tile.place(&initial, &poses);
+    let known = Tile::new(pairs);
+    assert_eq!((tile.displacement, tile.triad), (known.displacement, known.triad));
+    tile
+}
+
 /// Branches from lanes: turns are the same integers, principal angles the same to rounding.
 #[test]
 fn turns_are_counted_by_the_same_rule() {
@@ -286,21 +302,11 @@ fn turns_are_counted_by_the_same_rule() {
                 let at = |i: usize| &ones[i % ones.len()];
                 let increments: [Increment<f64>; 4] = four(|i| at(i).case.end().increment);
                 let pairs = four(|i| at(i).state().pair);
-                let mut fours = Fours::new(
-                    &four(|i| &at(i).connector),
-                    &pairs.map(|pair| pair.reference),
-                    &[[identity(); 2]; 4],
-                );
-                fours = fours.resumed(&four(|i| at(i).before));
-                let moves = Moves {
-                    displacement: [
-                        pairs.map(|pair| pair.a.displacement),
-                        pairs.map(|pair| pair.b.displacement),
-                    ],
-                    rotation: [pairs.map(|pair| pair.a.triad), pairs.map(|pair| pair.b.triad)],
-                };
-                let history = Some((&increments, [true; 6]));
-                fours.follow_moves(&ones[0].connector, &moves, history, &mut Tally::default());
+                let connectors = four(|i| &at(i).connector);
+                let mut fours = Fours::new(&connectors).resumed(&four(|i| at(i).before));
+                let tile = placed(&pairs);
+                let at_state = (&tile, &Section::new(&connectors));
+                fours.follow(&ones[0].connector, at_state, &increments, [true; 6], &mut Tally::default());
                 for i in 0..4 {
                     let (one, single, after) = (at(i), &at(i).found.branch, fours.branch(i));
                     for (k, turns) in after.turns.iter().enumerate() {

@@ -1,13 +1,11 @@
-//! Four connectors that share their measures, from state to state: where they are, what their histories decide, what they give.
+//! What four connectors that share their measures remember from state to state, and the values that it decides.
 
-use crate::batch::tile::{Four, four, matrix, vector};
-use crate::batch::{History, Moves, Section, Tile};
+use crate::batch::tile::{Four, four, vector};
+use crate::batch::{History, Section, Tile};
 use crate::connector::{Branch, Connector, Follower, Increment, Mask, Tally, Turns};
 use crate::measure::{self, Measure, Shared};
-use crate::node::Dependence;
 use crate::scalar::Real;
 use crate::scalar::lanes::{LANES, Lanes};
-use crate::vector::{Matrix, Vector};
 
 /// Lanes of any processor.
 pub(super) type Plain = Lanes<false>;
@@ -23,25 +21,18 @@ pub struct Origin {
     pub reference: Four,
 }
 
-/// Four connectors that share their measures ([`Connector::has_measures_of`]), and what they remember.
+/// What four connectors that share their measures ([`Connector::has_measures_of`]) remember, and from where they count.
 #[derive(Clone, Debug)]
 pub struct Fours {
-    initial: [[[Four; 3]; 3]; 2],
-    section: Section,
     /// β_s and the initial lengths, which histories of material flow need.
     flow: [Four; 2],
     origins: [Option<Origin>; 6],
     branch: Branch<Plain>,
-    tile: Tile,
 }
 
 impl Fours {
-    /// Four connectors at their initial state, each with X_b − X_a and the initial triads of its nodes.
-    pub fn new(
-        of: &[&Connector<f64>; LANES],
-        references: &[Vector<f64>; LANES],
-        triads: &[[Matrix<f64>; 2]; LANES],
-    ) -> Self {
+    /// Four connectors at their initial state.
+    pub fn new(of: &[&Connector<f64>; LANES]) -> Self {
         let origin = |k: usize| {
             of[0].origin(k)?;
             Some(Origin {
@@ -50,18 +41,10 @@ impl Fours {
                 reference: four(of, |one| one.reference(k).unwrap_or(f64::NAN)),
             })
         };
-        let initial = [0, 1].map(|end| matrix(triads, |one| one[end]));
         Self {
-            initial,
-            section: Section::new(of),
             flow: [four(of, |one| one.section().flow_scale), four(of, |one| one.section().initial_length)],
             origins: [0, 1, 2, 3, 4, 5].map(origin),
             branch: branches(&of.map(Connector::initial_branch)),
-            tile: Tile {
-                reference: vector(references, |one| *one),
-                displacement: [[[0.0; LANES]; 3]; 2],
-                triad: initial,
-            },
         }
     }
 
@@ -71,63 +54,31 @@ impl Fours {
         Self { branch: branches(of), ..self }
     }
 
-    /// Brings them to the next state, by what [`Fours::follow`] says.
-    pub fn follow_moves(
-        &mut self,
-        kind: &Connector<f64>,
-        moves: &Moves,
-        history: Option<(&[Increment<f64>; LANES], Mask)>,
-        tally: &mut Tally,
-    ) {
-        self.tile.place(&self.initial, moves);
-        self.follow_history(kind, history, tally);
-    }
-
-    /// Brings them to the next state. Where a `history` depends on how the nodes turn ([`Connector::history_turns`]) that of the components named
-    /// is followed along the increments, by the rule of [`Connector::follow`]; `kind` is one of the connectors.
+    /// Follows the histories of the components wanted to a state, along increments since the one before, by the rule of [`Connector::follow`].
+    /// `kind` is one of the connectors. It is needed where [`Connector::history_turns`].
     pub fn follow(
         &mut self,
         kind: &Connector<f64>,
-        tile: Tile,
-        history: Option<(&[Increment<f64>; LANES], Mask)>,
+        at: (&Tile, &Section),
+        increments: &[Increment<f64>; LANES],
+        wanted: Mask,
         tally: &mut Tally,
     ) {
-        self.tile = tile;
-        self.follow_history(kind, history, tally);
-    }
-
-    fn measured(&self) -> measure::Section<Plain> {
-        let [flow_scale, initial_length] = self.flow.map(Lanes);
-        measure::Section { flow_scale, initial_length, ..self.section.load() }
-    }
-
-    fn follow_history(
-        &mut self,
-        kind: &Connector<f64>,
-        history: Option<(&[Increment<f64>; LANES], Mask)>,
-        tally: &mut Tally,
-    ) {
-        let Some((of, wanted)) = history else { return };
         let increment = Increment {
-            rotation: [0, 1].map(|end| vector(of, |one| one.rotation[end]).map(Lanes)),
-            whole_turns: [0, 1].map(|end| vector(of, |one| one.whole_turns[end]).map(Lanes)),
-            flow: [0, 1].map(|end| Lanes(four(of, |one| one.flow[end]))),
+            rotation: [0, 1].map(|end| vector(increments, |one| one.rotation[end]).map(Lanes)),
+            whole_turns: [0, 1].map(|end| vector(increments, |one| one.whole_turns[end]).map(Lanes)),
+            flow: [0, 1].map(|end| Lanes(four(increments, |one| one.flow[end]))),
         };
         let mut work = Tally::default();
-        let section = self.measured();
+        let (tile, section) = (at.0, self.measured(at.1));
         let follower = Follower { rows: kind.rows(), section: &section };
-        self.branch = follower.follow(&self.tile.pair(), &increment, &self.branch, wanted, &mut work);
+        self.branch = follower.follow(&tile.pair(), &increment, &self.branch, wanted, &mut work);
         tally.histories += LANES as u64 * work.histories;
     }
 
-    /// Where they are.
-    pub const fn tile(&self) -> &Tile {
-        &self.tile
-    }
-
-    /// Their data.
-    pub const fn section(&self) -> &Section {
-        &self.section
+    fn measured(&self, section: &Section) -> measure::Section<Plain> {
+        let [flow_scale, initial_length] = self.flow.map(Lanes);
+        measure::Section { flow_scale, initial_length, ..section.load() }
     }
 
     /// What the past decides of the rows here.
@@ -152,14 +103,13 @@ impl Fours {
         of.map_or([f64::NAN; LANES], |of| Plain::with_turns(of.principal - Lanes(*origin), of.turns).0)
     }
 
-    /// The value of a measure here, on the sheets that the past decides.
-    pub fn value(&self, measure: Measure) -> Four {
+    /// The value of a measure at a state, on the sheets that the past decides.
+    pub fn value(&self, measure: Measure, (tile, section): (&Tile, &Section)) -> Four {
         let Branch { rotation_vector, euler_sign, torsion, .. } = self.branch;
         let history = measure::History { rotation_vector, euler_sign, torsion_turns: torsion.turns };
-        let (pair, section) = (self.tile.pair(), self.measured());
-        let needed: Dependence = measure.dependence();
+        let (pair, section) = (tile.pair(), self.measured(section));
         let zero = [Lanes::splat(0.0); 3];
-        let relative = pair.varied(needed, zero, zero, [Lanes::splat(0.0); 2]);
+        let relative = pair.varied(measure.dependence(), zero, zero, [Lanes::splat(0.0); 2]);
         measure.evaluate(&mut Shared::new(&relative, &pair.a.triad, &section, &history)).0
     }
 

@@ -68,7 +68,7 @@ pub use fours::{Fours, Origin};
 pub use kernel::Layout;
 pub use layout::{CompactRow, HessianRow, Row};
 pub use rows::{Array, COMPACT, Columns, Nodes, Orientation, States};
-pub use tile::{Four, History, Moves, Section, Tile};
+pub use tile::{Four, History, Poses, Section, Tile, Triads};
 
 /// Why connectors cannot be evaluated as a batch.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -24,12 +24,17 @@ pub struct Tile {
 
 /// Where four pairs of nodes are, as what happened to them since the initial state.
 #[derive(Clone, Copy, Debug)]
-pub struct Moves {
+pub struct Poses<'a> {
     /// U of a and of b (length).
-    pub displacement: [[Vector<f64>; LANES]; 2],
+    pub displacement: [[&'a Vector<f64>; LANES]; 2],
     /// How they are turned.
-    pub rotation: [[Matrix<f64>; LANES]; 2],
+    pub rotation: [[&'a Matrix<f64>; LANES]; 2],
 }
+
+/// The initial triads of four pairs of nodes, a local direction a column.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Triads([[[Four; 3]; 3]; 2]);
 
 /// The data of four connectors that measures refer to; see [`measure::Section`].
 #[derive(Clone, Copy, Debug)]
@@ -80,20 +85,18 @@ impl Tile {
         }
     }
 
-    /// Four pairs of nodes that were moved from where they were: X_b − X_a, the initial triads, and the moves since then.
-    pub fn placed(
-        references: &[Vector<f64>; LANES],
-        triads: &[[Matrix<f64>; 2]; LANES],
-        moves: &Moves,
-    ) -> Self {
-        let initial = [0, 1].map(|end| matrix(triads, |one| one[end]));
-        let mut tile = Self {
+    /// Four pairs of nodes where they were at first, each with X_b − X_a.
+    pub fn initial(references: &[Vector<f64>; LANES], triads: &Triads) -> Self {
+        Self {
             reference: vector(references, |one| *one),
             displacement: [[[0.0; LANES]; 3]; 2],
-            triad: initial,
-        };
-        tile.place(&initial, moves);
-        tile
+            triad: triads.0,
+        }
+    }
+
+    /// Moves nodes from their initial triads: T = R T₀. Nothing else is changed.
+    pub fn place(&mut self, initial: &Triads, poses: &Poses<'_>) {
+        Arch::new().dispatch(Place { poses, initial, tile: self });
     }
 
     /// x_b − x_a of a lane.
@@ -115,11 +118,6 @@ impl Tile {
         Pair { reference: vector(&self.reference), a: node(0), b: node(1) }
     }
 
-    /// Moves nodes from their initial triads: T = R T₀.
-    pub(super) fn place(&mut self, initial: &[[[Four; 3]; 3]; 2], moves: &Moves) {
-        Arch::new().dispatch(Place { moves, initial, tile: self });
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn pair<const FUSED: bool>(&self) -> Pair<Lanes<FUSED>> {
         let node = |end: usize| Node {
@@ -131,10 +129,17 @@ impl Tile {
     }
 }
 
-/// The nodes of four, on the vector unit that there is: T = R T₀.
+impl Triads {
+    /// Those of four connectors.
+    pub fn new(of: &[[&Matrix<f64>; 2]; LANES]) -> Self {
+        Self([0, 1].map(|end| matrix(of, |one| *one[end])))
+    }
+}
+
+/// The nodes of four, on the vector unit that there is.
 struct Place<'l> {
-    moves: &'l Moves,
-    initial: &'l [[[Four; 3]; 3]; 2],
+    poses: &'l Poses<'l>,
+    initial: &'l Triads,
     tile: &'l mut Tile,
 }
 
@@ -143,12 +148,24 @@ impl WithSimd for Place<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_simd<V: Simd>(self, _: V) {
-        let Self { moves, initial, tile } = self;
+        let Self { poses, initial, tile } = self;
         for end in 0..2 {
-            tile.displacement[end] = vector(&moves.displacement[end], |one| *one);
-            let turn = matrix(&moves.rotation[end], |one| *one).map(|row| row.map(Lanes::<false>));
-            let start = initial[end].map(|row| row.map(Lanes::<false>));
-            tile.triad[end] = product(&turn, &start).map(|row| row.map(|x| x.0));
+            let (displacement, rotation) = (&poses.displacement[end], &poses.rotation[end]);
+            let mut turn = [[Lanes::<false>::splat(0.0); 3]; 3];
+            for i in 0..3 {
+                for lane in 0..LANES {
+                    tile.displacement[end][i][lane] = displacement[lane][i];
+                    for j in 0..3 {
+                        turn[i][j].0[lane] = rotation[lane][i][j];
+                    }
+                }
+            }
+            let triad = product(&turn, &lanes_matrix(&initial.0[end]));
+            for i in 0..3 {
+                for j in 0..3 {
+                    tile.triad[end][i][j] = triad[i][j].0;
+                }
+            }
         }
     }
 }

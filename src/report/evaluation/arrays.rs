@@ -1,7 +1,6 @@
 //! Numbers of components as arrays.
 
 use crate::evaluation::block::{Value, value_of};
-use pintle_kinematics::node::DOFS;
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{
@@ -22,14 +21,12 @@ pub fn into_arrays(
     plan: &Plan,
     motions: Motions<'_>,
     conditions: &Conditions,
-    numbers: Numbers<'_>,
+    mut numbers: Numbers<'_>,
 ) -> Result<(), ArrayError> {
     if is_kinematic(model, plan).is_ok() {
         return evaluate_arrays(model, plan, motions, numbers).map(|_| ());
     }
     numbers.check(motions.count(), plan.connectors.len())?;
-    let Numbers { mut values, jacobian, hessian } = numbers;
-    let (jacobian, hessian) = (jacobian.unwrap_or_default(), hessian.unwrap_or_default());
     let connectors = plan.connectors.len();
     let places: BTreeMap<usize, usize> = plan.connectors.iter().copied().zip(0..).collect();
     let mut sequence = Sequence::new(model, plan);
@@ -49,23 +46,11 @@ pub fn into_arrays(
         let Ok(()) = sequence.visit(&state, |item| -> Result<(), Infallible> {
             let Item::Connector(result) = item else { return Ok(()) };
             let Some(c) = places.get(&result.index) else { return Ok(()) };
-            let first = (s * connectors + c) * 6;
-            for (output, array) in &mut values {
-                for (k, place) in array.iter_mut().skip(first).take(6).enumerate() {
-                    let value = value_of(result, *output, k).filter(|_| plan.request.wants(*output, k));
-                    *place = value.map_or(f64::NAN, Value::number);
-                }
-            }
-            let of = &result.evaluation;
-            for (row, to) in of.jacobian.iter().zip(jacobian.chunks_exact_mut(DOFS).skip(first)) {
-                to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
-            }
-            for (matrix, to) in of.hessian.iter().zip(hessian.chunks_exact_mut(DOFS * DOFS).skip(first)) {
-                match matrix {
-                    Some(matrix) => to.copy_from_slice(matrix.as_flattened()),
-                    None => to.fill(f64::NAN),
-                }
-            }
+            let value = |output, k| {
+                let value = value_of(result, output, k).filter(|_| plan.request.wants(output, k));
+                value.map(Value::number)
+            };
+            numbers.put(s * connectors + c, value, &result.evaluation);
             Ok(())
         });
     }

@@ -15,7 +15,7 @@ use crate::evaluate::plan::Plan;
 use crate::evaluate::sequence::Needed;
 use part::Part;
 use pintle_kinematics::batch::Batch;
-use pintle_kinematics::connector::{Connector, Output, Request, Tally};
+use pintle_kinematics::connector::{Connector, Evaluation, Output, Request, Tally};
 use pintle_kinematics::node::DOFS;
 use pintle_scene::{Label, MAX_ROTATION, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State};
 use rayon::prelude::*;
@@ -267,6 +267,29 @@ pub struct Numbers<'a> {
 }
 
 impl Numbers<'_> {
+    /// Writes values and what an evaluation has of derivatives at a place: state × connectors + connector.
+    pub fn put(&mut self, place: usize, value: impl Fn(Output, usize) -> Option<f64>, of: &Evaluation<f64>) {
+        let first = place * 6;
+        for (output, array) in &mut self.values {
+            for (k, to) in array.iter_mut().skip(first).take(6).enumerate() {
+                *to = value(*output, k).unwrap_or(f64::NAN);
+            }
+        }
+        if let Some(array) = &mut self.jacobian {
+            for (row, to) in of.jacobian.iter().zip(array.chunks_exact_mut(DOFS).skip(first)) {
+                to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
+            }
+        }
+        if let Some(array) = &mut self.hessian {
+            for (matrix, to) in of.hessian.iter().zip(array.chunks_exact_mut(DOFS * DOFS).skip(first)) {
+                match matrix {
+                    Some(matrix) => to.copy_from_slice(matrix.as_flattened()),
+                    None => to.fill(f64::NAN),
+                }
+            }
+        }
+    }
+
     /// Whether the arrays have the numbers of so many states and connectors.
     ///
     /// # Errors
@@ -325,7 +348,6 @@ struct Sorted<'a> {
     model: &'a Model,
     plan: &'a Plan,
     motions: Motions<'a>,
-    /// The place of each node of the plan in the arrays.
     kinds: Vec<Kind<'a>>,
     /// The kind of each connector of the plan; `None` of those that are taken one at a time.
     kind_of: Vec<Option<u32>>,
@@ -372,11 +394,11 @@ pub fn evaluate_arrays(
         return Ok(Tally::default());
     }
     let sorted = Sorted::new(model, plan, motions);
-    let places = divided(numbers, connectors);
-    let parts: Vec<_> = (0..connectors).step_by(PART).zip(places).collect();
-    let tallies = parts.into_par_iter().map(|(first, places)| {
+    let arrays = divided(numbers, connectors);
+    let parts: Vec<_> = (0..connectors).step_by(PART).zip(arrays).collect();
+    let tallies = parts.into_par_iter().map(|(first, arrays)| {
         let members = first..connectors.min(first + PART);
-        Part::new(&sorted, members).run(places)
+        Part::new(&sorted, members).run(arrays)
     });
     Ok(tallies.reduce(Tally::default, |mut sum, more| {
         sum += more;
@@ -433,44 +455,35 @@ impl<'a> Sorted<'a> {
     }
 }
 
-/// The places of one part at one state.
-#[derive(Debug, Default)]
-struct Places<'a> {
-    values: Vec<(Output, &'a mut [f64])>,
-    jacobian: Option<&'a mut [f64]>,
-    hessian: Option<&'a mut [f64]>,
-}
-
-/// The places of each part, state by state.
-fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Places<'_>>> {
+/// The arrays of each part, state by state.
+fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Numbers<'_>>> {
     let Numbers { values, jacobian, hessian } = numbers;
-    let mut parts: Vec<Vec<Places<'_>>> = Vec::new();
+    let mut parts: Vec<Vec<Numbers<'_>>> = Vec::new();
     parts.resize_with(connectors.div_ceil(PART), Vec::new);
     fn give<'a>(
-        parts: &mut [Vec<Places<'a>>],
+        parts: &mut [Vec<Numbers<'a>>],
         (array, connectors, each): (&'a mut [f64], usize, usize),
-        mut put: impl FnMut(&mut Places<'a>, &'a mut [f64]),
+        mut put: impl FnMut(&mut Numbers<'a>, &'a mut [f64]),
     ) {
         for (s, of_state) in array.chunks_exact_mut(connectors * each).enumerate() {
             for (part, of_part) in parts.iter_mut().zip(of_state.chunks_mut(PART * each)) {
                 if part.len() <= s {
-                    part.push(Places::default());
+                    part.push(Numbers::default());
                 }
-                if let Some(places) = part.get_mut(s) {
-                    put(places, of_part);
+                if let Some(numbers) = part.get_mut(s) {
+                    put(numbers, of_part);
                 }
             }
         }
     }
     for (output, array) in values {
-        give(&mut parts, (array, connectors, 6), |places, numbers| places.values.push((output, numbers)));
+        give(&mut parts, (array, connectors, 6), |own, array| own.values.push((output, array)));
     }
     if let Some(array) = jacobian {
-        give(&mut parts, (array, connectors, 6 * DOFS), |places, numbers| places.jacobian = Some(numbers));
+        give(&mut parts, (array, connectors, 6 * DOFS), |own, array| own.jacobian = Some(array));
     }
     if let Some(array) = hessian {
-        let each = 6 * DOFS * DOFS;
-        give(&mut parts, (array, connectors, each), |places, numbers| places.hessian = Some(numbers));
+        give(&mut parts, (array, connectors, 6 * DOFS * DOFS), |own, array| own.hessian = Some(array));
     }
     parts
 }

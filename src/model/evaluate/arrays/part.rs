@@ -1,12 +1,12 @@
 //! A part of the connectors, through all states.
 
 use crate::evaluate::arrays::quad::{Quads, Room};
-use crate::evaluate::arrays::{Places, Sorted};
+use crate::evaluate::arrays::{Numbers, Sorted};
 use crate::evaluate::sequence::nodes::{Moved, Orientation, STILL, UNTURNED, follow};
 use crate::evaluate::sequence::place;
 use pintle_kinematics::connector::{Branch, Connector, Evaluation, Output, Request, Tally};
-use pintle_kinematics::node::DOFS;
 use pintle_scene::Label;
+use std::cell::LazyCell;
 use std::ops::Range;
 
 /// A node of a part.
@@ -38,7 +38,7 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The members of a plan, by their places in it.
+    /// The members of a plan, by their numbers in it.
     pub(super) fn new(sorted: &'a Sorted<'a>, members: Range<usize>) -> Self {
         let (plan, model) = (sorted.plan, sorted.model);
         let indices = plan.connectors.get(members.clone()).unwrap_or_default();
@@ -81,11 +81,11 @@ impl<'a> Part<'a> {
     }
 
     /// Evaluates them at every state.
-    pub(super) fn run(mut self, places: Vec<Places<'_>>) -> Tally {
+    pub(super) fn run(mut self, numbers: Vec<Numbers<'_>>) -> Tally {
         let mut tally = Tally::default();
         let mut room = Room::default();
         let mut evaluation = Evaluation::empty(Branch::none());
-        for (s, mut places) in places.into_iter().enumerate() {
+        for (s, mut numbers) in numbers.into_iter().enumerate() {
             for (node, moved) in self.nodes.iter_mut().zip(&mut self.moved) {
                 let motion = self.sorted.motion(s, node.label, node.column);
                 let (is_given, motion) = (motion.is_some(), motion.unwrap_or_default());
@@ -93,10 +93,10 @@ impl<'a> Part<'a> {
                 tally.rotations += 1;
             }
             for quads in &mut self.quads {
-                quads.run(&self.moved, &mut room, &mut places, &mut tally);
+                quads.run(&self.moved, &mut room, &mut numbers, &mut tally);
             }
             for single in &mut self.singles {
-                single.run(self.sorted, &self.moved, &mut evaluation, &mut places, &mut tally);
+                single.run(self.sorted, &self.moved, &mut evaluation, &mut numbers, &mut tally);
             }
         }
         tally
@@ -109,7 +109,7 @@ impl Single {
         sorted: &Sorted<'_>,
         moved: &[Moved],
         evaluation: &mut Evaluation<f64>,
-        places: &mut Places<'_>,
+        numbers: &mut Numbers<'_>,
         tally: &mut Tally,
     ) {
         let element = &sorted.model.connectors[self.index];
@@ -118,44 +118,26 @@ impl Single {
         let (state, increment) = place(element, ends);
         self.branch = connector.follow(&state, &increment, &self.branch, request.components(), tally);
         connector.evaluate_into(evaluation, &state, self.branch, request, tally);
-        write(evaluation, connector, request, self.at, places);
+        write(evaluation, connector, request, self.at, numbers);
     }
 }
 
-/// Writes the numbers of a connector, by its place in the part.
+/// Writes what a connector gives from its motion alone, by its place in the part.
 pub(super) fn write(
     evaluation: &Evaluation<f64>,
     connector: &Connector<f64>,
     request: &Request,
     at: usize,
-    places: &mut Places<'_>,
+    numbers: &mut Numbers<'_>,
 ) {
-    let first = at * 6;
-    for &mut (output, ref mut numbers) in &mut places.values {
-        let stops =
-            if output == Output::CSLST { connector.stop_status(&evaluation.position) } else { [None; 6] };
-        for (k, place) in numbers.iter_mut().skip(first).take(6).enumerate() {
-            let value = match output {
-                Output::CSLST => stops[k].map(|stop| f64::from(stop.flag())),
-                Output::TURNS => evaluation.turns[k].map(|turns| turns.turns),
-                of_motion => evaluation.value(of_motion, k),
-            };
-            *place = value.filter(|_| request.wants(output, k)).unwrap_or(f64::NAN);
-        }
-    }
-    if let Some(numbers) = &mut places.jacobian {
-        let rows = numbers.chunks_exact_mut(DOFS).skip(first);
-        for (to, row) in rows.zip(&evaluation.jacobian) {
-            to.copy_from_slice(row.as_ref().unwrap_or(&[f64::NAN; DOFS]));
-        }
-    }
-    if let Some(numbers) = &mut places.hessian {
-        let all = numbers.chunks_exact_mut(DOFS * DOFS).skip(first);
-        for (to, hessian) in all.zip(&evaluation.hessian) {
-            match hessian {
-                Some(hessian) => to.copy_from_slice(hessian.as_flattened()),
-                None => to.fill(f64::NAN),
-            }
-        }
-    }
+    let stops = LazyCell::new(|| connector.stop_status(&evaluation.position));
+    let value = |output, k: usize| {
+        let value = match output {
+            Output::CSLST => stops[k].map(|stop| f64::from(stop.flag())),
+            Output::TURNS => evaluation.turns[k].map(|turns| turns.turns),
+            of_motion => evaluation.value(of_motion, k),
+        };
+        value.filter(|_| request.wants(output, k))
+    };
+    numbers.put(at, value, evaluation);
 }

@@ -1,49 +1,76 @@
 //! Connectors of one kind, four at a time.
 
 use crate::evaluate::arrays::part::write;
-use crate::evaluate::arrays::{Kind, Places};
+use crate::evaluate::arrays::{Kind, Numbers};
 use crate::evaluate::model::Model;
 use crate::evaluate::sequence::nodes::{Moved, STILL};
-use pintle_kinematics::batch::{CompactRow, Four, Fours, History, LANES, Moves, Section, Tile};
-use pintle_kinematics::connector::{Branch, Connector, Evaluation, Increment, Output, Request, State, Tally};
+use pintle_kinematics::batch::{CompactRow, Four, Fours, History, LANES, Poses, Section, Tile, Triads};
+use pintle_kinematics::connector::{
+    Branch, Connector, Evaluation, Increment, Mask, Output, Request, State, Tally,
+};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::DOFS;
 
-/// Connectors of one kind.
+/// Connectors of one kind, by fours.
 pub(super) struct Quads<'a> {
     kind: &'a Kind<'a>,
     request: &'a Request,
+    /// The components whose histories are followed; none where no history depends on how nodes turn.
+    followed: Option<Mask>,
+    /// Where the values of each output come from.
+    values: Vec<[Source; 6]>,
+    /// The row of each component in the batch, where it is wanted.
+    rows: [Option<usize>; 6],
     all: Vec<Quad<'a>>,
+    tiles: Vec<Tile>,
+    sections: Vec<Section>,
+    histories: Vec<History>,
 }
 
 /// Four connectors, the last of which may stand for those that are missing.
 struct Quad<'a> {
     fours: Fours,
-    /// Their places in the part.
-    members: Vec<usize>,
+    triads: Triads,
     connectors: [&'a Connector<f64>; LANES],
+    /// Their places in the part: of no more than there are.
+    members: Vec<usize>,
     /// Their nodes, by their places in the part; none is the ground.
     ends: [[Option<usize>; LANES]; 2],
+    /// Whether each has all columns.
+    is_free: [bool; LANES],
 }
 
-/// Room for the rows of some of them.
+/// Where the values of an output of a component come from.
+#[derive(Clone, Copy)]
+enum Source {
+    None,
+    Turns,
+    /// An angle that winds.
+    Angle(Counted),
+    /// The value of a row of the batch.
+    Row(usize, Counted),
+    /// A measure that is not differentiated.
+    Measure(Measure, Counted),
+}
+
+/// What values are counted from.
+#[derive(Clone, Copy)]
+enum Counted {
+    Zero,
+    Initial,
+    Residual,
+    Reference,
+}
+
+/// Room for the rows of some of them, and for one connector.
 pub(super) struct Room {
-    tiles: Vec<Tile>,
-    sections: Vec<Section>,
-    histories: Vec<History>,
     rows: Vec<CompactRow>,
     evaluation: Evaluation<f64>,
 }
 
 impl Default for Room {
     fn default() -> Self {
-        Self {
-            tiles: Vec::new(),
-            sections: Vec::new(),
-            histories: Vec::new(),
-            rows: Vec::new(),
-            evaluation: Evaluation::empty(Branch::none()),
-        }
+        Self { rows: Vec::new(), evaluation: Evaluation::empty(Branch::none()) }
     }
 }
 
@@ -57,23 +84,50 @@ impl<'a> Quads<'a> {
         request: &'a Request,
         members: &[Member],
     ) -> Self {
-        let all = members.chunks(LANES).filter_map(|members| {
-            let last = *members.last()?;
-            let four: [Member; LANES] = std::array::from_fn(|i| members.get(i).copied().unwrap_or(last));
-            let elements = four.map(|(_, index, _)| &model.connectors[index]);
-            let connectors: [&Connector<f64>; LANES] = elements.map(|element| &element.connector);
-            Some(Quad {
-                connectors,
-                fours: Fours::new(
-                    &connectors,
-                    &elements.map(|element| element.reference),
-                    &elements.map(|element| element.triads().map(|triad| *triad)),
-                ),
-                members: members.iter().map(|(at, ..)| *at).collect(),
-                ends: [0, 1].map(|end| four.map(|(_, _, ends)| ends[end])),
+        let Kind { connector, batch } = kind;
+        let is_with_rows = request.order > 0;
+        let row = |k: usize| batch.measures().iter().position(|(of, _)| *of == k);
+        let values = request.outputs().map(|output| {
+            [0, 1, 2, 3, 4, 5].map(|k| {
+                let row = row(k).filter(|_| is_with_rows);
+                if request.wants(output, k) { Source::of(connector, output, k, row) } else { Source::None }
             })
         });
-        Self { kind, request, all: all.collect() }
+        let components = request.components();
+        let mut quads = Self {
+            kind,
+            request,
+            followed: connector.history_turns(components).then_some(components),
+            values: values.collect(),
+            rows: [0, 1, 2, 3, 4, 5].map(|k| row(k).filter(|_| request.rows()[k])),
+            all: Vec::new(),
+            tiles: Vec::new(),
+            sections: Vec::new(),
+            histories: Vec::new(),
+        };
+        members.chunks(LANES).for_each(|members| quads.add(model, members));
+        quads
+    }
+
+    /// Adds up to four.
+    fn add(&mut self, model: &'a Model, members: &[Member]) {
+        let Some(last) = members.last() else { return };
+        let four: [Member; LANES] = std::array::from_fn(|i| *members.get(i).unwrap_or(last));
+        let elements = four.map(|(_, index, _)| &model.connectors[index]);
+        let connectors = elements.map(|element| &element.connector);
+        let fours = Fours::new(&connectors);
+        let triads = Triads::new(&elements.map(|element| element.triads()));
+        self.tiles.push(Tile::initial(&elements.map(|element| element.reference), &triads));
+        self.sections.push(Section::new(&connectors));
+        self.histories.push(fours.history());
+        self.all.push(Quad {
+            fours,
+            triads,
+            connectors,
+            members: members.iter().map(|(at, ..)| *at).collect(),
+            ends: [0, 1].map(|end| four.map(|(_, _, ends)| ends[end])),
+            is_free: connectors.map(|one| (0..DOFS).all(|j| one.active()[j] || j % (DOFS / 2) == 6)),
+        });
     }
 
     /// Evaluates them at the next state.
@@ -81,72 +135,64 @@ impl<'a> Quads<'a> {
         &mut self,
         moved: &[Moved],
         room: &mut Room,
-        places: &mut Places<'_>,
+        numbers: &mut Numbers<'_>,
         tally: &mut Tally,
     ) {
         /// They and their rows stay in the second cache.
         const AT_ONCE: usize = 16;
-        let Self { kind: Kind { connector, batch }, request, all } = self;
-        let wanted = request.components();
-        let follows = connector.history_turns(wanted);
-        let rows = if request.order > 0 { batch.rows() } else { 0 };
+        let Self { kind: Kind { connector, batch }, request, followed, all, .. } = self;
+        let (tiles, sections, histories) = (&mut self.tiles, &self.sections, &mut self.histories);
+        let each = if request.order > 0 { batch.rows() } else { 0 };
+        let mut first = 0;
         for quads in all.chunks_mut(AT_ONCE) {
-            room.tiles.clear();
-            room.sections.clear();
-            room.histories.clear();
-            for Quad { fours, ends, .. } in &mut *quads {
-                let at = |end: Option<usize>| end.map_or(&STILL, |end| &moved[end]);
-                let ends = ends.map(|of| of.map(at));
-                let moves = Moves {
-                    displacement: ends.map(|of| of.map(|node| node.displacement)),
-                    rotation: ends.map(|of| of.map(|node| node.rotation)),
-                };
-                let increments = follows.then(|| {
-                    std::array::from_fn(|lane| Increment {
-                        rotation: ends.map(|of| of[lane].change),
-                        whole_turns: ends.map(|of| of[lane].whole_turns),
+            let these = first..first + quads.len();
+            first = these.end;
+            let (Some(tiles), Some(sections), Some(histories)) =
+                (tiles.get_mut(these.clone()), sections.get(these.clone()), histories.get_mut(these))
+            else {
+                return;
+            };
+            for (quad, ((tile, section), history)) in
+                quads.iter_mut().zip(tiles.iter_mut().zip(sections).zip(&mut *histories))
+            {
+                let nodes =
+                    quad.ends.each_ref().map(|of| of.map(|end| end.map_or(&STILL, |end| &moved[end])));
+                quad.place(&nodes, tile);
+                if let Some(wanted) = *followed {
+                    let increments = std::array::from_fn(|lane| Increment {
+                        rotation: [nodes[0][lane].change, nodes[1][lane].change],
+                        whole_turns: [nodes[0][lane].whole_turns, nodes[1][lane].whole_turns],
                         flow: [0.0; 2],
-                    })
-                });
-                let history = increments.as_ref().map(|increments| (increments, wanted));
-                fours.follow_moves(connector, &moves, history, tally);
-                if rows > 0 {
-                    room.tiles.push(*fours.tile());
-                    room.sections.push(*fours.section());
-                    room.histories.push(fours.history());
+                    });
+                    quad.fours.follow(connector, (tile, section), &increments, wanted, tally);
+                    *history = quad.fours.history();
                 }
             }
-            room.rows.resize(room.tiles.len() * rows, CompactRow::default());
-            if rows > 0 {
-                let done = batch.rows_of(&room.tiles, &room.sections, &room.histories, &mut room.rows);
+            room.rows.resize(quads.len() * each, CompactRow::default());
+            if each > 0 {
+                let done = batch.rows_of(tiles, sections, histories, &mut room.rows);
                 debug_assert_eq!(done, Ok(()), "the slices have been made for each other");
             }
-            for (q, quad) in quads.iter().enumerate() {
-                let own = room.rows.get(q * rows..(q + 1) * rows).unwrap_or_default();
-                let count = quad.members.len() as u64;
-                tally.gradients += count * own.len() as u64;
-                for (output, numbers) in &mut places.values {
-                    for k in 0..6 {
-                        let value = if request.wants(*output, k) {
-                            quad.value((connector, batch.measures(), own), *output, k, tally)
-                        } else {
-                            None
-                        };
-                        for (lane, at) in quad.members.iter().enumerate() {
-                            if let Some(place) = numbers.get_mut(at * 6 + k) {
-                                *place = value.map_or(f64::NAN, |value| value[lane]);
+            for (q, (quad, at)) in quads.iter().zip(tiles.iter().zip(sections)).enumerate() {
+                let own = room.rows.get(q * each..(q + 1) * each).unwrap_or_default();
+                tally.gradients += (quad.members.len() * each) as u64;
+                for ((_, array), sources) in numbers.values.iter_mut().zip(&self.values) {
+                    for (k, source) in sources.iter().enumerate() {
+                        let value = quad.value(*source, k, at, own, tally);
+                        for (lane, of) in quad.members.iter().enumerate() {
+                            if let Some(place) = array.get_mut(of * 6 + k) {
+                                *place = value[lane];
                             }
                         }
                     }
                 }
-                if let Some(numbers) = &mut places.jacobian {
-                    quad.put_rows((batch.measures(), own), request, numbers);
+                if let Some(array) = &mut numbers.jacobian {
+                    quad.put_rows(&self.rows, own, array);
                 }
-                for (lane, at) in quad.members.iter().enumerate() {
-                    if !batch.takes(quad.fours.tile(), lane) {
-                        quad.alone(lane, request, room);
-                        tally.values += room.evaluation.position.iter().flatten().count() as u64;
-                        write(&room.evaluation, quad.connectors[lane], request, *at, places);
+                for (lane, of) in quad.members.iter().enumerate() {
+                    if !batch.takes(at.0, lane) {
+                        quad.alone(lane, at.0, request, &mut room.evaluation);
+                        write(&room.evaluation, quad.connectors[lane], request, *of, numbers);
                     }
                 }
             }
@@ -154,67 +200,94 @@ impl<'a> Quads<'a> {
     }
 }
 
+impl Source {
+    /// Of an output of component k, whose value the batch gives with a row where there is one.
+    fn of(connector: &Connector<f64>, output: Output, k: usize, row: Option<usize>) -> Self {
+        let (Some(position), Some(differentiated)) =
+            (connector.position_measure(k), connector.differentiated(k))
+        else {
+            return Self::None;
+        };
+        let (measure, from) = match output {
+            Output::TURNS if position.winds() => return Self::Turns,
+            Output::RES if connector.is_constrained(k) => (differentiated, Counted::Residual),
+            Output::CP => (position, Counted::Zero),
+            Output::CU => (position, Counted::Initial),
+            Output::CCU if connector.connection().slots[k].is_available() => (position, Counted::Reference),
+            _ => return Self::None,
+        };
+        match row {
+            _ if measure.winds() => Self::Angle(from),
+            Some(row) if measure == differentiated => Self::Row(row, from),
+            _ => Self::Measure(measure, from),
+        }
+    }
+}
+
 impl Quad<'_> {
-    /// The values of an output of component k.
+    /// Brings the nodes where they are.
+    fn place(&self, nodes: &[[&Moved; LANES]; 2], tile: &mut Tile) {
+        let poses = Poses {
+            displacement: nodes.each_ref().map(|of| of.map(|node| &node.displacement)),
+            rotation: nodes.each_ref().map(|of| of.map(|node| &node.rotation)),
+        };
+        tile.place(&self.triads, &poses);
+    }
+
+    /// The values of an output of component k; NaN where there are none.
     fn value(
         &self,
-        (connector, measures, rows): (&Connector<f64>, &[(usize, Measure)], &[CompactRow]),
-        output: Output,
+        source: Source,
         k: usize,
+        at: (&Tile, &Section),
+        rows: &[CompactRow],
         tally: &mut Tally,
-    ) -> Option<Four> {
-        let origin = self.fours.origin(k)?;
-        let position = connector.position_measure(k)?;
-        let (measure, from) = match output {
-            Output::TURNS => return position.winds().then(|| self.fours.turns(k)[0]),
-            Output::RES if !connector.is_constrained(k) => return None,
-            Output::RES => (connector.differentiated(k)?, origin.residual),
-            Output::CP => (position, [0.0; LANES]),
-            Output::CU => (position, origin.initial),
-            Output::CCU if connector.connection().slots[k].is_available() => (position, origin.reference),
-            _ => return None,
+    ) -> Four {
+        const NONE: Four = [f64::NAN; LANES];
+        let from = |from: Counted| {
+            let origin = self.fours.origin(k);
+            match from {
+                Counted::Zero => [0.0; LANES],
+                Counted::Initial => origin.map_or(NONE, |of| of.initial),
+                Counted::Residual => origin.map_or(NONE, |of| of.residual),
+                Counted::Reference => origin.map_or(NONE, |of| of.reference),
+            }
         };
-        if measure.winds() {
-            return Some(self.fours.angle(k, &from));
-        }
-        let known = measures.iter().position(|of| *of == (k, measure)).and_then(|row| rows.get(row));
-        let value = known.map_or_else(
-            || {
+        let less = |value: Four, of: Counted| {
+            let origin = from(of);
+            std::array::from_fn(|lane| value[lane] - origin[lane])
+        };
+        match source {
+            Source::None => NONE,
+            Source::Turns => self.fours.turns(k)[0],
+            Source::Angle(of) => self.fours.angle(k, &from(of)),
+            Source::Row(row, of) => less(rows.get(row).map_or(NONE, |row| row.value), of),
+            Source::Measure(measure, of) => {
                 tally.values += self.members.len() as u64;
-                self.fours.value(measure)
-            },
-            |row| row.value,
-        );
-        Some(std::array::from_fn(|lane| value[lane] - from[lane]))
+                less(self.fours.value(measure, at), of)
+            }
+        }
     }
 
     /// The connector of a lane by itself, where its nodes are too far apart, or too near, for a batch.
-    fn alone(&self, lane: usize, request: &Request, room: &mut Room) {
-        let pair = self.fours.tile().lane(lane);
-        let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
-        let branch = self.fours.branch(lane);
-        let work = &mut Tally::default();
-        self.connectors[lane].evaluate_into(&mut room.evaluation, &state, branch, request, work);
+    fn alone(&self, lane: usize, tile: &Tile, request: &Request, evaluation: &mut Evaluation<f64>) {
+        let state = State { pair: tile.lane(lane), velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+        let (branch, work) = (self.fours.branch(lane), &mut Tally::default());
+        self.connectors[lane].evaluate_into(evaluation, &state, branch, request, work);
     }
 
     /// Writes rows: x_a, θ_a, Ψ_a, x_b, θ_b, Ψ_b.
-    fn put_rows(
-        &self,
-        (measures, rows): (&[(usize, Measure)], &[CompactRow]),
-        request: &Request,
-        numbers: &mut [f64],
-    ) {
-        let wanted = request.rows();
+    fn put_rows(&self, rows: &[Option<usize>; 6], own: &[CompactRow], array: &mut [f64]) {
         for (lane, at) in self.members.iter().enumerate() {
-            let active = self.connectors[lane].active();
-            let is_free = active.iter().enumerate().all(|(j, is)| *is || j % (DOFS / 2) == 6);
-            let Some(own) = numbers.get_mut(at * 6 * DOFS..(at + 1) * 6 * DOFS) else { continue };
-            let own = own.as_chunks_mut::<DOFS>().0;
-            let mut is_there = [false; 6];
-            for ((k, _), row) in measures.iter().zip(rows).filter(|((k, _), _)| wanted[*k]) {
-                let ([t1, t2, t3], [x1, x2, x3], [y1, y2, y3]) = (row.turning_a, row.moving_b, row.turning_b);
-                let of = |x: Four| x[lane];
-                let Some(to) = own.get_mut(*k) else { continue };
+            let Some(to) = array.get_mut(at * 6 * DOFS..(at + 1) * 6 * DOFS) else { continue };
+            for (to, row) in to.as_chunks_mut::<DOFS>().0.iter_mut().zip(rows) {
+                let Some(row) = row.and_then(|row| own.get(row)) else {
+                    *to = [f64::NAN; DOFS];
+                    continue;
+                };
+                let ([t1, t2, t3], [x1, x2, x3], [y1, y2, y3]) =
+                    (&row.turning_a, &row.moving_b, &row.turning_b);
+                let of = |x: &Four| x[lane];
                 *to = [
                     0.0 - of(x1),
                     0.0 - of(x2),
@@ -231,13 +304,10 @@ impl Quad<'_> {
                     of(y3),
                     0.0,
                 ];
-                if !is_free {
+                if !self.is_free[lane] {
+                    let active = self.connectors[lane].active();
                     to.iter_mut().zip(active).filter(|(_, is)| !*is).for_each(|(entry, _)| *entry = 0.0);
                 }
-                is_there[*k] = true;
-            }
-            for (row, _) in own.iter_mut().zip(is_there).filter(|(_, is)| !*is) {
-                *row = [f64::NAN; DOFS];
             }
         }
     }

@@ -8,10 +8,9 @@ use crate::evaluate::model::Model;
 use crate::evaluate::sequence::Place;
 use crate::evaluate::sequence::element::{Memory, Needed};
 use crate::evaluate::sequence::nodes::{Moved, STILL};
-use pintle_kinematics::batch::{self, Batch, History, LANES, Moves, Section, Tile};
+use pintle_kinematics::batch::{self, Batch, History, LANES, Poses, Section, Tile, Triads};
 use pintle_kinematics::connector::{CompactRow, Components, Flag, Increment, Mask, State, Tally};
 use pintle_kinematics::node::DOFS;
-use pintle_kinematics::vector::Vector;
 
 /// How many connectors are taken together, among which those of one kind are found.
 pub(super) const PART: usize = 256;
@@ -117,13 +116,14 @@ impl Lanes {
                 let nodes = [0, 1].map(|end| {
                     at.map(|at| ends[first + at][end].map_or(&STILL, |place| &moved[place as usize]))
                 });
-                let moves = Moves {
-                    displacement: nodes.map(|of| of.map(|node| node.displacement)),
-                    rotation: nodes.map(|of| of.map(|node| node.rotation)),
+                let poses = Poses {
+                    displacement: nodes.map(|of| of.map(|node| &node.displacement)),
+                    rotation: nodes.map(|of| of.map(|node| &node.rotation)),
                 };
-                let references: [Vector<f64>; LANES] = elements.map(|element| element.reference);
-                let triads = elements.map(|element| element.triads().map(|triad| *triad));
-                rows.tiles.push(Tile::placed(&references, &triads, &moves));
+                let triads = Triads::new(&elements.map(|element| element.triads()));
+                let mut tile = Tile::initial(&elements.map(|element| element.reference), &triads);
+                tile.place(&triads, &poses);
+                rows.tiles.push(tile);
                 rows.sections.push(Section::new(&elements.map(|element| &element.connector)));
                 rows.histories.push(History::new(&at.map(|at| memories[at].branch)));
             }
