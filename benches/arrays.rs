@@ -21,7 +21,8 @@ use rayon::ThreadPoolBuilder;
 use std::convert::Infallible;
 use std::time::Instant;
 
-const STATES: usize = 4;
+/// How many connectors, and at how many states: as many as their results leave room for.
+const SIZES: [(usize, usize); 4] = [(100, 100), (1_000, 100), (10_000, 100), (100_000, 20)];
 const ROUNDS: usize = 7;
 
 /// Connectors of one kind at all states, as arrays.
@@ -136,10 +137,11 @@ fn run_kernels(kinds: &mut [Kind]) {
     }
 }
 
-fn measured(connectors: usize) {
+fn measured(connectors: usize, states: usize) {
     let deck = chain::deck(connectors, &chain::types(), "");
     let model = Model::compile(&Scene::parse("chain.inp", &deck).unwrap()).unwrap();
-    let states: Vec<State> = (0..STATES as u64).map(|s| chain::state(s, connectors + 1)).collect();
+    let count = states;
+    let states: Vec<State> = (0..count as u64).map(|s| chain::state(s, connectors + 1)).collect();
     let request = Request::new(&[Output::CU, Output::RES], [true; 6], 1);
     let plan = Plan::compile(&model, &Selection::All, request).unwrap();
     let nodes: Vec<Label> = states[0].nodes.keys().copied().collect();
@@ -154,14 +156,14 @@ fn measured(connectors: usize) {
     let flow: Vec<f64> = motions().map(|motion| motion.flow).collect();
     let by = |numbers, each: usize| ByNode::new(numbers, nodes.len() * each, each);
     let arrays = NodeArrays {
-        count: STATES,
+        count,
         nodes: &nodes,
         displacement: Some(by(&u, 3)),
         rotation: Some(Rotations::Vectors(by(&vectors, 3))),
         flow: [Some(by(&flow, 1)), None, None],
         ..NodeArrays::default()
     };
-    let size = STATES * connectors * 6;
+    let size = count * connectors * 6;
     let mut walked = Walked {
         values: [vec![0.0; size], vec![0.0; size]],
         jacobian: vec![0.0; size * DOFS],
@@ -214,9 +216,9 @@ fn measured(connectors: usize) {
     }
     assert!(worst < 1e-14 && compared > size, "{worst:e} of {compared}");
     let [kernels, single, double, walking] = least;
-    let each = |time: f64, count: usize| time * 1e9 / (STATES * count) as f64;
+    let each = |time: f64, connectors: usize| time * 1e9 / (count * connectors) as f64;
     println!(
-        "{connectors:>9}  {:>8.0}  {:>8.0}  {:>6.2}  {:>8.0}  {:>6.2}  {:>8.0}  {:>6.1}",
+        "{connectors:>10}  {count:>6}  {:>7.0}  {:>8.0}  {:>6.2}  {:>8.0}  {:>6.2}  {:>8.0}  {:>6.1}",
         each(kernels, batched),
         each(single, connectors),
         each(single, connectors) / each(kernels, batched),
@@ -231,9 +233,9 @@ fn main() {
     if commit::is_told() {
         return;
     }
-    println!("a chain of connectors of every type, {STATES} states; ns for each connector and state");
-    println!("connectors   kernels    arrays  ratio   2 threads  speed      walk  speed");
-    for connectors in [100, 1_000, 10_000, 100_000] {
-        measured(connectors);
+    println!("a chain of connectors of every type; ns for each connector and state");
+    println!("connectors  states  kernels    arrays  ratio  2 threads  speed      walk  speed");
+    for (connectors, states) in SIZES {
+        measured(connectors, states);
     }
 }

@@ -197,24 +197,28 @@ impl NodeArrays<'_> {
         }));
     }
 
-    /// The motion of a node by its place in the list.
-    fn motion(&self, state: usize, node: usize) -> NodeMotion {
-        let three = |of: Option<ByNode<'_>>| of.map_or([0.0; 3], |of| of.at(state, node));
-        let flow = self.flow.map(|of| of.map_or([0.0], |of| of.at::<1>(state, node))[0]);
-        NodeMotion {
-            displacement: three(self.displacement),
-            rotation: match self.rotation {
-                None => Rotation::default(),
-                Some(Rotations::Vectors(of)) => Rotation::Vector(of.at(state, node)),
-                Some(Rotations::Quaternions(of)) => Rotation::Quaternion(of.at(state, node)),
-            },
-            velocity: three(self.velocity),
-            angular_velocity: three(self.angular_velocity),
-            acceleration: three(self.acceleration),
-            angular_acceleration: three(self.angular_acceleration),
-            flow: flow[0],
-            flow_velocity: flow[1],
-            flow_acceleration: flow[2],
+    /// Writes the motion of a node, by its place in the list. What is not given is left as it is.
+    fn put_motion(&self, state: usize, node: usize, motion: &mut NodeMotion) {
+        let put = |to: &mut [f64; 3], of: &Option<ByNode<'_>>| {
+            if let Some(of) = of {
+                *to = of.at(state, node);
+            }
+        };
+        put(&mut motion.displacement, &self.displacement);
+        put(&mut motion.velocity, &self.velocity);
+        put(&mut motion.angular_velocity, &self.angular_velocity);
+        put(&mut motion.acceleration, &self.acceleration);
+        put(&mut motion.angular_acceleration, &self.angular_acceleration);
+        let flows = [&mut motion.flow, &mut motion.flow_velocity, &mut motion.flow_acceleration];
+        for (to, of) in flows.into_iter().zip(&self.flow) {
+            if let Some(of) = of {
+                [*to] = of.at(state, node);
+            }
+        }
+        match &self.rotation {
+            None => {}
+            Some(Rotations::Vectors(of)) => motion.rotation = Rotation::Vector(of.at(state, node)),
+            Some(Rotations::Quaternions(of)) => motion.rotation = Rotation::Quaternion(of.at(state, node)),
         }
     }
 
@@ -228,9 +232,14 @@ impl NodeArrays<'_> {
     /// A state by itself.
     pub fn state(&self, state: usize) -> State {
         let nodes = self.nodes.iter().enumerate();
+        let motion = |(n, label): (usize, &Label)| {
+            let mut motion = NodeMotion::default();
+            self.put_motion(state, n, &mut motion);
+            (*label, motion)
+        };
         State {
             time: self.times.and_then(|times| times.get(state).copied()),
-            nodes: nodes.map(|(n, label)| (*label, self.motion(state, n))).collect(),
+            nodes: nodes.map(motion).collect(),
             ..State::default()
         }
     }
@@ -358,8 +367,10 @@ struct Sorted<'a> {
 /// How many nodes are named that cannot be.
 const SHOWN: usize = 5;
 
-/// How many connectors go through all states together.
-const PART: usize = 256;
+/// How many connectors go through all states together: enough for fours of each kind, and some parts for the threads.
+fn part_size(connectors: usize) -> usize {
+    connectors.div_ceil(4).clamp(64, 256)
+}
 
 /// Whether all that a plan asks for follows from the motion of the nodes alone, so that [`evaluate_arrays`] gives it.
 pub fn is_kinematic(model: &Model, plan: &Plan) -> Result<(), ArrayError> {
@@ -395,9 +406,10 @@ pub fn evaluate_arrays(
     }
     let sorted = Sorted::new(model, plan, motions);
     let arrays = divided(numbers, connectors);
-    let parts: Vec<_> = (0..connectors).step_by(PART).zip(arrays).collect();
+    let size = part_size(connectors);
+    let parts: Vec<_> = (0..connectors).step_by(size).zip(arrays).collect();
     let tallies = parts.into_par_iter().map(|(first, arrays)| {
-        let members = first..connectors.min(first + PART);
+        let members = first..connectors.min(first + size);
         Part::new(&sorted, members).run(arrays)
     });
     Ok(tallies.reduce(Tally::default, |mut sum, more| {
@@ -442,12 +454,24 @@ impl<'a> Sorted<'a> {
         Some(self.columns[at].1 as usize)
     }
 
-    /// The motion of a node, and whether it is given; `column` is its place in arrays.
-    fn motion(&self, state: usize, label: Label, column: Option<usize>) -> Option<NodeMotion> {
-        match self.motions {
-            Motions::Arrays(arrays) => Some(arrays.motion(state, column?)),
-            Motions::States(states) => states.get(state)?.nodes.get(&label).copied(),
-        }
+    /// Writes the motion of a node, and tells whether it is given; `column` is its place in arrays.
+    fn put_motion(
+        &self,
+        state: usize,
+        (label, column): (Label, Option<usize>),
+        motion: &mut NodeMotion,
+    ) -> bool {
+        let given = match self.motions {
+            Motions::Arrays(arrays) => {
+                return column.is_some_and(|column| {
+                    arrays.put_motion(state, column, motion);
+                    true
+                });
+            }
+            Motions::States(states) => states.get(state).and_then(|state| state.nodes.get(&label)),
+        };
+        *motion = given.copied().unwrap_or_default();
+        given.is_some()
     }
 
     const fn request(&self) -> &'a Request {
@@ -459,14 +483,15 @@ impl<'a> Sorted<'a> {
 fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Numbers<'_>>> {
     let Numbers { values, jacobian, hessian } = numbers;
     let mut parts: Vec<Vec<Numbers<'_>>> = Vec::new();
-    parts.resize_with(connectors.div_ceil(PART), Vec::new);
+    parts.resize_with(connectors.div_ceil(part_size(connectors)), Vec::new);
     fn give<'a>(
         parts: &mut [Vec<Numbers<'a>>],
         (array, connectors, each): (&'a mut [f64], usize, usize),
         mut put: impl FnMut(&mut Numbers<'a>, &'a mut [f64]),
     ) {
+        let size = part_size(connectors) * each;
         for (s, of_state) in array.chunks_exact_mut(connectors * each).enumerate() {
-            for (part, of_part) in parts.iter_mut().zip(of_state.chunks_mut(PART * each)) {
+            for (part, of_part) in parts.iter_mut().zip(of_state.chunks_mut(size)) {
                 if part.len() <= s {
                     part.push(Numbers::default());
                 }

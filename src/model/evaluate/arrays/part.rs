@@ -2,10 +2,10 @@
 
 use crate::evaluate::arrays::quad::{Quads, Room};
 use crate::evaluate::arrays::{Numbers, Sorted};
-use crate::evaluate::sequence::nodes::{Moved, Orientation, STILL, UNTURNED, follow};
+use crate::evaluate::sequence::nodes::{Moved, Orientation, STILL, UNTURNED};
 use crate::evaluate::sequence::place;
 use pintle_kinematics::connector::{Branch, Connector, Evaluation, Output, Request, Tally};
-use pintle_scene::Label;
+use pintle_scene::{Label, NodeMotion};
 use std::cell::LazyCell;
 use std::ops::Range;
 
@@ -87,9 +87,9 @@ impl<'a> Part<'a> {
         let mut evaluation = Evaluation::empty(Branch::none());
         for (s, mut numbers) in numbers.into_iter().enumerate() {
             for (node, moved) in self.nodes.iter_mut().zip(&mut self.moved) {
-                let motion = self.sorted.motion(s, node.label, node.column);
-                let (is_given, motion) = (motion.is_some(), motion.unwrap_or_default());
-                (*moved, node.orientation) = follow(&motion, &node.orientation, is_given, node.turns, s == 0);
+                let mut motion = NodeMotion::default();
+                let is_given = self.sorted.put_motion(s, (node.label, node.column), &mut motion);
+                moved.follow(&motion, &mut node.orientation, is_given, node.turns, s == 0);
                 tally.rotations += 1;
             }
             for quads in &mut self.quads {

@@ -20,7 +20,7 @@ use branches::{Saved, followed};
 use element::{Context, Memory};
 pub(super) use element::{Needed, place};
 use lanes::Lanes;
-use nodes::{Moved, Orientation, STILL, UNTURNED, follow, is_unturned};
+use nodes::{Moved, Orientation, STILL, UNTURNED, is_unturned};
 use pintle_kinematics::connector::{Mask, Request, Tally, Turns};
 use pintle_kinematics::mpc;
 use pintle_scene::{Label, Rotation, State as SceneState};
@@ -371,7 +371,7 @@ impl<'a> Sequence<'a> {
                 let given = motion(label);
                 let motion = given.copied().unwrap_or_default();
                 let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
-                (*moved, *orientation) = follow(&motion, orientation, given.is_some(), *is_followed, first);
+                moved.follow(&motion, orientation, given.is_some(), *is_followed, first);
                 rotations += u64::from(is_turned);
             }
             rotations

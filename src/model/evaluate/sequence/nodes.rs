@@ -57,11 +57,13 @@ pub(in crate::evaluate) struct Orientation {
     quaternion: Quaternion<f64>,
     /// The total rotation vector: as given, or that of a quaternion continued from the state before.
     vector: Vector<f64>,
+    /// Whether the quaternion is exp of the vector, and not its negative.
+    is_of_vector: bool,
     flow: f64,
 }
 
 pub(in crate::evaluate) const UNTURNED: Orientation =
-    Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], vector: [0.0; 3], flow: 0.0 };
+    Orientation { quaternion: [1.0, 0.0, 0.0, 0.0], vector: [0.0; 3], is_of_vector: true, flow: 0.0 };
 
 /// Translational, rotational and flow rates of a node, in one.
 const fn rates([x1, x2, x3]: Vector<f64>, [r1, r2, r3]: Vector<f64>, flow: f64) -> [f64; 7] {
@@ -73,63 +75,62 @@ pub(super) fn is_unturned(orientation: &Orientation) -> bool {
     orientation.quaternion == UNTURNED.quaternion && orientation.vector == UNTURNED.vector
 }
 
-/// A node at its next state: rotation matrix, and increments since the last one, which [`increment`] tells.
-///
-/// Of a node whose turning is not `followed` there is no increment. At the `first` state the one before is the initial one.
-pub(in crate::evaluate) fn follow(
-    motion: &NodeMotion,
-    before: &Orientation,
-    given: bool,
-    followed: bool,
-    first: bool,
-) -> (Moved, Orientation) {
-    if motion.rotation == Rotation::default() && is_unturned(before) {
-        let node = Moved {
-            displacement: motion.displacement,
-            flow: motion.flow,
-            rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
-            accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
-            flow_change: motion.flow - before.flow,
-            sixth: given.then_some(0.0),
-            ..STILL
-        };
-        return (node, Orientation { flow: motion.flow, ..UNTURNED });
-    }
-    let quaternion = match motion.rotation {
-        Rotation::Vector(phi) => so3::exp(phi),
-        Rotation::Quaternion(q) => so3::normalize(q),
-    };
-    let relative = so3::compose(quaternion, so3::conjugate(before.quaternion));
-    let principal = if followed { so3::log_quaternion(relative) } else { [0.0; 3] };
-    let turn = match motion.rotation {
-        Rotation::Vector(new) if followed => increment(new, before, relative, principal),
-        _ => Turn { increment: principal, other: None },
-    };
-    let vector = match motion.rotation {
-        Rotation::Vector(new) => new,
-        Rotation::Quaternion(_) => so3::continuous_log_quaternion(quaternion, before.vector).phi,
-    };
-    let rotation = match motion.rotation {
-        Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
-        _ => so3::matrix(quaternion),
-    };
-    let node = Moved {
-        displacement: motion.displacement,
-        rotation,
-        flow: motion.flow,
-        rates: rates(motion.velocity, motion.angular_velocity, motion.flow_velocity),
-        accelerations: rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration),
-        change: turn.increment,
-        whole_turns: sub(turn.increment, principal),
-        other_turn: turn.other.filter(|_| !first),
-        flow_change: motion.flow - before.flow,
-        sixth: match motion.rotation {
+impl Moved {
+    /// Brings a node to its next state: rotation matrix, and increments since the last one, which [`increment`] tells.
+    ///
+    /// Of a node whose turning is not `followed` there is no increment. At the `first` state the one before is the initial one.
+    pub(in crate::evaluate) fn follow(
+        &mut self,
+        motion: &NodeMotion,
+        orientation: &mut Orientation,
+        given: bool,
+        followed: bool,
+        first: bool,
+    ) {
+        self.displacement = motion.displacement;
+        self.rates = rates(motion.velocity, motion.angular_velocity, motion.flow_velocity);
+        self.accelerations =
+            rates(motion.acceleration, motion.angular_acceleration, motion.flow_acceleration);
+        self.flow_change = motion.flow - orientation.flow;
+        self.flow = motion.flow;
+        orientation.flow = motion.flow;
+        self.sixth = match motion.rotation {
             Rotation::Vector(phi) if given => Some(phi[2]),
             _ => None,
-        },
-        vector,
-    };
-    (node, Orientation { quaternion, vector, flow: motion.flow })
+        };
+        if motion.rotation == Rotation::default() && is_unturned(orientation) {
+            self.rotation = identity();
+            self.change = [0.0; 3];
+            self.whole_turns = [0.0; 3];
+            self.other_turn = None;
+            self.vector = [0.0; 3];
+            return;
+        }
+        let quaternion = match motion.rotation {
+            Rotation::Vector(phi) => so3::exp(phi),
+            Rotation::Quaternion(q) => so3::normalize(q),
+        };
+        self.rotation = match motion.rotation {
+            Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
+            _ => so3::matrix(quaternion),
+        };
+        let relative = so3::compose(quaternion, so3::conjugate(orientation.quaternion));
+        let principal = if followed { so3::log_quaternion(relative) } else { [0.0; 3] };
+        let turn = match motion.rotation {
+            Rotation::Vector(new) if followed => increment(new, orientation, relative, principal),
+            _ => Turn { increment: principal, other: None },
+        };
+        self.vector = match motion.rotation {
+            Rotation::Vector(new) => new,
+            Rotation::Quaternion(_) => so3::continuous_log_quaternion(quaternion, orientation.vector).phi,
+        };
+        self.change = turn.increment;
+        self.whole_turns = sub(turn.increment, principal);
+        self.other_turn = turn.other.filter(|_| !first);
+        orientation.quaternion = quaternion;
+        orientation.vector = self.vector;
+        orientation.is_of_vector = matches!(motion.rotation, Rotation::Vector(_));
+    }
 }
 
 /// The increment of a rotation between two states, and the angle of another that fits them (rad), where it is no less likely.
@@ -178,9 +179,11 @@ fn increment(
     let is_home = length == 0.0 && old_length > TAU - ROUNDED;
     let is_beyond = length.max(old_length) > TAU + ROUNDED || is_home;
     // Along the straight path the quaternion changes without a jump: it ends as ±relative, and w < 0 is the long way.
-    let [w, x, y, z] = so3::exp(old);
-    let [a, b, c, d] = before.quaternion;
-    let is_long = (w * a + x * b + y * c + z * d < 0.0) != (relative[0] < 0.0);
+    let is_negative = !before.is_of_vector && {
+        let ([w, x, y, z], [a, b, c, d]) = (so3::exp(old), before.quaternion);
+        w * a + x * b + y * c + z * d < 0.0
+    };
+    let is_long = is_negative != (relative[0] < 0.0);
     let longer = TAU - shorter;
     let is_even = longer - shorter < ROUNDED;
     if is_fixed && (starts || is_beyond) {
@@ -220,6 +223,12 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
 
+    fn follow(motion: &NodeMotion, before: &Orientation, first: bool) -> (Moved, Orientation) {
+        let (mut node, mut orientation) = (STILL, *before);
+        node.follow(motion, &mut orientation, true, true, first);
+        (node, orientation)
+    }
+
     fn motion(rotation: Rotation) -> NodeMotion {
         NodeMotion { rotation, ..NodeMotion::default() }
     }
@@ -231,7 +240,7 @@ mod tests {
         for angle in angles {
             let motion =
                 NodeMotion { rotation: Rotation::Vector([*angle, 0.0, 0.0]), ..NodeMotion::default() };
-            let (node, after) = follow(&motion, &before, true, true, false);
+            let (node, after) = follow(&motion, &before, false);
             sum += node.change[0];
             before = after;
         }
@@ -247,8 +256,7 @@ mod tests {
         for rotation in
             [quaternion(0.3), Rotation::Vector([20.6, 0.0, 0.0]), quaternion(22.0), quaternion(24.0)]
         {
-            let (node, after) =
-                follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, true, true, false);
+            let (node, after) = follow(&NodeMotion { rotation, ..NodeMotion::default() }, &before, false);
             sum += node.change[0];
             before = after;
         }
@@ -306,7 +314,7 @@ mod tests {
             for largest in [0.02, 0.2, 1.0, 0.9 * PI] {
                 let mut continued = numbers.vector(start);
                 let first = motion(Rotation::Vector(continued));
-                let mut before = [follow(&first, &UNTURNED, true, true, true).1; 5];
+                let mut before = [follow(&first, &UNTURNED, true).1; 5];
                 let mut q = so3::exp(continued);
                 for step in 0..400 {
                     let length = largest * (0.55 + 0.45 * numbers.next());
@@ -326,7 +334,7 @@ mod tests {
                         if step % 2 == 0 { Rotation::Quaternion(q) } else { Rotation::Vector(continued) },
                     ];
                     for (form, before) in forms.into_iter().zip(&mut before) {
-                        let (node, after) = follow(&motion(form), before, true, true, false);
+                        let (node, after) = follow(&motion(form), before, false);
                         let off = norm(sub(node.change, true_increment));
                         assert!(off < 1e-11, "{start} {largest} {step}: {form:?} off by {off:e}");
                         *before = after;
@@ -353,8 +361,7 @@ mod tests {
                     turn if turn < 0.0 => angle + 3.0 * numbers.next(),
                     _ => 7.0 + 1e3 * numbers.next().abs(),
                 };
-                let (node, after) =
-                    follow(&motion(Rotation::Vector(scale(axis, next))), &before, true, true, false);
+                let (node, after) = follow(&motion(Rotation::Vector(scale(axis, next))), &before, false);
                 // Both within a whole turn, and more than half a turn apart, are another question.
                 let is_told = angle == 0.0 || angle.abs().max(next.abs()) > TAU + 0.01;
                 if is_told || (next - angle).abs() < 3.0 {
@@ -372,8 +379,8 @@ mod tests {
     #[test]
     fn another_turn_that_fits_is_told() {
         let other = |old: f64, new: f64| {
-            let (_, before) = follow(&motion(Rotation::Vector([0.0, 0.0, old])), &UNTURNED, true, true, true);
-            follow(&motion(Rotation::Vector([0.0, 0.0, new])), &before, true, true, false).0
+            let (_, before) = follow(&motion(Rotation::Vector([0.0, 0.0, old])), &UNTURNED, true);
+            follow(&motion(Rotation::Vector([0.0, 0.0, new])), &before, false).0
         };
         for (old, new, taken, told) in [
             (-1.91, 1.74, -2.633_185_307_179_586, Some(3.65)),
