@@ -93,17 +93,17 @@ impl<'a> Quads<'a> {
                 if request.wants(output, k) { Source::of(connector, output, k, row) } else { Source::None }
             })
         });
-        let components = request.components();
+        let (components, count) = (request.components(), members.len().div_ceil(LANES));
         let mut quads = Self {
             kind,
             request,
             followed: connector.history_turns(components).then_some(components),
             values: values.collect(),
             rows: [0, 1, 2, 3, 4, 5].map(|k| row(k).filter(|_| request.rows()[k])),
-            all: Vec::new(),
-            tiles: Vec::new(),
-            sections: Vec::new(),
-            histories: Vec::new(),
+            all: Vec::with_capacity(count),
+            tiles: Vec::with_capacity(count),
+            sections: Vec::with_capacity(count),
+            histories: Vec::with_capacity(count),
         };
         members.chunks(LANES).for_each(|members| quads.add(model, members));
         quads
