@@ -68,8 +68,8 @@ fn exact<R: Differentiable>(pair: &Pair<f64>) -> State<R> {
     };
     State {
         pair: Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) },
-        velocity: [R::integer(0); DOFS],
-        acceleration: [R::integer(0); DOFS],
+        velocity: [R::ZERO; DOFS],
+        acceleration: [R::ZERO; DOFS],
     }
 }
 

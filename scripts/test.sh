@@ -21,11 +21,12 @@ if ! command -v chromium chromium-browser google-chrome > /dev/null; then
 fi
 
 # Compilers build the routines of docs/how-to/check-c-and-fortran.md; without them that page is not run.
-if ! command -v gfortran > /dev/null; then
+# Valgrind watches what they do in the library's memory.
+if ! command -v gfortran > /dev/null || ! command -v valgrind > /dev/null; then
     if [ -z "${CI:-}" ]; then
-        echo "scripts/test.sh: no gfortran: no user element will be checked (on Debian: apt install gfortran)" >&2
+        echo "scripts/test.sh: no gfortran or no valgrind: their tests are left out (on Debian: apt install gfortran valgrind)" >&2
     elif [ "$(id -u)" = 0 ] && command -v apt-get > /dev/null; then
-        apt-get update -qq && apt-get install -qq -y --no-install-recommends gcc gfortran > /dev/null
+        apt-get update -qq && apt-get install -qq -y --no-install-recommends gcc gfortran valgrind > /dev/null
     fi
 fi
 

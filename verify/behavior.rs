@@ -194,16 +194,16 @@ fn springs_return_what_was_put_in() {
         let behavior = behavior(law);
         let corners: Vec<Motion<f64>> = (0..7).map(|_| numbers.motion(1.0)).collect();
         let energy = |at: &Motion<Wide>| behavior.elasticity.energy(at, &conditions).unwrap();
-        let mut work = Wide::integer(0);
+        let mut work = Wide::ZERO;
         for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             let (from, to) = (exact(from), exact(to));
             // Forces are linear between rows: the trapezoidal rule is exact on pieces that meet no row inside.
-            let mut cuts = vec![Wide::integer(0), Wide::integer(1)];
+            let mut cuts = vec![Wide::ZERO, Wide::integer(1)];
             for k in 0..6 {
                 for row in [-0.5, 0.0, 0.25, 0.75] {
                     let t = (Wide::from_f64(row) - from.constitutive[k])
                         / (to.constitutive[k] - from.constitutive[k]);
-                    if t > Wide::integer(0) && t < Wide::integer(1) {
+                    if t > Wide::ZERO && t < Wide::integer(1) {
                         cuts.push(t);
                     }
                 }
@@ -215,10 +215,10 @@ fn springs_return_what_was_put_in() {
                 Motion {
                     position: between(from.position, to.position),
                     constitutive: between(from.constitutive, to.constitutive),
-                    velocity: [Wide::integer(0); 6],
+                    velocity: [Wide::ZERO; 6],
                 }
             };
-            let mut along = Wide::integer(0);
+            let mut along = Wide::ZERO;
             for pair in cuts.windows(2) {
                 let (a, b) = (at(pair[0]), at(pair[1]));
                 let (fa, fb) = (

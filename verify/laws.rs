@@ -120,5 +120,5 @@ impl Scales {
 
 /// Σ_k row_k x_k.
 pub(crate) fn times<R: Real>(row: &NodalRow<R>, x: &NodalRow<R>) -> R {
-    row.iter().zip(x).fold(R::integer(0), |sum, (r, x)| sum + *r * *x)
+    row.iter().zip(x).fold(R::ZERO, |sum, (r, x)| sum + *r * *x)
 }

@@ -249,7 +249,7 @@ fn cartesian(
     let reference: Vector<Wide> = across(initial);
     let separation = vector::add(reference, across(displacements));
     let axes = vector::transpose(&so3::matrix(so3::normalize(rotations[0].map(Wide::from_f64))));
-    let zero = Wide::integer(0);
+    let zero = Wide::ZERO;
     let row = |e: &Vector<Wide>| {
         let [x, y, z] = *e;
         let [r, s, t] = vector::cross(*e, separation);

@@ -71,7 +71,7 @@ impl Stressed {
             a: node(&a, rotations[0]),
             b: node(&b, rotations[1]),
         };
-        let still = [Wide::integer(0); DOFS];
+        let still = [Wide::ZERO; DOFS];
         let state = State { pair, velocity: still, acceleration: still };
         let request = Request::new(&[Output::CU], [true; 6], order);
         Connector::<Wide>::new(&definition).evaluate(
@@ -229,7 +229,7 @@ impl Motion {
             }
             Winding::Rotation => {
                 let [x, y, z] = [3, 4, 5].map(|k| principal[k]);
-                let vector = [x, y, z].map(|x| x.unwrap_or_else(|| Wide::integer(0)));
+                let vector = [x, y, z].map(|x| x.unwrap_or_else(|| Wide::ZERO));
                 let length = pintle_kinematics::scalar::elementary::norm(vector);
                 let along = vector::dot(vector, self.axis.map(Wide::from_f64));
                 let angle = if along.to_f64() < 0.0 { -angle } else { angle };

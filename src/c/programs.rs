@@ -35,7 +35,21 @@ fn run(compiler: &str, sources: &[&str], name: &str) -> Option<Vec<String>> {
         Command::new(folder.join("program")).current_dir(&folder).output().expect("the program runs");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    watch(&folder);
     Some(said.lines().map(String::from).collect())
+}
+
+/// Runs a program under Valgrind: it reads nothing that is not its own or not set, and leaves nothing allocated.
+fn watch(folder: &Path) {
+    let mut valgrind = Command::new("valgrind");
+    valgrind.current_dir(folder).args(["--quiet", "--error-exitcode=9", "--leak-check=full"]);
+    match valgrind.arg("./program").output() {
+        Ok(output) => assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr)),
+        Err(_) => {
+            assert!(std::env::var_os("CI").is_none(), "CI has no valgrind");
+            eprintln!("SKIPPED: there is no valgrind");
+        }
+    }
 }
 
 /// The example in C: the angle goes on, its rate and row are those of the turn, and errors are said.

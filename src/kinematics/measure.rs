@@ -314,7 +314,7 @@ impl<S: Scalar> Shared<'_, S> {
         let d = self.relative.d;
         let length = norm(d);
         let fixed = vector::apply_transposed(self.triad_a, self.section.fixed_direction);
-        let has_length = || S::Real::integer(0).less(length.real());
+        let has_length = || S::Real::ZERO.less(length.real());
         let [distance] =
             S::joined(|| [S::Real::choose(has_length(), || length, || vector::dot_real(fixed, d))]);
         distance
@@ -763,7 +763,7 @@ impl Measure {
     ///
     /// Cardan, β = ±π/2: γ ± α = atan2(Q₂₁, Q₂₂); Euler, β = 0 and π: α ± γ = atan2(Q₂₁, Q₁₁).
     pub(crate) fn unlocked<R: Real>(self, q: &Matrix<R>, evaluated: R, first: R) -> R {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let (beyond, sum, which) = match self {
             Self::Cardan(i @ (1 | 3)) => (q[0][2], [q[1][0], q[1][1]], i),
             Self::Euler(i @ (1 | 3)) => (q[2][2], [q[1][0], q[0][0]], i),
@@ -824,7 +824,7 @@ impl Measure {
         let (own, other) = if is_first { (first_axis, third_axis) } else { (third_axis, first_axis) };
         let across = sub(own, scale(other, dot(own, other)));
         let square = dot(across, across);
-        let locked = if is_first { own } else { [R::integer(0); 3] };
+        let locked = if is_first { own } else { [R::ZERO; 3] };
         let one = R::integer(1);
         Some(R::choose(lock.less(square), || scale(across, one / square), || locked))
     }

@@ -232,15 +232,15 @@ impl<R: Real> Pair<R> {
         first: usize,
     ) -> Relative<S> {
         let (a, b) = (&self.a.triad, &self.b.triad);
-        let (zero, half) = (R::integer(0), R::ratio(1, 2));
-        let none = [[zero; N]; N];
+        let (zero, half) = (R::ZERO, R::ratio(1, 2));
+        let none = const { [[R::ZERO; N]; N] };
         let mut d = [S::zero(); 3];
         if needed.translation {
             let separation = self.separation();
-            for i in 0..3 {
+            each!(S, i < 3, {
                 let direction = column(a, i);
                 d[i] = S::assemble(dot(direction, separation), placed(first, 0, direction), none);
-            }
+            });
         }
         let mut q = [[S::zero(); 3]; 3];
         let mut spin = [S::zero(); 3];
@@ -311,7 +311,7 @@ impl<R: Real> Pair<R> {
     pub fn nodal_row(&self, gradient: &RelativeGradient<R>) -> [R; DOFS] {
         let (g, h) = (gradient.translation, gradient.rotation);
         let arm = self.arm(gradient);
-        let mut row = [R::integer(0); DOFS];
+        let mut row = [R::ZERO; DOFS];
         for i in 0..3 {
             row[XA + i] = -g[i];
             row[THETA_A + i] = arm[i];
@@ -342,7 +342,7 @@ impl<R: Real> Pair<R> {
         relative: &[[R; 8]; 8],
         active: &[bool; DOFS],
     ) -> [[R; DOFS]; DOFS] {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let separation = self.separation();
         let block = |i: usize, j: usize| {
             let row = |k: usize| [relative[i + k][j], relative[i + k][j + 1], relative[i + k][j + 2]];
@@ -456,13 +456,13 @@ impl<R: Real> Pair<R> {
 /// Derivatives by N variations from number `first` on, of which three from number `at` on are given and the others zero.
 #[inline(always)]
 fn placed<R: Real, const N: usize>(first: usize, at: usize, three: Vector<R>) -> [R; N] {
-    let mut all = [R::integer(0); N];
-    for i in 0..N {
+    let mut all = const { [R::ZERO; N] };
+    each!(R, i < N, {
         let variation = first + i;
         if variation >= at && variation < at + 3 {
             all[i] = three[variation - at];
         }
-    }
+    });
     all
 }
 
@@ -473,7 +473,7 @@ fn difference<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
 
 /// The matrix v^ with v^ x = v × x.
 pub(crate) fn skew<R: Real>(v: Vector<R>) -> Matrix<R> {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     [[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]]
 }
 

@@ -21,7 +21,7 @@
 use crate::scalar::elementary::{
     atan2, atan2_opposite, direction, elevation, inverse_sqrt, norm, norm_and_direction, recip,
 };
-use crate::scalar::{MAX_ORDER, Real, Scalar, Series, inlined_for_doubles, unrolled};
+use crate::scalar::{MAX_ORDER, Real, Scalar, Series, each, inlined_for_doubles, unrolled};
 use crate::vector;
 use crate::vector::{Matrix, Vector, dot, dot_real, scale, times};
 
@@ -98,7 +98,7 @@ pub fn inverse_left_jacobian<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
 fn half_sine<S: Scalar>(square: S) -> (S, S) {
     const { assert!(S::ORDER < MAX_ORDER, "the derivative of k has one order less") }
     let (_, k) = S::Real::exp_series(square.real(), S::ORDER + 1);
-    let mut slope = [S::Real::integer(0); MAX_ORDER + 1];
+    let mut slope = [S::Real::ZERO; MAX_ORDER + 1];
     for n in 0..=S::ORDER {
         slope[n] = k[n + 1] * S::Real::integer(n as i32 + 1);
     }
@@ -216,11 +216,11 @@ fn derived<S: Scalar>(r: &Matrix<S>, q0: Quaternion<S::Real>) -> Quaternion<S> {
         return constant(q0);
     }
     let mut change_of_r = *r;
-    for i in 0..3 {
-        for j in 0..3 {
+    each!(S, i < 3, {
+        each!(S, j < 3, {
             change_of_r[i][j] = r[i][j].nilpotent();
-        }
-    }
+        })
+    });
     let e = eigen_matrix(S::zero(), &change_of_r);
     let quarter = S::Real::ratio(1, 4);
     let quarter = [q0[0] * quarter, q0[1] * quarter, q0[2] * quarter, q0[3] * quarter];
@@ -306,13 +306,13 @@ pub(crate) fn dominant_eigenvector<R: Real>(r: &Matrix<R>) -> Quaternion<R> {
     let second = larger((m[2][2], m[2]), (m[3][3], m[3]));
     let start = larger(first, second).1;
     let mut q = start;
-    for i in 0..4 {
+    each!(R, i < 4, {
         let first = m[i][1].multiply_add(start[1], m[i][0] * start[0]);
         q[i] = m[i][3].multiply_add(start[3], m[i][2].multiply_add(start[2], first));
-    }
+    });
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     // Adding zero makes +0 of −0, whose sign is none.
-    let inverse = (R::integer(1) / square.square_root()).with_sign_of(q[0] + R::integer(0));
+    let inverse = (R::integer(1) / square.square_root()).with_sign_of(q[0] + R::ZERO);
     [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
 }
 
@@ -325,7 +325,7 @@ fn larger<R: Real>(a: (R, Quaternion<R>), b: (R, Quaternion<R>)) -> (R, Quaterni
 /// ±q with w ≥ 0.
 #[inline(always)]
 fn upper_half<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
-    S::Real::either(q[0].real().less(S::Real::integer(0)), [-q[0], -q[1], -q[2], -q[3]], q)
+    S::Real::either(q[0].real().less(S::Real::ZERO), [-q[0], -q[1], -q[2], -q[3]], q)
 }
 
 inlined_for_doubles! {
@@ -495,7 +495,7 @@ inlined_for_doubles! {
 /// As [`continued`], wherever the reference is.
 #[inline(always)]
 fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -> ContinuousLog<S> {
-    let zero = S::Real::integer(0);
+    let zero = S::Real::ZERO;
     let half_turn = S::Real::pi();
     let turn = half_turn + half_turn;
     let q0 = real_quaternion(q);
@@ -583,7 +583,7 @@ fn turned_series<R: Real>(c: R, k: R, order: usize) -> Series<R> {
     let rest = (one - c) * (one + c);
     let sine = rest.square_root();
     let half_angle = sine.arctangent(c);
-    let mut series = [R::integer(0); MAX_ORDER + 1];
+    let mut series = [R::ZERO; MAX_ORDER + 1];
     series[0] = R::with_turns(half_angle + half_angle, k) / sine;
     if order > 0 {
         series[1] = (c * series[0] - R::integer(2)) / rest;
@@ -602,7 +602,7 @@ fn shifted_series<R: Real>(c: R, sine: R, whole: R, order: usize) -> Series<R> {
     let mut series = R::log_series(c, order);
     let inverse = R::integer(1) / sine;
     let square = inverse * inverse;
-    let (mut before, mut shift) = (R::integer(0), whole * inverse);
+    let (mut before, mut shift) = (R::ZERO, whole * inverse);
     series[0] = series[0] + shift;
     for n in 0..order {
         let m = n as i32;
@@ -712,7 +712,7 @@ inlined_for_doubles! {
     /// ψ)/2, of the sign that has β/2 in (−π/2, π/2].
     fn half_torsion<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
         let q = quaternion_along(r, spin);
-        let zero = S::Real::integer(0);
+        let zero = S::Real::ZERO;
         S::joined(|| {
             let opposite = [S::zero() - q[0], S::zero() - q[1], S::zero() - q[2], S::zero() - q[3]];
             let known = S::Real::choose(zero.less(q[0].real()), || S::Real::integer(1), || q[3].real());

@@ -65,7 +65,7 @@ fn scientific(x: Wide, count: usize) -> Option<String> {
     if !is_finite(x) {
         return None;
     }
-    let zero = Wide::integer(0);
+    let zero = Wide::ZERO;
     let sign = if x.less(zero) { "-" } else { "" };
     let step = Wide::from_f64(2.0_f64.powi(STEP));
     let (mut rest, mut exponent) = (x.magnitude(), 0_i32);
@@ -120,7 +120,7 @@ fn scientific(x: Wide, count: usize) -> Option<String> {
 
 /// Whether x is neither infinite nor NaN.
 pub(crate) fn is_finite<R: Number>(x: R) -> bool {
-    (x * R::integer(0)).magnitude().less(R::integer(1))
+    (x * R::ZERO).magnitude().less(R::integer(1))
 }
 
 /// The larger of two numbers.
@@ -130,7 +130,7 @@ pub(crate) fn larger<R: Number>(x: R, y: R) -> R {
 
 /// The largest magnitude.
 pub(crate) fn largest<R: Number>(of: impl IntoIterator<Item = R>) -> R {
-    of.into_iter().fold(R::integer(0), |most, x| larger(most, x.magnitude()))
+    of.into_iter().fold(R::ZERO, |most, x| larger(most, x.magnitude()))
 }
 
 #[cfg(test)]
@@ -141,13 +141,8 @@ mod tests {
     #[test]
     fn digits_are_those_of_the_number() {
         let third = Wide::integer(1) / Wide::integer(3);
-        let mut numbers = vec![
-            Wide::integer(0),
-            Wide::integer(1),
-            Wide::integer(-25),
-            Wide::ratio(5, 2),
-            Wide::ratio(-35, 100),
-        ];
+        let mut numbers =
+            vec![Wide::ZERO, Wide::integer(1), Wide::integer(-25), Wide::ratio(5, 2), Wide::ratio(-35, 100)];
         let mut x = third;
         for n in 0..400 {
             numbers.push(if n % 2 == 0 { x } else { -x });

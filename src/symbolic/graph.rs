@@ -161,13 +161,25 @@ impl Node {
 /// Expressions, each node once: equal expressions have equal [`Id`]s.
 ///
 /// Building a node simplifies lightly and safely: constants, 0 and 1, signs. Everything more is a computer algebra system's.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
     known: HashMap<Node, Id>,
 }
 
+impl Default for Graph {
+    /// A graph that holds 0.
+    fn default() -> Self {
+        let mut graph = Self { nodes: Vec::new(), known: HashMap::new() };
+        graph.integer(0);
+        graph
+    }
+}
+
 impl Graph {
+    /// The number 0.
+    pub const ZERO: Id = Id(0);
+
     /// The node of an id. An id of another graph may name another node or none, which reads as zero.
     pub fn node(&self, id: Id) -> &Node {
         const ZERO: &Node = &Node::Constant(Number::Ratio(0, 1));

@@ -254,6 +254,8 @@ impl Scalar for Symbol {
 }
 
 impl Real for Symbol {
+    const ZERO: Self = Self(Graph::ZERO);
+
     fn integer(n: i32) -> Self {
         Self::build(|graph| graph.integer(n.into()))
     }

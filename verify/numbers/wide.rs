@@ -78,7 +78,7 @@ fn decimals_are_exact() {
             assert_eq!(rest.to_f64().to_bits(), part.to_bits(), "{row}");
             rest -= part;
         }
-        assert_eq!(rest, Wide::integer(0), "{row}");
+        assert_eq!(rest, Wide::ZERO, "{row}");
         for text in [x.to_string(), format!("{x:e}"), format!("{x:?}")] {
             assert_eq!(text.parse::<Wide>().unwrap(), x, "{text}");
         }
@@ -147,7 +147,7 @@ fn square_roots_and_reciprocals() {
         worst.see(units(wide(&row[0]).reciprocal_or_zero(), expected, expected), || row.to_string());
     }
     worst.below(0.0);
-    assert_eq!(Wide::integer(0).reciprocal_or_zero(), Wide::integer(0));
+    assert_eq!(Wide::ZERO.reciprocal_or_zero(), Wide::ZERO);
 }
 
 /// Measured 1.9 units, one unit in the last place.
@@ -229,7 +229,7 @@ fn directions_and_norms() {
         worst.see(units(norm, expected, expected), || row.to_string());
     }
     worst.below(3.0);
-    let zero = Wide::integer(0);
+    let zero = Wide::ZERO;
     assert_eq!(Wide::direction_and_norm([zero; 3]), ([zero; 3], zero));
 }
 
@@ -253,8 +253,8 @@ fn exp_series() {
         for order in 0..=MAX_ORDER {
             let (w, k) = Wide::exp_series(s, order);
             let (mut full_w, mut full_k) = Wide::exp_series(s, MAX_ORDER);
-            full_w[order + 1..].fill(Wide::integer(0));
-            full_k[order + 1..].fill(Wide::integer(0));
+            full_w[order + 1..].fill(Wide::ZERO);
+            full_k[order + 1..].fill(Wide::ZERO);
             assert_eq!((w, k), (full_w, full_k), "order {order}, {place}");
         }
         let (w, k) = Wide::exp_series(s, MAX_ORDER);
@@ -336,7 +336,7 @@ where
     R: Real + DualNum<Primitive = f64>,
     Dual2<Dual2<R>>: Scalar<Real = R>,
 {
-    let (zero, one) = (R::integer(0), R::integer(1));
+    let (zero, one) = (R::ZERO, R::integer(1));
     let inner = |re, v1| Dual2::new(re, v1, zero);
     let y = function(Dual2::new(inner(x, one), inner(one, zero), inner(zero, zero)));
     [y.re.re, y.re.v1, y.re.v2, y.v1.v2, y.v2.v2]
@@ -359,11 +359,8 @@ fn nested_duals_are_exact() {
         assert!(units(actual, expected, expected) < 16.0, "{actual} {expected}");
     }
     // At the exact right angle too: x = 0, y from 1 on; all derivatives in y vanish, those in x do not.
-    let actual = nested(|x| elementary::atan2(Dual2::from_real(Wide::integer(1)), x), Wide::integer(0));
-    assert_eq!(
-        actual,
-        [Wide::pi() / 2.0, Wide::integer(-1), Wide::integer(0), Wide::integer(2), Wide::integer(0)]
-    );
+    let actual = nested(|x| elementary::atan2(Dual2::from_real(Wide::integer(1)), x), Wide::ZERO);
+    assert_eq!(actual, [Wide::pi() / 2.0, Wide::integer(-1), Wide::ZERO, Wide::integer(2), Wide::ZERO]);
 }
 
 /// The same formulas on `f64` and on [`Wide`], every derivative compared.
@@ -410,7 +407,7 @@ fn gradients_and_hessians() {
         }
     }
     // A point on the unit circle with rate 2: the angle has rate 2 and no acceleration.
-    let zero = Wide::integer(0);
+    let zero = Wide::ZERO;
     let x = Wide::moving(Wide::integer(1), zero, Wide::integer(-4));
     let y = Wide::moving(zero, Wide::integer(2), zero);
     assert_eq!(Wide::rates(elementary::atan2(y, x)), (Wide::integer(2), zero));

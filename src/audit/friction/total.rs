@@ -67,7 +67,7 @@ impl Total<'_> {
     /// CEF + CVF of what has not failed.
     fn laws<R: Real>(&self, motion: &Motion<R>) -> [R; 6] {
         let forces = self.behavior.forces(motion, self.conditions);
-        [0, 1, 2, 3, 4, 5].map(|k| if self.outcome.failed[k] { R::integer(0) } else { forces[k] })
+        [0, 1, 2, 3, 4, 5].map(|k| if self.outcome.failed[k] { R::ZERO } else { forces[k] })
     }
 
     /// The frictions whose increment is known, in the order of the behaviour, then that of a belt.
@@ -83,12 +83,12 @@ impl Total<'_> {
 
     /// The forces that press on a friction: as they are, with what laws and reactions change.
     fn pressing<R: Real>(&self, slip: &Slip, j: usize, h: R) -> [R; 6] {
-        let still = self.laws(&self.motion(0, R::integer(0)));
+        let still = self.laws(&self.motion(0, R::ZERO));
         let laws = self.laws(&self.motion(j, h));
         [0, 1, 2, 3, 4, 5].map(|p| {
             let by = laws[p] - still[p];
-            let reaction = if j == REACTION + p && self.tangent.reacting[p] { h } else { R::integer(0) };
-            let change = if self.outcome.failed[p] { R::integer(0) } else { by + reaction };
+            let reaction = if j == REACTION + p && self.tangent.reacting[p] { h } else { R::ZERO };
+            let change = if self.outcome.failed[p] { R::ZERO } else { by + reaction };
             R::from_f64(slip.forces[p]) + change
         })
     }
@@ -117,7 +117,7 @@ impl Total<'_> {
     }
 
     fn belt_input<R: Real>(&self, slip: &Slip, beyond: &Beyond, j: usize, h: R) -> BeltInput<'_, R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let moves = matches!(beyond.wrap, Wrap::Measured(_));
         let by = |place: usize| if j == place { h } else { zero };
         let angle = if moves { by(ANGLE) } else { zero };
@@ -143,7 +143,7 @@ impl Total<'_> {
         }
         for (i, slip, before, outcome) in self.slips() {
             let state = exact_state(before);
-            let still = R::integer(0);
+            let still = R::ZERO;
             let moved = match (self.behavior.friction.frictions.get(i), &self.behavior.friction.belt) {
                 (Some(friction), _) => {
                     let mut input = self.input(slip, before, j, h);
@@ -171,7 +171,7 @@ impl Total<'_> {
 
     /// The slopes after input j has moved, by the chain rule.
     fn slopes<R: Frictional>(&self, j: usize, h: R, on: OnBranch) -> Vec<Vec<R>> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut found = vec![vec![zero; INPUTS]; 6];
         let laws = self.behavior.tangent(&self.motion(j, h), self.conditions, None, self.outcome.failed);
         for k in 0..6 {

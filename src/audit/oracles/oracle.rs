@@ -405,7 +405,7 @@ pub(super) fn derivatives<R: Differentiable<Mask = bool>>(
             continue;
         }
         let active = |i: usize| connector.active()[i % DOFS] && connector.active()[i / DOFS % DOFS];
-        let masked = |i: usize, x: R| if active(i) { x } else { R::integer(0) };
+        let masked = |i: usize, x: R| if active(i) { x } else { R::ZERO };
         let row = derivatives.first.into_iter().enumerate();
         first.0[k] = Some(row.map(|(i, x)| masked(i * DOFS + i, x)).collect());
         let matrix = derivatives.second.into_iter().enumerate();

@@ -63,8 +63,8 @@ pub struct Increment<R> {
 impl<R: Real> Increment<R> {
     /// No change.
     pub fn none() -> Self {
-        let zero = [R::integer(0); 3];
-        Self { rotation: [zero; 2], whole_turns: [zero; 2], flow: [R::integer(0); 2] }
+        let zero = [R::ZERO; 3];
+        Self { rotation: [zero; 2], whole_turns: [zero; 2], flow: [R::ZERO; 2] }
     }
 }
 
@@ -128,9 +128,9 @@ impl<R: Duals> Follower<'_, R> {
         }
         let whole = sub(increment.whole_turns[1], increment.whole_turns[0]);
         let told = sub(sub(increment.rotation[1], increment.rotation[0]), whole);
-        let still = [R::integer(0); 3];
+        let still = [R::ZERO; 3];
         let turned = Dependence { rotation: true, ..Dependence::default() };
-        let relative = pair.varied(turned, still, still, [R::integer(0); 2]);
+        let relative = pair.varied(turned, still, still, [R::ZERO; 2]);
         if vector {
             let carried = add(branch.rotation_vector, vector::apply_transposed(&pair.a.triad, whole));
             let lean = scale(vector::apply_transposed(&pair.a.triad, told), R::ratio(LEAN.0, LEAN.1));
@@ -140,9 +140,9 @@ impl<R: Duals> Follower<'_, R> {
             let held = || {
                 let (unit, length) = R::direction_and_norm(carried);
                 let (_, angle) = R::direction_and_norm(log.phi);
-                let backwards = dot(unit, log.phi).less(R::integer(0));
+                let backwards = dot(unit, log.phi).less(R::ZERO);
                 let signed = R::choose(backwards, || -angle, || angle);
-                R::choose(R::integer(0).less(length), || scale(unit, signed), || carried)
+                R::choose(R::ZERO.less(length), || scale(unit, signed), || carried)
             };
             next.rotation_vector = R::choose(log.is_reference(), || log.phi, held);
         }
@@ -172,7 +172,7 @@ impl<R: Duals> Follower<'_, R> {
             tally.histories += 1;
             let principal = so3::torsion(&relative.q);
             let axis = Measure::Torsion.winding_axis(pair);
-            let along = |v: Vector<R>| axis.map_or(R::integer(0), |axis| dot(axis, v));
+            let along = |v: Vector<R>| axis.map_or(R::ZERO, |axis| dot(axis, v));
             next.torsion = nearest_turn(principal, &branch.torsion, along(whole), along(told)).0;
         }
         if one_form {
@@ -201,7 +201,7 @@ impl<R: Duals> Follower<'_, R> {
         let history = History { euler_sign, ..branch.history() };
         let mut shared = Shared::new(relative, &pair.a.triad, self.section, &history);
         let mut turns = branch.turns;
-        let mut moved = R::integer(0);
+        let mut moved = R::ZERO;
         for (k, row) in self.rows.iter().enumerate() {
             let Some(row) = row.filter(|row| wanted[k] && row.position.winds()) else { continue };
             tally.histories += 1;
@@ -209,7 +209,7 @@ impl<R: Duals> Follower<'_, R> {
             let principal = row.position.unlocked(&relative.q, evaluated, branch.turns[3].principal);
             let previous = branch.turns[k];
             let axis = row.position.winding_axis(pair);
-            let along = |v: Vector<R>| axis.map_or(R::integer(0), |axis| dot(axis, v));
+            let along = |v: Vector<R>| axis.map_or(R::ZERO, |axis| dot(axis, v));
             let (counted, change) = nearest_turn(principal, &previous, along(whole), along(told));
             turns[k] = counted;
             moved = moved + change.magnitude();
@@ -223,12 +223,12 @@ impl<R: Duals> Follower<'_, R> {
         let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
         let middle = vector::product(&back, &pair.a.triad);
         let form = Measure::FlowConversion.one_form(&middle, self.section);
-        let mut change = [R::integer(0); DOFS];
+        let mut change = [R::ZERO; DOFS];
         change[node::THETA_A..node::PSI_A].copy_from_slice(&of_a);
         change[node::THETA_B..node::PSI_B].copy_from_slice(&of_b);
         change[node::PSI_A] = increment.flow[0];
         change[node::PSI_B] = increment.flow[1];
-        let mut sum = R::integer(0);
+        let mut sum = R::ZERO;
         for (row, change) in form.iter().zip(&change) {
             sum = sum + *row * *change;
         }
@@ -239,7 +239,7 @@ impl<R: Duals> Follower<'_, R> {
 impl<R: Real> Branch<R> {
     /// A branch that nothing has left.
     pub fn none() -> Self {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let turns = Turns { turns: zero, principal: zero };
         Self {
             turns: [turns; 6],

@@ -49,7 +49,7 @@ impl<R: Duals> Connector<R> {
             }
         }
         if !bias_measures.is_empty() {
-            let still = [R::integer(0); DOFS];
+            let still = [R::ZERO; DOFS];
             let mut along = Along::new(self, state, &still, history, bias_measures);
             for (k, row) in pass.rows().filter(|(k, row)| bias(*k, row)) {
                 evaluation.residual_bias[k] = Some(along.rates(row.differentiated, tally)[1]);
@@ -101,7 +101,7 @@ impl<R: Duals> Connector<R> {
             let mut row = state.pair.nodal_row(gradient);
             for (entry, active) in row.iter_mut().zip(&active) {
                 if !active {
-                    *entry = R::integer(0);
+                    *entry = R::ZERO;
                 }
             }
             let hessian = |relative| Box::new(state.pair.nodal_hessian(gradient, relative, &active));
@@ -148,14 +148,14 @@ impl<R: Duals> Connector<R> {
     pub(super) fn mask(&self, measure: Measure, row: &mut NodalRow<R>) {
         // A measure that no direction of a enters does not feel a turn.
         if !measure.turns_with_a() {
-            row[node::THETA_A..node::PSI_A].fill(R::integer(0));
+            row[node::THETA_A..node::PSI_A].fill(R::ZERO);
         }
         if self.kind.is_free && !measure.dependence().flow {
             return;
         }
         for (entry, active) in row.iter_mut().zip(&self.kind.active) {
             if !active {
-                *entry = R::integer(0);
+                *entry = R::ZERO;
             }
         }
     }
@@ -168,7 +168,7 @@ impl<R: Duals> Connector<R> {
         tally: &mut Tally,
     ) -> (NodalRow<R>, Option<NodalMatrix<R>>) {
         let Differentiation { state, active, second, .. } = *input;
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let masked = |j: usize, value: R| if active[j] { value } else { zero };
         let mut row = measure.one_form(&state.pair.a.triad, &self.kind.section);
         for (j, entry) in row.iter_mut().enumerate() {
@@ -269,7 +269,7 @@ impl Seeds {
             return;
         }
         let (first, needed) = self.span();
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let relative = state.pair.seeded::<S, N>(needed, first);
         let mut shared = Shared::new(&relative, &state.pair.a.triad, &connector.kind.section, history);
         for (k, measure) in own {
@@ -346,13 +346,13 @@ impl<'a, R: Duals> Along<'a, R> {
             }
         }
         let found = self.cache.iter().find(|(known, _)| *known == measure);
-        found.map_or([R::integer(0); 2], |(_, rates)| *rates)
+        found.map_or([R::ZERO; 2], |(_, rates)| *rates)
     }
 }
 
 /// The relative pair along time.
 fn moving<R: Duals>(pair: &Pair<R>, rates: &RelativeRates<R>, needed: Dependence) -> Relative<R::Time> {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let vector = |of: [[R; 3]; 2]| [0, 1, 2].map(|i| R::moving(zero, of[0][i], of[1][i]));
     let flow = [0, 1].map(|i| R::moving(zero, rates.flow[0][i], rates.flow[1][i]));
     pair.varied(needed, vector(rates.translation), vector(rates.rotation), flow)
@@ -365,7 +365,7 @@ fn one_form_rates<R: Duals>(
     acceleration: &NodalRates<R>,
     section: &Section<R>,
 ) -> [R; 2] {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let spin = node::spin(&state.velocity, End::A);
     let turning = turned_triad(&state.pair.a.triad, spin.map(|rate| R::moving(zero, rate, zero)));
     let mut rates = [zero; 2];

@@ -23,7 +23,7 @@ pub struct Linear<R> {
 
 impl<R: Real> Default for Linear<R> {
     fn default() -> Self {
-        Self { component: 0, value: R::integer(0), row: [R::integer(0); DOFS] }
+        Self { component: 0, value: R::ZERO, row: [R::ZERO; DOFS] }
     }
 }
 
@@ -228,8 +228,8 @@ fn evaluate<F: Formula<M>, R: Duals, const M: usize>(
     pair: &Pair<R>,
     branch: &Branch<R>,
 ) -> [R; M] {
-    let zero = [R::integer(0); 3];
-    let relative = pair.varied(F::NEEDED, zero, zero, [R::integer(0); 2]);
+    let zero = [R::ZERO; 3];
+    let relative = pair.varied(F::NEEDED, zero, zero, [R::ZERO; 2]);
     F::evaluate(&mut Shared::new(&relative, &pair.a.triad, &kind.section, &branch.history()))
 }
 
@@ -273,7 +273,7 @@ fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
     let mut shared = Shared::new(&relative, &pair.a.triad, &kind.section, &history);
     let values = F::evaluate(&mut shared);
     let separation = pair.separation();
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let none = [zero; 3];
     for m in 0..M {
         let (Some(out), Some(component)) = (out.get_mut(slots[m]), components.get(slots[m])) else {

@@ -282,7 +282,7 @@ impl<R: Duals> Connector<R> {
             b: exact_node(&definition.initial.b),
         };
         let relative = initial.relative();
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let section = Section {
             initial_orientation: relative.q,
             initial_length: match definition.connection.is_belt() {
@@ -411,8 +411,8 @@ impl<R: Duals> Connector<R> {
 
     /// The relative pair, as far as it is needed.
     fn relative(&self, pair: &Pair<R>, needed: Dependence) -> Relative<R> {
-        let zero = [R::integer(0); 3];
-        pair.varied(needed, zero, zero, [R::integer(0); 2])
+        let zero = [R::ZERO; 3];
+        pair.varied(needed, zero, zero, [R::ZERO; 2])
     }
 
     /// Adds what a request names to an evaluation that has nothing but its branch.
@@ -445,7 +445,7 @@ impl<R: Duals> Connector<R> {
 
     /// What a residual counts from.
     fn offset(&self, k: usize, row: &Row) -> R {
-        if row.vanishes { R::integer(0) } else { self.initial[k] }
+        if row.vanishes { R::ZERO } else { self.initial[k] }
     }
 
     fn positions(&self, pass: &Pass<'_, R>, tally: &mut Tally, evaluation: &mut Evaluation<R>) {
@@ -473,7 +473,7 @@ impl<R: Duals> Connector<R> {
             tally.values += 1;
             measure.evaluate(&mut shared)
         };
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         for (k, row) in pass.rows() {
             let turns = evaluation.branch.turns[k];
             if request.wants(Output::TURNS, k) && row.position.winds() {

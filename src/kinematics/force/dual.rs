@@ -7,7 +7,7 @@ use crate::vector::{Vector, cross, dot, scale};
 /// `h'_k·v`. `None` where the directions are not independent.
 pub(super) fn dual_basis<R: Real>(directions: [Option<Vector<R>>; 3]) -> [Option<Vector<R>>; 3] {
     let of = |numerator: Vector<R>, own: Vector<R>| {
-        let (zero, product) = (R::integer(0), dot(numerator, own));
+        let (zero, product) = (R::ZERO, dot(numerator, own));
         R::holds(zero.less(product.magnitude())).then(|| scale(numerator, R::integer(1) / product))
     };
     let plane = |u: Vector<R>, v: Vector<R>| {

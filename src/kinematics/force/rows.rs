@@ -187,7 +187,7 @@ impl<R: Duals> Connector<R> {
 
     /// The row of a moment on b along a direction that a carries, and its opposite on a.
     fn carried(&self, direction: Vector<R>, second: bool) -> ForceRow<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let reach = self.reach();
         let mut row = [zero; DOFS];
         for i in 0..3 {
@@ -217,7 +217,7 @@ impl<R: Duals> Connector<R> {
     /// flagged as singular.
     fn frozen_axes(&self) -> [Vector<R>; 3] {
         const LOCK: f64 = 2e-15;
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let q = self.initial_orientation();
         let (sine, cosine) = self.initial_branch().turns[3].principal.sine_cosine();
         let first = [one, zero, zero];
@@ -275,7 +275,7 @@ impl<R: Real> ForceRows<R> {
 
     /// The nodal forces Σ f_k G_kᵀ of component forces: forces (global components), moments, flow forces of a and of b, residual-side.
     pub fn nodal(&self, forces: &Components<R>) -> NodalRow<R> {
-        let mut nodal = [R::integer(0); DOFS];
+        let mut nodal = [R::ZERO; DOFS];
         for (force, ForceRow { row, .. }) in self.loaded(forces) {
             for (sum, entry) in nodal.iter_mut().zip(row) {
                 *sum = *sum + force * *entry;
@@ -302,7 +302,7 @@ impl<R: Real> ForceRows<R> {
     /// Symmetric but for forces whose row is no gradient (FLOW-CONVERTER's m3; the constraint moments of REVOLUTE and ALIGN, which a
     /// carries): for those it is ∂G_ki/∂q_j.
     pub fn geometric_stiffness(&self, forces: &Components<R>) -> NodalMatrix<R> {
-        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        let mut sum = Box::new([[R::ZERO; DOFS]; DOFS]);
         for (force, ForceRow { change, .. }) in self.loaded(forces) {
             for (line, change) in sum.iter_mut().zip(change.iter().flat_map(|change| change.iter())) {
                 for (entry, change) in line.iter_mut().zip(change) {
@@ -318,7 +318,7 @@ impl<R: Real> ForceRows<R> {
     /// This is the geometric stiffness, and for gradient rows, in the rotations of each node, −½ M^ besides, M the moment on that node:
     /// the second variation is taken along exp(δθ^), successive rotations do not commute.
     pub fn derivative(&self, forces: &Components<R>) -> NodalMatrix<R> {
-        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        let mut sum = Box::new([[R::ZERO; DOFS]; DOFS]);
         for (force, row) in self.loaded(forces) {
             let Some(change) = turned(row, force) else { continue };
             for (line, change) in sum.iter_mut().zip(change.iter()) {
@@ -339,7 +339,7 @@ impl<R: Real> ForceRows<R> {
     /// displacements (or velocities), D_ij = ∂F_i/∂u_j. Rows of forces on the left, of positions on the right
     /// ([`Want::motions`] for every j with a slope); they differ for the tension of SLIPRING, whose u1 is a strain.
     pub fn material_stiffness(&self, slopes: &[[R; 6]; 6]) -> NodalMatrix<R> {
-        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        let mut sum = Box::new([[R::ZERO; DOFS]; DOFS]);
         for (force, slopes) in self.rows.iter().zip(slopes) {
             let Some(force) = force else { continue };
             let change = self.change_of_force(slopes, |motion| motion.row);
@@ -351,11 +351,11 @@ impl<R: Real> ForceRows<R> {
     /// Jᵀ D ∂(J q̇)/∂q: how nodal forces change with nodal displacements at constant nodal velocities, because the velocities of
     /// components do, D_ij = ∂F_i/∂v_j. Needs [`Want::stiffness`].
     pub fn convective_stiffness(&self, slopes: &[[R; 6]; 6], velocity: &NodalRow<R>) -> NodalMatrix<R> {
-        let mut sum = Box::new([[R::integer(0); DOFS]; DOFS]);
+        let mut sum = Box::new([[R::ZERO; DOFS]; DOFS]);
         for (force, slopes) in self.rows.iter().zip(slopes) {
             let Some(force) = force else { continue };
             let change = self.change_of_force(slopes, |motion| {
-                let mut along = [R::integer(0); DOFS];
+                let mut along = [R::ZERO; DOFS];
                 let Some(change) = turned(motion, R::integer(1)) else { return along };
                 for (line, rate) in change.iter().zip(velocity) {
                     for (entry, second) in along.iter_mut().zip(line) {
@@ -371,7 +371,7 @@ impl<R: Real> ForceRows<R> {
 
     /// Σ_j D_j x_j over the positions.
     fn change_of_force(&self, slopes: &[R; 6], of: impl Fn(&ForceRow<R>) -> NodalRow<R>) -> NodalRow<R> {
-        let mut change = [R::integer(0); DOFS];
+        let mut change = [R::ZERO; DOFS];
         for (j, slope) in slopes.iter().enumerate().filter(|(_, slope)| !is_zero(**slope)) {
             let Some(motion) = self.motion(j) else { continue };
             for (entry, part) in change.iter_mut().zip(of(motion)) {
@@ -403,7 +403,7 @@ impl<R: Real> ForceRows<R> {
         let length = |v: Vector<R>| R::direction_and_norm(v).1;
         [0, 1, 2].map(|i| {
             let row = self.residual[i]?;
-            Some(duals[i].map_or(R::integer(0), |dual| (length(dual) * length(row)).reciprocal_or_zero()))
+            Some(duals[i].map_or(R::ZERO, |dual| (length(dual) * length(row)).reciprocal_or_zero()))
         })
     }
 
@@ -411,7 +411,7 @@ impl<R: Real> ForceRows<R> {
     /// [`ForceRows::multipliers`]. Needs the rows of all constrained components.
     pub fn from_multipliers(&self, multipliers: &Components<R>) -> Components<R> {
         let constraint = self.constrained_only(multipliers);
-        let mut moment = [R::integer(0); 3];
+        let mut moment = [R::ZERO; 3];
         for (direction, multiplier) in self.residual.iter().zip(&constraint[3..]) {
             if let (Some(direction), Some(multiplier)) = (direction, multiplier) {
                 moment = add(moment, scale(*direction, *multiplier));
@@ -544,6 +544,6 @@ fn add_product<R: Real>(sum: &mut NodalMatrix<R>, a: &NodalRow<R>, b: &NodalRow<
 
 /// Whether a number is zero: exactly, for it is an entry that was never set.
 fn is_zero<R: Real>(x: R) -> bool {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     !R::holds(zero.less(x.magnitude()))
 }

@@ -60,7 +60,7 @@ impl<R: Duals> Evaluation<R> {
 
     /// Adds the derivatives of an equation by seeds to those by degrees of freedom.
     fn add<S: Seeded<N, Real = R>, const N: usize>(&mut self, row: usize, equation: S, places: [Place; N]) {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let into = self.jacobian[row].get_or_insert([zero; DOFS]);
         for (entry, (plus, minus)) in equation.gradient().into_iter().zip(places) {
             into[plus] = into[plus] + entry;
@@ -90,7 +90,7 @@ impl<R: Duals> Evaluation<R> {
 
     /// Adds q_plus − q_minus to an equation.
     fn add_difference(&mut self, row: usize, plus: usize, minus: usize, order: u8) {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let gradient = self.jacobian[row].get_or_insert([zero; DOFS]);
         gradient[plus] = gradient[plus] + one;
         gradient[minus] = gradient[minus] - one;
@@ -145,7 +145,7 @@ impl<R: Duals> Constraint<R> {
         request: &Request,
         tally: &mut Tally,
     ) -> Evaluation<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let still = [zero; DOFS];
         let along = |acceleration: &Dofs<R>| -> Dofs<R::Time> {
             std::array::from_fn(|j| R::moving(zero, state.velocity[j], acceleration[j]))
@@ -259,7 +259,7 @@ impl<R: Duals> Constraint<R> {
     }
 
     fn add_carried<S: Seeded<3, Real = R>>(&self, state: &State<R>, evaluation: &mut Evaluation<R>) {
-        let theta = [0, 1, 2].map(|i| S::seed(R::integer(0), i));
+        let theta = [0, 1, 2].map(|i| S::seed(R::ZERO, i));
         let places = [0, 1, 2].map(|i| (THETA_M + i, None));
         for (row, equation) in self.carried(state, theta).into_iter().enumerate() {
             evaluation.add(row, equation, places);
@@ -267,7 +267,7 @@ impl<R: Duals> Constraint<R> {
     }
 
     fn add_stretch<S: Seeded<3, Real = R>>(&self, state: &State<R>, evaluation: &mut Evaluation<R>) {
-        let moved = [0, 1, 2].map(|i| S::seed(R::integer(0), i));
+        let moved = [0, 1, 2].map(|i| S::seed(R::ZERO, i));
         let places = [0, 1, 2].map(|i| (XS + i, Some(XM + i)));
         evaluation.add(0, self.stretch(state, moved), places);
     }
@@ -277,7 +277,7 @@ impl<R: Duals> Constraint<R> {
         state: &State<R>,
         evaluation: &mut Evaluation<R>,
     ) {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let moved: [S; 8] = std::array::from_fn(|i| if i < N { S::seed(zero, i) } else { S::zero() });
         let places: [Place; N] = std::array::from_fn(|i| (OF_ROTATION[i], None));
         for (i, equation) in self.violation(state, evaluation.taken, moved).into_iter().enumerate() {

@@ -23,7 +23,7 @@ use crate::vector::{Vector, cross, dot, scale};
 pub type DofMatrix<R> = Box<[Dofs<R>; DOFS]>;
 
 fn zeros<R: Real>() -> DofMatrix<R> {
-    Box::new([[R::integer(0); DOFS]; DOFS])
+    Box::new([[R::ZERO; DOFS]; DOFS])
 }
 
 fn part<R: Copy>(of: &Dofs<R>, at: usize) -> Vector<R> {
@@ -44,7 +44,7 @@ impl<R: Duals> Evaluation<R> {
 
     /// The forces, moments and flow forces Jᵀλ that multipliers put on the nodes. Needs rows: order 1 or more.
     pub fn nodal(&self, multipliers: &Rows<R>) -> Dofs<R> {
-        let mut nodal = [R::integer(0); DOFS];
+        let mut nodal = [R::ZERO; DOFS];
         for (multiplier, row, _) in self.loaded(multipliers) {
             for (sum, entry) in nodal.iter_mut().zip(row) {
                 *sum = *sum + multiplier * *entry;
@@ -117,7 +117,7 @@ impl<R: Duals> Constraint<R> {
     ///
     /// Where a LINK has no length nothing can be solved for: T and λ are zero there, and the state is flagged.
     pub fn eliminate(&self, state: &State<R>, evaluation: &Evaluation<R>) -> Elimination<R> {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let dependent = self.dependent(state);
         let columns = self.columns();
         let jacobian = &evaluation.jacobian;
@@ -167,7 +167,7 @@ impl<R: Duals> Constraint<R> {
 }
 
 fn is_zero<R: Real>(x: R) -> bool {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     !R::holds(zero.less(x.magnitude()))
 }
 
@@ -177,7 +177,7 @@ impl<R: Duals> Elimination<R> {
     pub fn multipliers(&self, forces: &Dofs<R>) -> Rows<R> {
         let sum = |row: &Dofs<R>| {
             let terms = row.iter().zip(forces);
-            terms.fold(R::integer(0), |sum, (entry, force)| sum + *entry * *force)
+            terms.fold(R::ZERO, |sum, (entry, force)| sum + *entry * *force)
         };
         std::array::from_fn(|row| self.solved[row].as_ref().map(sum))
     }
@@ -186,7 +186,7 @@ impl<R: Duals> Elimination<R> {
     pub fn force(&self, forces: &Dofs<R>) -> Dofs<R> {
         std::array::from_fn(|j| {
             let terms = self.transformation.iter().zip(forces);
-            terms.fold(R::integer(0), |sum, (line, force)| sum + line[j] * *force)
+            terms.fold(R::ZERO, |sum, (line, force)| sum + line[j] * *force)
         })
     }
 
@@ -210,7 +210,7 @@ impl<R: Duals> Elimination<R> {
 
     /// Tᵀ K T.
     fn reduce(&self, matrix: &DofMatrix<R>) -> DofMatrix<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let t = &self.transformation;
         let mut half = zeros();
         for i in 0..DOFS {

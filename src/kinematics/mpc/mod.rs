@@ -133,7 +133,7 @@ pub struct State<R> {
 impl<R: Real> Body<R> {
     /// Where it is initially.
     pub fn at_rest() -> Self {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         Self { displacement: [zero; 3], rotation: vector::identity(), flow: zero }
     }
 }
@@ -142,7 +142,7 @@ impl<R: Real> State<R> {
     /// The initial state, at rest.
     pub fn at_rest() -> Self {
         let body = Body::at_rest();
-        let still = [R::integer(0); DOFS];
+        let still = [R::ZERO; DOFS];
         Self { slave: body, master: body, angles: [None; 2], velocity: still, acceleration: still }
     }
 }
@@ -159,7 +159,7 @@ pub struct Turning<R> {
 impl<R: Real> Turning<R> {
     /// None that is known of.
     pub fn none() -> Self {
-        Self { whole: [R::integer(0); 3], rest: [R::integer(0); 3] }
+        Self { whole: [R::ZERO; 3], rest: [R::ZERO; 3] }
     }
 }
 
@@ -177,7 +177,7 @@ impl<R: Duals> Constraint<R> {
     /// assert_eq!(axis([0.0; 3]), Some([0.0, 0.0, 1.0]));
     /// ```
     pub fn new(kind: Kind, slave: Vector<f64>, master: Vector<f64>, hinges: [Vector<f64>; 2]) -> Self {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let from_master = |to: Vector<f64>| sub(vector::exact::<R>(to), vector::exact(master));
         let axis = |to: Vector<f64>, otherwise: Vector<R>| {
             let (axis, length) = R::direction_and_norm(from_master(to));

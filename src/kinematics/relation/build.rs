@@ -15,7 +15,7 @@ impl<R: Real> Relation<R> {
             |place: usize, numbers: std::ops::RangeInclusive<u8>| numbers.map(move |number| (place, number));
         let columns = match &form {
             Form::Linear(terms) => {
-                let zero = R::integer(0);
+                let zero = R::ZERO;
                 let mut found = Vec::new();
                 for term in terms {
                     let along = |from: u8| {

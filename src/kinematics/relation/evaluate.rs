@@ -140,7 +140,7 @@ impl<R: Duals> Relation<R> {
         request: &Request,
         tally: &mut Tally,
     ) -> Vec<Row<R>> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let along = |accelerates: bool| {
             move |place: usize| -> Moved<R::Time> {
                 std::array::from_fn(|j| {
@@ -187,7 +187,7 @@ impl<R: Duals> Relation<R> {
         type Seeds<R> = <R as Duals>::Gradient<12>;
         let seeded = |place: usize| -> Moved<Seeds<R>> {
             std::array::from_fn(|j| match j {
-                0..6 if place < 2 => Seeds::<R>::seed(R::integer(0), 6 * place + j),
+                0..6 if place < 2 => Seeds::<R>::seed(R::ZERO, 6 * place + j),
                 _ => Seeds::<R>::zero(),
             })
         };
@@ -199,7 +199,7 @@ impl<R: Duals> Relation<R> {
         type Seeds<R> = <R as Duals>::Gradient<3>;
         let seeded = |place: usize| -> Moved<Seeds<R>> {
             std::array::from_fn(|j| match j {
-                3..6 if place == of => Seeds::<R>::seed(R::integer(0), j - 3),
+                3..6 if place == of => Seeds::<R>::seed(R::ZERO, j - 3),
                 _ => Seeds::<R>::zero(),
             })
         };
@@ -207,7 +207,7 @@ impl<R: Duals> Relation<R> {
     }
 
     fn differentiate(&self, nodes: &[Point<R>], rows: &mut [Row<R>]) {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         match &self.form {
             Form::Linear(terms) => {
                 let Some(row) = rows.first_mut() else { return };
@@ -268,7 +268,7 @@ impl<R: Duals> Relation<R> {
 
     /// The derivatives of a term by the rotation of its node.
     fn of_rotation(term: &Term<R>, node: &Point<R>) -> Vector<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         type Seeds<R> = <R as Duals>::Gradient<3>;
         let seeded: Moved<Seeds<R>> = std::array::from_fn(|j| match j {
             3..6 => Seeds::<R>::seed(zero, j - 3),

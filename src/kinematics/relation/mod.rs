@@ -136,7 +136,7 @@ pub struct Point<R> {
 impl<R: Real> Point<R> {
     /// Where it is initially.
     pub fn at_rest() -> Self {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         Self {
             displacement: [zero; 3],
             rotation: vector::identity(),

@@ -39,6 +39,8 @@ impl Scalar for f64 {
 }
 
 impl Real for f64 {
+    const ZERO: Self = 0.0;
+
     #[inline(always)]
     fn integer(n: i32) -> Self {
         Self::from(n)

@@ -143,7 +143,7 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for DualSVec<R, N> {
     }
 
     fn hessian(self) -> [[R; N]; N] {
-        [[R::integer(0); N]; N]
+        [[R::ZERO; N]; N]
     }
 }
 
@@ -166,7 +166,7 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
 
     #[inline(always)]
     fn hessian(self) -> [[R; N]; N] {
-        let mut entries = [[R::integer(0); N]; N];
+        let mut entries = [[R::ZERO; N]; N];
         if let Some(matrix) = self.v2.0 {
             for (i, line) in entries.iter_mut().enumerate() {
                 for (j, entry) in line.iter_mut().enumerate() {
@@ -181,7 +181,7 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
 /// The entries of num-dual's optional gradient, which is a column in one type and a row in the other.
 #[inline(always)]
 fn row<R: Real, const N: usize, const I: usize, const J: usize>(parts: Option<SMatrix<R, I, J>>) -> [R; N] {
-    let mut entries = [R::integer(0); N];
+    let mut entries = [R::ZERO; N];
     if let Some(matrix) = parts {
         for (entry, part) in entries.iter_mut().zip(matrix.as_slice()) {
             *entry = *part;

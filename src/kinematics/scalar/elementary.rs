@@ -156,7 +156,7 @@ pub fn atan2_opposite<S: Scalar>(y: S, x: S) -> S {
         return atan2(S::zero() - y, x);
     }
     // Without the opposite of y, whose square is that of y, lanes take its reciprocal once for this and for |(y, x)|.
-    let value = (S::Real::integer(0) - y.real()).arctangent(x.real());
+    let value = (S::Real::ZERO - y.real()).arctangent(x.real());
     let ([s, c], _) = S::Real::inverted_cosines([y.real(), x.real()]);
     y.scale_add(-c, x.scale(s)).with_real(value)
 }
@@ -193,20 +193,20 @@ pub fn direction<S: Scalar, const N: usize>(v: [S; N]) -> [S; N] {
 inlined_for_doubles! {
     /// (|v|, v / |v|), sharing what [`norm`] and [`direction`] have in common.
     pub fn norm_and_direction<S: Scalar, const N: usize>(v: [S; N]) -> (S, [S; N]) {
-        let mut real = [S::Real::integer(0); N];
-        for i in 0..N {
+        let mut real = const { [S::Real::ZERO; N] };
+        each!(S, i < N, {
             real[i] = v[i].real();
-        }
+        });
         let (u, n) = S::Real::direction_and_norm(real);
         if const { S::ORDER == 0 } {
-            let mut constant = [S::zero(); N];
-            for i in 0..N {
+            let mut constant = v;
+            each!(S, i < N, {
                 constant[i] = S::from_real(u[i]);
-            }
+            });
             return (S::from_real(n), constant);
         }
         let inverse = n.reciprocal_or_zero();
-        let mut e = [S::zero(); N];
+        let mut e = v;
         let mut a = S::zero();
         each!(S, i < N, {
             e[i] = v[i].nilpotent();
@@ -244,7 +244,7 @@ inlined_for_doubles! {
             square = rise;
         }
         let mut length = S::from_real(n) + a;
-        let mut unit = [S::zero(); N];
+        let mut unit = v;
         let half = S::Real::ratio(1, 2);
         if const { S::ORDER > 1 } {
             length = length + rise.scale(half); // √(1 + t·t) = 1 + t·t/2 − (t·t)²/8
@@ -297,7 +297,7 @@ inlined_for_doubles! {
     ///
     /// At x = 0 the value is 0; derivatives that do not exist there (those of an order above p, unless p is an integer) are 0.
     pub fn power<S: Scalar>(x: S, exponent: S::Real) -> S {
-        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+        let (zero, one) = (S::Real::ZERO, S::Real::integer(1));
         let base = x.real();
         let mut series = [zero; MAX_ORDER + 1];
         let mut binomial = one;
@@ -324,5 +324,5 @@ fn is_less<R: Real>(x: R, y: R) -> bool {
 
 #[inline(always)]
 fn is_zero<R: Real>(x: R) -> bool {
-    !is_less(x, R::integer(0)) && !is_less(R::integer(0), x)
+    !is_less(x, R::ZERO) && !is_less(R::ZERO, x)
 }

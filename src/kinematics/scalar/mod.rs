@@ -182,7 +182,7 @@ pub trait Scalar:
     /// The constant 0.
     #[inline(always)]
     fn zero() -> Self {
-        Self::from_real(Self::Real::integer(0))
+        Self::from_real(Self::Real::ZERO)
     }
 
     /// The constant 1.
@@ -249,6 +249,9 @@ impl<R: Real, T: Select<R>, U: Select<R>> Select<R> for (T, U) {
 /// Each function here owns its branches. Implementations differ on purpose: `f64` uses economised polynomials
 /// and recurrences, [`Wide`] plain textbook series, so that the second checks the first.
 pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
+    /// The number 0.
+    const ZERO: Self;
+
     /// The integer n, exactly.
     fn integer(n: i32) -> Self;
 

@@ -236,6 +236,8 @@ impl Scalar for Wide {
 }
 
 impl Real for Wide {
+    const ZERO: Self = Self(f256::ZERO);
+
     #[inline]
     fn integer(n: i32) -> Self {
         Self(f256::from(n))

@@ -328,7 +328,7 @@ fn smooth_step<S: Scalar>(points: &[[f64; 2]], t: S) -> S {
     let (near, far) = if is_nearer { (from, to) } else { (to, from) };
     let sign = S::Real::integer(if is_nearer { 1 } else { -1 });
     let x = (t - constant(near[0])).real();
-    let zero = S::Real::integer(0);
+    let zero = S::Real::ZERO;
     let xi = t.lift(&[sign * x / length, sign / length, zero, zero, zero]);
     let integer = |n: i32| S::from_real(S::Real::integer(n));
     let rise = xi * xi * xi * (integer(10) + xi * (xi * integer(6) - integer(15)));
@@ -479,7 +479,7 @@ mod tests {
                 let [value, first, second] = at(amplitude, t, 0.0);
                 let h = Wide::from_f64(1e-20);
                 let wide = |shift: Wide| amplitude.evaluate(Wide::from_f64(t) + shift, 0.0).unwrap();
-                let (below, here, above) = (wide(-h), wide(Wide::integer(0)), wide(h));
+                let (below, here, above) = (wide(-h), wide(Wide::ZERO), wide(h));
                 let slope = ((above - below) / (h + h)).to_f64();
                 let bend = ((above - here - (here - below)) / (h * h)).to_f64();
                 let near = |a: f64, b: f64, what| {

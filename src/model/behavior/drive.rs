@@ -555,7 +555,7 @@ impl Course {
                 if *end <= *begin {
                     return Ok(to);
                 }
-                let zero = S::Real::integer(0);
+                let zero = S::Real::ZERO;
                 let inverse = S::Real::integer(1) / length;
                 let [since, left] = [time.real() - number(*begin), number(*end) - time.real()];
                 // From the nearer end, so that both are met exactly.

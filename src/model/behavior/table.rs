@@ -255,7 +255,7 @@ impl Table {
         };
         let mut rows = self.values_at(0);
         let real = x.real();
-        let zero = S::Real::integer(0);
+        let zero = S::Real::ZERO;
         let forward = !less(real, zero);
         let passed = |row: &f64| {
             let at = S::Real::from_f64(*row);
@@ -315,8 +315,8 @@ impl Table {
                 let is_low = less(to_low.magnitude(), (x1 - x.real()).magnitude());
                 let (base, t) =
                     if is_low { (low, to_low / (x1 - x0)) } else { (high, (x.real() - x1) / (x1 - x0)) };
-                let slope = if taken == Side::Neither { S::Real::integer(0) } else { inverse };
-                let zero = S::Real::integer(0);
+                let slope = if taken == Side::Neither { S::Real::ZERO } else { inverse };
+                let zero = S::Real::ZERO;
                 base + (high - low) * x.lift(&[t, slope, zero, zero, zero])
             }
         }
@@ -331,21 +331,17 @@ impl Table {
         level: usize,
         side: Side,
     ) -> R {
-        let Block::Along { at, blocks } = block else { return R::integer(0) };
+        let Block::Along { at, blocks } = block else { return R::ZERO };
         let here = levels - 1;
         if at.len() == 1 {
             let only = (&blocks[0], here);
-            return if here == level {
-                R::integer(0)
-            } else {
-                self.slope(only, output, argument, level, side)
-            };
+            return if here == level { R::ZERO } else { self.slope(only, output, argument, level, side) };
         }
         let met = Cell::new(false);
         let x = argument(self.variables[here].0);
         let place = self.place(at, x, if here == level { side } else { Side::Right }, &met);
         if here == level {
-            let Place::Between(i) = place else { return R::integer(0) };
+            let Place::Between(i) = place else { return R::ZERO };
             let value = |i: usize| {
                 self.descend(&blocks[i], here, output, argument, &|_| Side::Right, &Cell::new(false))
             };
@@ -408,7 +404,7 @@ fn less<R: Real>(a: R, b: R) -> bool {
 
 /// The side of the slope of least magnitude; neither where the signs differ.
 fn least<R: Real>(left: R, right: R) -> Side {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let (below, above) = (less(left, zero), less(right, zero));
     if below != above && (below || less(zero, left)) && (above || less(zero, right)) {
         Side::Neither

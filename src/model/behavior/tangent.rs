@@ -45,7 +45,7 @@ pub struct Tangent<R> {
 
 impl<R: Differentiable> Tangent<R> {
     fn none(time_step: Option<R>) -> Self {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let matrix = [[zero; 6]; 6];
         Self {
             displacement: matrix,
@@ -63,7 +63,7 @@ impl<R: Differentiable> Tangent<R> {
 
     /// dF_i/du_j: with the velocity as a function of the displacement where it is an increment over a time step.
     pub fn total(&self) -> [[R; 6]; 6] {
-        let inverse = self.time_step.map_or(R::integer(0), |step| R::integer(1) / step);
+        let inverse = self.time_step.map_or(R::ZERO, |step| R::integer(1) / step);
         let mut total = self.displacement;
         for (line, rates) in total.iter_mut().zip(&self.velocity) {
             for (entry, rate) in line.iter_mut().zip(rates) {
@@ -75,7 +75,7 @@ impl<R: Differentiable> Tangent<R> {
 
     /// Leaves out the row of a force.
     fn clear(&mut self, k: usize) {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         for matrix in [&mut self.displacement, &mut self.velocity, &mut self.reaction] {
             matrix[k] = [zero; 6];
         }
@@ -109,7 +109,7 @@ impl Behavior {
             constitutive: seeded(&motion.constitutive, 0),
             velocity: seeded(&motion.velocity, 6),
         };
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut tangent = Tangent::none(time_step);
         for (k, force) in
             self.forces(&moving, conditions).into_iter().enumerate().filter(|(k, _)| !failed[*k])

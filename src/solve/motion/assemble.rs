@@ -33,7 +33,7 @@ impl<R: Number> Mechanism<R> {
         beginning: impl Fn(usize) -> Option<f64>,
         what: impl Fn() -> String,
     ) -> Result<Option<[Option<R>; 3]>, Trouble> {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let moving = R::moving(time, one, zero);
         let real = |x: R::Time| Scalar::real(x);
         Ok(match drive.within(&self.schedule, step, moving, beginning) {
@@ -50,7 +50,7 @@ impl<R: Number> Mechanism<R> {
 
     fn load(&self, drive: &Drive, (step, time): (usize, R), what: impl Fn() -> String) -> Result<R, Trouble> {
         match drive.within(&self.schedule, step, time, |_| None) {
-            None => Ok(R::integer(0)),
+            None => Ok(R::ZERO),
             Some(Prescribed::Displacement(load)) => Ok(load),
             Some(Prescribed::Unknown(_, why)) => Err(unknown(&what(), why)),
             Some(Prescribed::Velocity(_) | Prescribed::Acceleration(_)) => {
@@ -66,7 +66,7 @@ impl<R: Number> Mechanism<R> {
         modes: &Modes<R>,
         beginnings: &Beginnings,
     ) -> Result<Assembled<R>, Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let count = self.bodies.len();
         let mut all = Assembled {
             rows: Vec::new(),
@@ -93,7 +93,7 @@ impl<R: Number> Mechanism<R> {
 
     /// Inertia and loads.
     fn loads(&self, at: &Instant<'_, R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let when = (at.step, at.time);
         let mut fields = Vec::with_capacity(self.gravities.len());
         for gravity in &self.gravities {
@@ -137,7 +137,7 @@ impl<R: Number> Mechanism<R> {
 
     /// The nodes of a connector with their velocities.
     fn pair_state(&self, index: usize, at: &Instant<'_, R>) -> PairState<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let joint = &self.joints[index];
         let still = [zero; DOFS];
         let node = |end: usize, initial: &Node<R>| match joint.ends[end].and_then(|n| at.poses.get(n)) {
@@ -172,7 +172,7 @@ impl<R: Number> Mechanism<R> {
         }
         let state = self.pair_state(index, at);
         let found = joint.connector.evaluate_on(&state, branch, &request, &mut Tally::default());
-        [found.position, found.displacement, found.velocity].map(|of| of.map(|x| x.unwrap_or(R::integer(0))))
+        [found.position, found.displacement, found.velocity].map(|of| of.map(|x| x.unwrap_or(R::ZERO)))
     }
 
     /// A connector: its equations, and the forces that follow from its motion.
@@ -184,7 +184,7 @@ impl<R: Number> Mechanism<R> {
         beginnings: &Beginnings,
         all: &mut Assembled<R>,
     ) -> Result<(), Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let joint = &self.joints[index];
         let state = self.pair_state(index, at);
         let turned =
@@ -363,7 +363,7 @@ impl<R: Number> Mechanism<R> {
 
     /// Belts that slip over their rings: what has no inertia goes on so that the tensions keep their ratio, max(T1, T2) = min(T1, T2) exp(μ α).
     fn rings(&self, modes: &Modes<R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         if self.is_still {
             return Ok(());
         }
@@ -437,7 +437,7 @@ impl<R: Number> Mechanism<R> {
         let moving = |x: &[R; 6]| -> [R::Time; 6] {
             std::array::from_fn(|k| R::moving(x[k], now.velocity[k], now.bias[k]))
         };
-        let velocity = std::array::from_fn(|k| R::moving(now.velocity[k], now.bias[k], R::integer(0)));
+        let velocity = std::array::from_fn(|k| R::moving(now.velocity[k], now.bias[k], R::ZERO));
         let motion = Motion { position: moving(&now.position), constitutive: moving(&now.motion), velocity };
         let force = elasticity.forces(&motion, &conditions).value[0]?;
         let (rate, bias) = R::rates(force);
@@ -452,7 +452,7 @@ impl<R: Number> Mechanism<R> {
 
     /// Multi-point constraints and relations.
     fn constraints(&self, at: &Instant<'_, R>, all: &mut Assembled<R>) {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut tally = Tally::default();
         let mut request = Request::nothing(1);
         for output in [Output::RES, Output::RESV, Output::RESB] {
@@ -528,7 +528,7 @@ impl<R: Number> Mechanism<R> {
         beginnings: &Beginnings,
         all: &mut Assembled<R>,
     ) -> Result<(), Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut request = Request::nothing(1);
         for output in [Output::RES, Output::RESV, Output::RESB] {
             request.add(output, [true; 6]);
@@ -560,7 +560,7 @@ impl<R: Number> Mechanism<R> {
 
     /// Spring and dashpot elements.
     fn springs(&self, at: &Instant<'_, R>, modes: &Modes<R>, all: &mut Assembled<R>) -> Result<(), Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let conditions = Conditions::default();
         for (index, spring) in self.springs.iter().enumerate() {
             let mut row: Vec<(usize, R)> = Vec::new();
@@ -628,7 +628,7 @@ fn whole<R: Number>(turned: Vector<R>) -> Vector<R> {
     let turn = R::pi() + R::pi();
     let count = (norm(turned) / turn).to_f64().round();
     if count == 0.0 || has(Fault::TurnLost) {
-        return [R::integer(0); 3];
+        return [R::ZERO; 3];
     }
     let (unit, _) = R::direction_and_norm(turned);
     vector::scale(unit, turn * R::from_f64(count))
@@ -641,13 +641,13 @@ fn point<R: Number>(at: &Instant<'_, R>, node: usize) -> Point<R> {
         rotation: pose.rotation,
         vector: pose.vector,
         flow: pose.flow,
-        velocity: at.rates.get(node).copied().unwrap_or([R::integer(0); DOFS]),
-        acceleration: [R::integer(0); DOFS],
+        velocity: at.rates.get(node).copied().unwrap_or([R::ZERO; DOFS]),
+        acceleration: [R::ZERO; DOFS],
     }
 }
 
 fn spread<R: Number>(columns: &[(usize, u8)], gradient: &[R], nodes: &[usize]) -> Vec<(usize, R)> {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let all = columns.iter().zip(gradient).filter(|(_, entry)| zero.less(entry.magnitude()));
     all.filter_map(|((place, number), entry)| Some((DOFS * nodes.get(*place)? + place_of(*number), *entry)))
         .collect()

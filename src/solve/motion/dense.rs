@@ -2,12 +2,14 @@
 
 use crate::number::{Number, larger};
 
-/// A square matrix with its right-hand sides, row after row.
+/// A square matrix with its right-hand sides, row after row. Bodies are joined to a few others, so most entries are zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Dense<R> {
     size: usize,
     width: usize,
     entries: Vec<R>,
+    /// Which entries of each row may differ from zero: a bit for each column.
+    filled: Vec<u64>,
 }
 
 /// A pivot that rounding explains: its column.
@@ -23,71 +25,97 @@ impl<R: Number> Dense<R> {
     /// Zero, of `size` unknowns and `sides` right-hand sides.
     pub(crate) fn new(size: usize, sides: usize) -> Self {
         let width = size + sides;
-        Self { size, width, entries: vec![R::integer(0); size * width] }
+        let filled = vec![0; size * width.div_ceil(BITS)];
+        Self { size, width, entries: vec![R::ZERO; size * width], filled }
     }
 
     /// Adds to an entry; columns from `size` on are right-hand sides.
     pub(crate) fn add(&mut self, row: usize, column: usize, amount: R) {
-        if let Some(entry) = self.entries.get_mut(row * self.width + column) {
+        if let Some(entry) = self.entries.get_mut(row * self.width + column)
+            && !amount.is_nothing()
+        {
             *entry = *entry + amount;
+            self.filled[row * self.width.div_ceil(BITS) + column / BITS] |= 1 << (column % BITS);
         }
     }
 
     /// The solutions, one for each right-hand side: elimination with partial pivoting of rows divided by their largest entry.
     pub(crate) fn solve(mut self) -> Result<Vec<Vec<R>>, NoPivot> {
-        let (n, w) = (self.size, self.width);
-        let zero = R::integer(0);
-        let a = &mut self.entries;
-        for row in a.chunks_mut(w.max(1)) {
-            let there = row.iter().take(n).filter(|x| !x.is_nothing());
-            let most = there.fold(zero, |most, x| larger(most, x.magnitude()));
-            if zero.less(most) {
+        let (n, w, words) = (self.size, self.width, self.width.div_ceil(BITS));
+        let (a, filled) = (&mut self.entries, &mut self.filled);
+        let has = |filled: &[u64], row: usize, column: usize| {
+            filled[row * words + column / BITS] >> (column % BITS) & 1 == 1
+        };
+        for (row, filled) in a.chunks_mut(w.max(1)).zip(filled.chunks(words.max(1))) {
+            let there = columns(filled, 0).take_while(|j| *j < n);
+            let most = there.fold(R::ZERO, |most, j| larger(most, row[j].magnitude()));
+            if R::ZERO.less(most) {
                 let factor = most.reciprocal_or_zero();
-                row.iter_mut().filter(|x| !x.is_nothing()).for_each(|x| *x = *x * factor);
+                columns(filled, 0).for_each(|j| row[j] = row[j] * factor);
             }
         }
         let least = R::from_f64(PIVOT * R::ROUNDING);
-        let mut filled = Vec::with_capacity(w);
+        // Rows stay where they are: this is their order.
+        let mut order: Vec<usize> = (0..n).collect();
+        let mut pivot: Vec<(usize, R)> = Vec::with_capacity(w);
         for k in 0..n {
             let mut best = k;
-            for i in (k + 1..n).filter(|i| !a[*i * w + k].is_nothing()) {
-                if a[best * w + k].magnitude().less(a[i * w + k].magnitude()) {
+            for i in (k + 1..n).filter(|i| has(filled, order[*i], k)) {
+                if a[order[best] * w + k].magnitude().less(a[order[i] * w + k].magnitude()) {
                     best = i;
                 }
             }
-            if !least.less(a[best * w + k].magnitude()) {
+            order.swap(k, best);
+            let first = order[k];
+            if !least.less(a[first * w + k].magnitude()) {
                 return Err(NoPivot { column: k });
             }
-            if best != k {
-                for j in k..w {
-                    a.swap(k * w + j, best * w + j);
+            let inverse = R::integer(1) / a[first * w + k];
+            pivot.clear();
+            pivot.extend(columns(&filled[first * words..][..words], k + 1).map(|j| (j, a[first * w + j])));
+            for row in order[k + 1..].iter().copied() {
+                if !has(filled, row, k) {
+                    continue;
                 }
-            }
-            let inverse = R::integer(1) / a[k * w + k];
-            // Bodies are joined to a few others: most entries are zero.
-            let (above, below) = a.split_at_mut((k + 1) * w);
-            let pivot = above.get(k * w..).unwrap_or_default();
-            filled.clear();
-            filled.extend((k + 1..w).filter(|j| !pivot[*j].is_nothing()));
-            for row in below.chunks_mut(w).filter(|row| !row[k].is_nothing()) {
+                for word in k / BITS..words {
+                    filled[row * words + word] |= filled[first * words + word];
+                }
+                let row = &mut a[row * w..][..w];
                 let factor = row[k] * inverse;
-                for j in &filled {
-                    row[*j] = row[*j] - factor * pivot[*j];
+                for (j, x) in &pivot {
+                    row[*j] = row[*j] - factor * *x;
                 }
             }
         }
-        let mut found = vec![vec![zero; n]; w - n];
+        let mut found = vec![vec![R::ZERO; n]; w - n];
         for (side, x) in found.iter_mut().enumerate() {
             for k in (0..n).rev() {
-                let mut sum = a[k * w + n + side];
-                for j in (k + 1..n).filter(|j| !a[k * w + j].is_nothing()) {
-                    sum = sum - a[k * w + j] * x[j];
+                let row = &a[order[k] * w..][..w];
+                let mut sum = row[n + side];
+                for j in columns(&filled[order[k] * words..][..words], k + 1).take_while(|j| *j < n) {
+                    sum = sum - row[j] * x[j];
                 }
-                x[k] = sum / a[k * w + k];
+                x[k] = sum / row[k];
             }
         }
         Ok(found)
     }
+}
+
+/// Bits of a word of [`Dense::filled`].
+const BITS: usize = u64::BITS as usize;
+
+/// The columns from `first` on that are filled.
+fn columns(filled: &[u64], first: usize) -> impl Iterator<Item = usize> {
+    let words = filled.iter().enumerate().skip(first / BITS);
+    words.flat_map(move |(at, word)| {
+        let mut left = if at == first / BITS { word & (u64::MAX << (first % BITS)) } else { *word };
+        std::iter::from_fn(move || {
+            let bit = left.trailing_zeros();
+            left &= left.wrapping_sub(1);
+            (bit < u64::BITS).then(|| at * BITS + bit as usize)
+        })
+    })
 }
 
 #[cfg(test)]

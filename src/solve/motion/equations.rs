@@ -86,11 +86,11 @@ impl<R: Number> Assembled<R> {
         let mut matrix = self.matrix(layout, (0, 1));
         let side = n + layout.kept.len();
         for (r, index) in layout.kept.iter().enumerate() {
-            matrix.add(n + r, side, -gap(&self.rows[*index]).unwrap_or(R::integer(0)));
+            matrix.add(n + r, side, -gap(&self.rows[*index]).unwrap_or(R::ZERO));
         }
         let found = matrix.solve().map_err(|error| at(layout, error))?;
         let found = found.into_iter().next().unwrap_or_default();
-        let mut change = vec![R::integer(0); layout.place.len()];
+        let mut change = vec![R::ZERO; layout.place.len()];
         for (x, dof) in found.iter().zip(&layout.columns) {
             change[*dof] = *x;
         }
@@ -129,7 +129,7 @@ impl<R: Number> Assembled<R> {
         layout: &Layout,
         modes: &Modes<R>,
     ) -> Result<Solved<R>, Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let (n, m) = (layout.columns.len(), layout.kept.len());
         let slipping: Vec<(usize, [R; 6])> = modes
             .frictions
@@ -403,7 +403,7 @@ impl<R: Number> Assembled<R> {
         if !R::from_f64(1e-14).less(size) {
             return *along;
         }
-        let mut found = [R::integer(0); 6];
+        let mut found = [R::ZERO; 6];
         for ((k, _), x) in slider.components.iter().zip(moving) {
             found[*k] = x / size;
         }
@@ -418,7 +418,7 @@ impl<R: Number> Assembled<R> {
         layout: &Layout,
         (modes, solved): (&Modes<R>, &Solved<R>),
     ) -> Result<R, Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let (n, m) = (layout.columns.len(), layout.kept.len());
         let acting: Vec<usize> =
             (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
@@ -469,7 +469,7 @@ impl<R: Number> Assembled<R> {
 
     /// ½ Σ v·M v.
     pub(crate) fn kinetic(&self) -> R {
-        let mut twice = R::integer(0);
+        let mut twice = R::ZERO;
         for ((mass, inertia), rates) in self.masses.iter().zip(&self.inertias).zip(&self.rates) {
             let (v, w) = ([rates[0], rates[1], rates[2]], [rates[3], rates[4], rates[5]]);
             twice = twice + *mass * dot(v, v) + dot(w, apply(inertia, w));
@@ -479,7 +479,7 @@ impl<R: Number> Assembled<R> {
 
     /// Whether a node has mass, or inertia, in a degree of freedom.
     pub(crate) fn has_inertia(&self, dof: usize) -> bool {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let (node, k) = (dof / DOFS, dof % DOFS);
         match k {
             0..3 => zero.less(self.masses[node].magnitude()),
@@ -490,7 +490,7 @@ impl<R: Number> Assembled<R> {
 
     /// Whether a load acts in a degree of freedom.
     pub(crate) fn is_loaded(&self, dof: usize) -> bool {
-        R::integer(0).less(self.applied[dof].magnitude())
+        R::ZERO.less(self.applied[dof].magnitude())
     }
 }
 

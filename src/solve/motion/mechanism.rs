@@ -242,7 +242,7 @@ impl<R: Number> Mechanism<R> {
             }
         };
         let on_nodes = on_nodes(scene, &schedule, labels)?;
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let bodies = places.labels.iter().map(|label| {
             let axes = scene.nodal_axes(*label)?.map(vector::exact);
             let loads = on_nodes.get(label).map_or(Vec::new(), |drives| {
@@ -648,7 +648,7 @@ impl<R: Number> Mechanism<R> {
 
     /// The motion that a table is over.
     pub(crate) fn argument(&self, table: &Table, found: &Assembled<R>) -> R {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         match table.of {
             TableOf::Joint(joint, k) => found.joints.get(joint).map_or(zero, |now| match table.is_rate {
                 true => now.velocity[k],

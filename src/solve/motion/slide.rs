@@ -36,7 +36,7 @@ pub(crate) fn limit<R: Number>(
     conditions: &Conditions,
     known: Option<&Branches<R>>,
 ) -> Limit<R> {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let context = Context { position, motion, accumulated_slip: slip, conditions };
     let parts = friction.criterion.contact_parts(&context);
     // Where all that presses passes zero together, what is left of it is rounding of the rest.
@@ -149,13 +149,13 @@ pub(crate) fn belt_limit<R: Number>(
     conditions: &Conditions,
 ) -> Limit<R> {
     let [first, second] = tensions;
-    let least = larger(if second.less(first) { second } else { first }, R::integer(0));
+    let least = larger(if second.less(first) { second } else { first }, R::ZERO);
     let mu = belt.coefficient.at(rate, least, conditions);
     let value = least * exp_m1(mu * R::from_f64(angle));
     let value = belt.maximum.map(R::from_f64).filter(|most| most.less(value)).unwrap_or(value);
     Limit {
         value,
-        gradient: [R::integer(0); 6],
+        gradient: [R::ZERO; 6],
         turns: Vec::new(),
         caps: None,
         branches: Branches::none(),
@@ -164,18 +164,18 @@ pub(crate) fn belt_limit<R: Number>(
 }
 
 fn dot<R: Number>(row: &[R; 6], f: &[R; 6]) -> R {
-    row.iter().zip(f).fold(R::integer(0), |sum, (x, y)| sum + *x * *y)
+    row.iter().zip(f).fold(R::ZERO, |sum, (x, y)| sum + *x * *y)
 }
 
 impl Slider {
     /// The direction in which slip resists friction forces f, n_k ~ f_k/R_k; without forces that of the first component.
     pub(crate) fn against<R: Number>(&self, friction: &[R; 6]) -> [R; 6] {
-        let mut along = [R::integer(0); 6];
+        let mut along = [R::ZERO; 6];
         for (k, radius) in &self.components {
             along[*k] = friction[*k] * R::from_f64(*radius).reciprocal_or_zero();
         }
         let size = length(&along);
-        if R::integer(0).less(size) {
+        if R::ZERO.less(size) {
             return along.map(|x| x / size);
         }
         if let Some((k, _)) = self.components.first() {
@@ -186,7 +186,7 @@ impl Slider {
 
     /// R_k v_k of each component.
     pub(crate) fn rates<R: Number>(&self, velocity: &[R; 6]) -> [R; 6] {
-        let mut along = [R::integer(0); 6];
+        let mut along = [R::ZERO; 6];
         for (k, radius) in &self.components {
             along[*k] = R::from_f64(*radius) * velocity[*k];
         }
@@ -196,7 +196,7 @@ impl Slider {
 
 /// The length of at most six numbers.
 pub(crate) fn length<R: Number>(of: &[R]) -> R {
-    let mut all = [R::integer(0); 6];
+    let mut all = [R::ZERO; 6];
     for (place, x) in all.iter_mut().zip(of) {
         *place = *x;
     }

@@ -26,7 +26,7 @@ pub(crate) struct Pose<R> {
 
 impl<R: Number> Pose<R> {
     pub(crate) fn at_rest() -> Self {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         Self { displacement: [zero; 3], rotation: vector::identity(), vector: [zero; 3], flow: zero }
     }
 

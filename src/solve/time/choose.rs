@@ -19,7 +19,7 @@ impl<R: Number> Run<'_, R> {
     pub(crate) fn choose(&mut self, open: &[usize]) -> Result<(), Refusal> {
         /// The most frictions, and stops, whose combinations are all tried.
         const ALL: usize = 6;
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let touching = self.touching(&found);
         if open.is_empty() && touching.is_empty() {
@@ -289,16 +289,16 @@ impl<R: Number> Run<'_, R> {
         }
         let enough = R::from_f64(1e2 * R::ROUNDING);
         for _ in 0..ITERATIONS {
-            let mut change = R::integer(0);
+            let mut change = R::ZERO;
             for s in &slipping {
                 let slider = &self.mechanism.sliders[*s];
-                let mut along = [R::integer(0); 6];
+                let mut along = [R::ZERO; 6];
                 for (k, radius) in &slider.components {
                     let [acceleration, _] = self.second_rate(found, solved, (slider.joint, *k));
                     along[*k] = R::from_f64(*radius) * acceleration;
                 }
                 let size = crate::motion::slide::length(&along);
-                if !R::integer(0).less(size) {
+                if !R::ZERO.less(size) {
                     return Ok(());
                 }
                 let along = along.map(|x| x / size);
@@ -332,7 +332,7 @@ impl<R: Number> Run<'_, R> {
             let margin = match &modes.frictions[*s].does {
                 Does::Sticks(_) | Does::Stretches(_) => {
                     let size = larger(limit.value, *tangential);
-                    match R::integer(0).less(size) {
+                    match R::ZERO.less(size) {
                         true => ((limit.value - *tangential) / size).to_f64(),
                         // Nothing presses, and nothing pulls.
                         false => 1.0,
@@ -340,7 +340,7 @@ impl<R: Number> Run<'_, R> {
                 }
                 Does::Slips(along) => {
                     // The acceleration along n, relative to what the frictionless parts of it are.
-                    let mut sum = R::integer(0);
+                    let mut sum = R::ZERO;
                     let mut size = R::from_f64(f64::MIN_POSITIVE);
                     for (k, radius) in &slider.components {
                         let factor = R::from_f64(*radius) * along[*k];
@@ -348,7 +348,7 @@ impl<R: Number> Run<'_, R> {
                         sum = sum + factor * acceleration;
                         size = size + (factor * parts).magnitude();
                     }
-                    let presses = R::integer(0).less(limit.value);
+                    let presses = R::ZERO.less(limit.value);
                     let margin = (sum / size).to_f64();
                     if presses { margin } else { margin.min(0.0) - 1e-300 }
                 }

@@ -77,12 +77,12 @@ impl<R: Number> Run<'_, R> {
                 along = along.map(|x| -x);
             }
             if has(Fault::OnsetByDefault) {
-                along = of.against(&[R::integer(0); 6]);
+                along = of.against(&[R::ZERO; 6]);
             }
             let joint = of.joint;
             let ahead = self.mechanism.stops.iter().zip(&modes.stops).position(|(stop, touch)| {
                 let side = touch.side();
-                let pushes = |side: Side| R::integer(0).less(side.sign::<R>() * along[stop.component]);
+                let pushes = |side: Side| R::ZERO.less(side.sign::<R>() * along[stop.component]);
                 stop.joint == joint && matches!(touch, Touch::Leaves(_)) && side.is_some_and(pushes)
             });
             match ahead.and_then(|stop| Some((stop, modes.stops[stop].side()?))) {
@@ -173,7 +173,7 @@ impl<R: Number> Run<'_, R> {
             let meets = |side: &Side| {
                 let rate = side.sign::<R>() * now.velocity[k];
                 let gap = other.gap(*side, now.position[k]);
-                gap.is_some_and(|gap| gap.less(self.slack(k))) && R::integer(0).less(rate)
+                gap.is_some_and(|gap| gap.less(self.slack(k))) && R::ZERO.less(rate)
             };
             if of != stop && *touch == Touch::Open {
                 closing.extend(Side::BOTH.iter().find(|side| meets(side)).map(|side| (of, *side)));
@@ -233,7 +233,7 @@ impl<R: Number> Run<'_, R> {
         if is_failure {
             let motion = Motion { position: now.position, constitutive: now.motion, velocity: now.velocity };
             let mut without = motion;
-            (0..6).filter(|k| affected[*k]).for_each(|k| without.constitutive[k] = R::integer(0));
+            (0..6).filter(|k| affected[*k]).for_each(|k| without.constitutive[k] = R::ZERO);
             let elasticity = &self.mechanism.joints[joint].behavior.behavior.elasticity;
             let conditions = Conditions::default();
             let energies = [motion, without].map(|motion| elasticity.energy(&motion, &conditions));
@@ -341,7 +341,7 @@ impl<R: Number> Run<'_, R> {
             self.decided([&moving, &after], (&layout, &impulses), &found)?;
             for (impulse, index) in impulses.iter().zip(&layout.kept) {
                 let row = &found.rows[*index];
-                let half = row.rate.unwrap_or(R::integer(0)) * R::ratio(1, 2);
+                let half = row.rate.unwrap_or(R::ZERO) * R::ratio(1, 2);
                 let ends = match row.owner {
                     Owner::Joint(joint, k) => {
                         matches!(self.mechanism.hold(&modes, joint, k), Hold::Stopped(_) | Hold::Locked(_))
@@ -376,7 +376,7 @@ impl<R: Number> Run<'_, R> {
         (layout, impulses): (&Layout, &[R]),
         found: &Assembled<R>,
     ) -> Result<(), Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let size = largest(impulses.iter().copied()).to_f64();
         for slider in &self.mechanism.sliders {
             let Some(friction) = self.mechanism.friction(slider) else { continue };
@@ -446,8 +446,8 @@ impl<R: Number> Run<'_, R> {
             match before.get(s).map(|mode| &mode.does) {
                 Some(Does::Sticks(_) | Does::Stretches(_)) => events.push((s, What::Slips)),
                 Some(Does::Slips(old)) => {
-                    let same = along.iter().zip(old).fold(R::integer(0), |sum, (x, y)| sum + *x * *y);
-                    if same.less(R::integer(0)) {
+                    let same = along.iter().zip(old).fold(R::ZERO, |sum, (x, y)| sum + *x * *y);
+                    if same.less(R::ZERO) {
                         events.push((s, What::Reverses));
                     }
                 }
@@ -470,11 +470,9 @@ impl<R: Number> Run<'_, R> {
                 let now = self.mechanism.argument(table, found);
                 let goes_up = match table.of {
                     TableOf::Joint(joint, k) if !table.is_rate => {
-                        !found.joints[joint].velocity[k].less(R::integer(0))
+                        !found.joints[joint].velocity[k].less(R::ZERO)
                     }
-                    TableOf::Spring(spring) if !table.is_rate => {
-                        !found.springs[spring][1].less(R::integer(0))
-                    }
+                    TableOf::Spring(spring) if !table.is_rate => !found.springs[spring][1].less(R::ZERO),
                     _ => true,
                 };
                 let is_below = |row: f64| {
@@ -523,7 +521,7 @@ impl<R: Number> Run<'_, R> {
 
 /// F_C of impulses: what of it has a magnitude.
 fn pressed_by<R: Number>(parts: &ContactParts<R>, pressing: &[R; 6]) -> R {
-    let times = |row: &[R; 6]| row.iter().zip(pressing).fold(R::integer(0), |sum, (x, y)| sum + *x * *y);
+    let times = |row: &[R; 6]| row.iter().zip(pressing).fold(R::ZERO, |sum, (x, y)| sum + *x * *y);
     parts.magnitudes.iter().fold(times(&parts.linear), |sum, (factor, rows)| {
         let vector: Vec<R> = rows.iter().map(times).collect();
         sum + *factor * length(&vector)

@@ -103,7 +103,7 @@ fn extrapolate<R: Number>(
         let parts = 2 * (column + 1);
         let part = h / R::integer(parts as i32);
         // Increments from y, so that they keep their digits.
-        let mut before = vec![R::integer(0); y.len()];
+        let mut before = vec![R::ZERO; y.len()];
         let mut now: Vec<R> = slope.rates.iter().map(|rate| part * *rate).collect();
         inner.clear();
         for i in 1..parts {
@@ -170,7 +170,7 @@ fn collocate<R: Number>(
     let mut rates = vec![slope.rates.clone(); stages];
     let mut switches = vec![Vec::new(); stages];
     let combine = |weights: &[R], rates: &[Vec<R>]| -> Vec<R> {
-        let mut sum = vec![R::integer(0); y.len()];
+        let mut sum = vec![R::ZERO; y.len()];
         for (weight, rates) in weights.iter().zip(rates) {
             let factor = h * *weight;
             for (sum, rate) in sum.iter_mut().zip(rates) {
@@ -247,7 +247,7 @@ fn gauss<R: Number>(stages: usize) -> Rule<R> {
     let matrix = points.iter().map(|c| integrals(&points, *c)).collect();
     let weights = integrals(&points, one);
     let mut fewer = integrals(points.get(..stages - 1).unwrap_or_default(), one);
-    fewer.push(R::integer(0));
+    fewer.push(R::ZERO);
     Rule::Collocation { points, matrix, weights, fewer }
 }
 
@@ -274,14 +274,14 @@ mod tests {
     fn energy_after<R: Number>(method: Method, digits: usize, h: f64, steps: usize) -> f64 {
         let rule: Rule<R> = Rule::new(method, digits);
         let mut flow = |_: R, y: &[R]| {
-            let force = R::integer(0) - y[0] - y[0] * y[0] * y[0];
+            let force = R::ZERO - y[0] - y[0] * y[0] * y[0];
             Ok(Slope { rates: vec![y[1], force], switches: Vec::new() })
         };
         let energy = |y: &[R]| {
             let square = y[0] * y[0];
             y[1] * y[1] + square + square * square * R::ratio(1, 2)
         };
-        let mut y = vec![R::integer(1), R::integer(0)];
+        let mut y = vec![R::integer(1), R::ZERO];
         let start = energy(&y);
         let allowed = vec![R::from_f64(10.0_f64.powi(-(digits as i32))); 2];
         for i in 0..steps {

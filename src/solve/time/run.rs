@@ -215,7 +215,7 @@ impl<'a, R: Number> Run<'a, R> {
                 "add *STEP, *DYNAMIC with its initial increment and length, *END STEP",
             ));
         }
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut state = State {
             time: zero,
             poses: vec![Pose::at_rest(); mechanism.bodies.len()],
@@ -355,14 +355,14 @@ impl<'a, R: Number> Run<'a, R> {
     }
 
     pub(crate) fn rows(&self) -> Vec<Owner> {
-        let still = vec![[R::integer(0); 3]; self.state.poses.len()];
+        let still = vec![[R::ZERO; 3]; self.state.poses.len()];
         let instant = Instant::of(&self.state, self.step, &still);
         let found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings);
         found.map_or(Vec::new(), |found| found.rows.iter().map(|row| row.owner).collect())
     }
 
     pub(crate) fn assembled(&self, modes: &Modes<R>) -> Result<Assembled<R>, Trouble> {
-        let still = vec![[R::integer(0); 3]; self.state.poses.len()];
+        let still = vec![[R::ZERO; 3]; self.state.poses.len()];
         let instant = Instant::of(&self.state, self.step, &still);
         let mut found = self.mechanism.assemble(&instant, modes, &self.beginnings)?;
         if self.is_still {
@@ -506,7 +506,7 @@ impl<'a, R: Number> Run<'a, R> {
             return Ok(());
         }
         let mut found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         for (given, (node, k, amount)) in self.mechanism.velocities.iter().enumerate() {
             let axis = self.mechanism.bodies[*node].axes[*k % 3];
             let entries = (0..3).map(|i| (DOFS * node + k / 3 * 3 + i, axis[i]));
@@ -574,7 +574,7 @@ impl<'a, R: Number> Run<'a, R> {
             let given = self.mechanism.friction(slider).map(|friction| friction.stick_stiffness);
             stiffness.push(match given {
                 Some(StickStiffness::Given(stiffness)) => R::from_f64(stiffness),
-                Some(StickStiffness::ElasticSlip(slip)) if R::integer(0).less(limit.value) => {
+                Some(StickStiffness::ElasticSlip(slip)) if R::ZERO.less(limit.value) => {
                     limit.value / R::from_f64(slip)
                 }
                 _ => {
@@ -583,7 +583,7 @@ impl<'a, R: Number> Run<'a, R> {
                 }
             });
         }
-        self.stretched = vec![R::integer(0); stiffness.len()];
+        self.stretched = vec![R::ZERO; stiffness.len()];
         self.mechanism.stiffness = stiffness;
         Ok(())
     }
@@ -591,13 +591,10 @@ impl<'a, R: Number> Run<'a, R> {
     /// What the springs of frictions that slip hold more than as slip began: their force has changed with the limit.
     fn restored(&self, solved: &Solved<R>) -> R {
         let all = self.mechanism.stiffness.iter().zip(&self.stretched).zip(&self.modes.frictions).enumerate();
-        all.filter(|(_, (_, mode))| !mode.is_stuck()).fold(
-            R::integer(0),
-            |sum, (s, ((stiffness, before), _))| {
-                let limit = solved.limits.get(s).map_or(R::integer(0), |limit| limit.value);
-                sum + limit * limit / *stiffness * R::ratio(1, 2) - *before
-            },
-        )
+        all.filter(|(_, (_, mode))| !mode.is_stuck()).fold(R::ZERO, |sum, (s, ((stiffness, before), _))| {
+            let limit = solved.limits.get(s).map_or(R::ZERO, |limit| limit.value);
+            sum + limit * limit / *stiffness * R::ratio(1, 2) - *before
+        })
     }
 
     /// The equations that count in a mode, and its solution.
@@ -628,9 +625,9 @@ impl<'a, R: Number> Run<'a, R> {
             displacement: pose.displacement,
             rotation: pose.vector,
             velocity: six(&self.state.rates[node]),
-            acceleration: if self.is_still { [R::integer(0); 6] } else { six(&solved.accelerations[node]) },
+            acceleration: if self.is_still { [R::ZERO; 6] } else { six(&solved.accelerations[node]) },
         });
-        let still = vec![[R::integer(0); 3]; self.state.poses.len()];
+        let still = vec![[R::ZERO; 3]; self.state.poses.len()];
         let instant = Instant::of(&self.state, self.step, &still);
         let open: Vec<Owner> =
             self.layout.open.iter().filter_map(|row| found.rows.get(*row)).map(|row| row.owner).collect();

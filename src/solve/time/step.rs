@@ -33,7 +33,7 @@ impl<R: Number> Run<'_, R> {
 
     /// The state after the unknowns have moved.
     pub(crate) fn unpacked(&self, base: &State<R>, y: &[R], with_vectors: bool) -> Moved<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let n = self.layout.columns.len();
         let mut moved = vec![[zero; DOFS]; base.poses.len()];
         let mut rates = base.rates.clone();
@@ -127,7 +127,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     pub(crate) fn packed(&self) -> Vec<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let columns = &self.layout.columns;
         let mut y = vec![zero; columns.len()];
         y.extend(columns.iter().map(|dof| self.state.rates[dof / DOFS][dof % DOFS]));
@@ -288,9 +288,8 @@ impl<R: Number> Run<'_, R> {
                 }
                 Some(Crossing::AtEnd) if has(Fault::EventInterpolated) => {
                     let pairs = ended.iter().zip(&slope.switches);
-                    let crossed = pairs.filter(|(then, now)| {
-                        then.value.less(R::integer(0)) && !now.value.less(R::integer(0))
-                    });
+                    let crossed =
+                        pairs.filter(|(then, now)| then.value.less(R::ZERO) && !now.value.less(R::ZERO));
                     let part = |(then, now): &(&Switch<R>, &Switch<R>)| {
                         (now.value / (now.value - then.value)).to_f64()
                     };
@@ -315,7 +314,7 @@ impl<R: Number> Run<'_, R> {
     /// What has passed its end as a step begins: a stop that another has made close, a limit that a force has jumped over, a table left by
     /// rounding. What has gone away from a limit is open.
     fn overdue(&mut self, switches: &[Switch<R>]) -> Option<Switch<R>> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let beyond = |switch: &&Switch<R>| {
             let slack = switch.scale * R::from_f64(crate::motion::equations::LEAVING * R::ROUNDING);
             match switch.cause {
@@ -349,7 +348,7 @@ impl<R: Number> Run<'_, R> {
     /// The friction of several components that comes to rest first, and in how long; `None` for a time where it rests now. Its direction has no
     /// meaning at rest, so that it is approached: each step goes a part of the way.
     fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, Option<R>)>, Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut found: Option<(usize, Option<R>)> = None;
         let several = |s: &usize| {
             self.mechanism.sliders[*s].components.len() > 1 && !self.modes.frictions[*s].is_stuck()
@@ -393,7 +392,7 @@ impl<R: Number> Run<'_, R> {
     /// Branches of magnitudes that were zero and are not any more.
     pub(crate) fn keep_branches(&mut self, solved: &Solved<R>) -> bool {
         let mut changed = false;
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         for (s, (mode, limit)) in self.modes.frictions.iter_mut().zip(&solved.limits).enumerate() {
             if mode.is_stuck() {
                 continue;
@@ -437,7 +436,7 @@ impl<R: Number> Run<'_, R> {
 
     /// Finds the first event within h, by whole steps: the state goes on to it.
     pub(crate) fn locate(&mut self, h: R, first: &[Switch<R>]) -> Result<(), Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut low = (zero, first.to_vec());
         let mut high = h;
         let mut which: Option<usize> = None;
@@ -549,7 +548,7 @@ impl<R: Number> Run<'_, R> {
 
     /// Brings positions and rates back to the equations.
     pub(crate) fn project(&mut self) -> Result<(), Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let small = R::from_f64(4.0 * R::ROUNDING);
         let length = R::from_f64(self.mechanism.length);
         for iteration in 0..12 {
@@ -632,7 +631,7 @@ pub(crate) fn crossing<R: Number>(
     inner: &[(f64, Vec<Switch<R>>)],
     last: &[Switch<R>],
 ) -> Option<Crossing> {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let dips = dips(first, inner, last);
     let passes = |now: &[Switch<R>]| {
         now.iter().zip(first).any(|(now, before)| now.value.less(zero) && !before.value.less(zero))

@@ -42,7 +42,7 @@ const REST: f64 = 1e-6;
 impl<R: Number> Assembled<R> {
     /// At rest: unit masses, and no accelerations that are prescribed.
     pub(crate) fn rest(&mut self, length: f64) {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let inertia = R::from_f64(length * length);
         self.masses.iter_mut().for_each(|mass| *mass = one);
         for matrix in &mut self.inertias {
@@ -73,7 +73,7 @@ impl<R: Number> Run<'_, R> {
             if !self.solution.frames.is_empty() {
                 self.state.sums[1] = self.state.sums[1] + moving;
             }
-            self.state.rates.iter_mut().for_each(|rates| *rates = [R::integer(0); DOFS]);
+            self.state.rates.iter_mut().for_each(|rates| *rates = [R::ZERO; DOFS]);
             self.begin_still()?;
         }
         let breaks = self.breaks();
@@ -97,7 +97,7 @@ impl<R: Number> Run<'_, R> {
                 self.record(false)?;
             }
         }
-        self.state.rates.iter_mut().for_each(|rates| *rates = [R::integer(0); DOFS]);
+        self.state.rates.iter_mut().for_each(|rates| *rates = [R::ZERO; DOFS]);
         Ok(())
     }
 
@@ -126,7 +126,7 @@ impl<R: Number> Run<'_, R> {
     fn moved(&self, time: R, by: &[R]) -> Result<Moved<R>, Trouble> {
         let base = &self.state;
         let mut y = by.to_vec();
-        y.resize(2 * by.len(), R::integer(0));
+        y.resize(2 * by.len(), R::ZERO);
         let (poses, rates, turned): (_, _, Vec<Vector<R>>) = self.unpacked(base, &y, true);
         let mut next = State { time, poses, rates, branches: base.branches.clone(), sums: base.sums.clone() };
         let instant = Instant { turned: &turned, ..Instant::of(&next, self.step, &turned) };
@@ -154,7 +154,7 @@ impl<R: Number> Run<'_, R> {
     /// The equilibrium at a time, next to this state.
     pub(crate) fn balance(&mut self, time: R) -> Result<Found<R>, Refusal> {
         const ITERATIONS: usize = 40;
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let n = self.layout.columns.len();
         let size = |dof: usize| if dof % DOFS < 3 { self.mechanism.length } else { 1.0 };
         let sizes: Vec<R> = self.layout.columns.iter().map(|dof| R::from_f64(size(*dof))).collect();
@@ -258,7 +258,7 @@ impl<R: Number> Run<'_, R> {
     fn slip_noise(&self, at: &Assembled<R>, s: usize) -> R {
         let slider = &self.mechanism.sliders[s];
         let position = &at.joints[slider.joint].position;
-        let moved = slider.components.iter().fold(R::integer(0), |sum, (k, radius)| {
+        let moved = slider.components.iter().fold(R::ZERO, |sum, (k, radius)| {
             let unit = if *k < 3 { self.mechanism.length } else { 1.0 };
             sum + R::from_f64(*radius) * larger(position[*k].magnitude(), R::from_f64(unit))
         });
@@ -272,7 +272,7 @@ impl<R: Number> Run<'_, R> {
 
     /// Along the path to a time, over all events before it.
     fn go(&mut self, goal: R, most: R) -> Result<(), Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut h = most;
         let mut last_sign: Option<f64> = None;
         let mut events_here = 0;
@@ -374,7 +374,7 @@ impl<R: Number> Run<'_, R> {
         mut index: usize,
         length: R,
     ) -> Result<(R, usize, Cause), Refusal> {
-        let (zero, half) = (R::integer(0), R::ratio(1, 2));
+        let (zero, half) = (R::ZERO, R::ratio(1, 2));
         let start = self.state.time;
         let resolution = larger(start.magnitude(), length) * R::from_f64(4.0 * R::ROUNDING);
         let (mut low, mut high) = (zero, length);
@@ -426,7 +426,7 @@ impl<R: Number> Run<'_, R> {
 
     /// A slip turns back within `length`: it sticks where its rate is zero.
     fn turn_back(&mut self, s: usize, length: R) -> Result<(), Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let start = self.state.time;
         // Another difference for the witness.
         let part = if self.options.method == Method::Extrapolation { 3e-3 } else { 5e-3 };
@@ -487,7 +487,7 @@ impl<R: Number> Run<'_, R> {
             }
             table.push(row);
         }
-        Ok(table.last().copied().unwrap_or(R::integer(0)))
+        Ok(table.last().copied().unwrap_or(R::ZERO))
     }
 
     fn stick_at_rest(&mut self, s: usize) -> Result<(), Refusal> {

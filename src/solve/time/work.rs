@@ -37,7 +37,7 @@ impl<R: Number> Run<'_, R> {
 
     /// External work, dissipation and stored energy on the way to an equilibrium.
     fn works_to(&mut self, last: &Found<R>) -> Result<[R; WORKS], Refusal> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let (start, end) = (self.state.time, last.state.time);
         if !start.less(end) {
             return Ok([zero; WORKS]);
@@ -98,7 +98,7 @@ impl<R: Number> Run<'_, R> {
 
     /// The powers of loads and of what is prescribed, of friction, and into springs, if nodes had these rates.
     fn powers(&self, at: &Found<R>, rates: &[[R; DOFS]]) -> Result<[R; WORKS], Trouble> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let still = vec![[zero; 3]; rates.len()];
         let state = State { rates: rates.to_vec(), ..at.state.clone() };
         let instant = Instant::of(&state, self.step, &still);

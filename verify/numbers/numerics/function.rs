@@ -172,7 +172,7 @@ fn nine<R: Real>(x: &[R]) -> Matrix<R> {
 
 /// (1 − |e|²/8, e/2) q at e = 0: exp(e) to second order, exact in floating point.
 fn turned<R: Real, S: Scalar<Real = R> + Seeded<3>>(q: so3::Quaternion<R>) -> so3::Quaternion<S> {
-    let e: Vector<S> = seeded([R::integer(0); 3]);
+    let e: Vector<S> = seeded([R::ZERO; 3]);
     let half = vector::scale(e, R::ratio(1, 2));
     let w = S::one() - vector::dot(e, e).scale(R::ratio(1, 8));
     so3::compose([w, half[0], half[1], half[2]], q.map(S::from_real))
@@ -180,7 +180,7 @@ fn turned<R: Real, S: Scalar<Real = R> + Seeded<3>>(q: so3::Quaternion<R>) -> so
 
 /// (I + E + E²/2) R, E = e^, at e = 0: exp(e^) to second order, exact in floating point.
 pub(super) fn turned_matrix<R: Real, S: Scalar<Real = R> + Seeded<3>>(r: &Matrix<R>) -> Matrix<S> {
-    let [x, y, z]: Vector<S> = seeded([R::integer(0); 3]);
+    let [x, y, z]: Vector<S> = seeded([R::ZERO; 3]);
     let o = S::zero();
     let e: Matrix<S> = [[o, -z, y], [z, o, -x], [-y, x, o]];
     let first = vector::product(&e, &r.map(vector::constant));

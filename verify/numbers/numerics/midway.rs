@@ -17,7 +17,7 @@ fn gradients<R: Differentiable>(axis: usize, cosine: f64, sine: f64) -> [[[R; 3]
         _ => [[cosine, o, sine], [o, 1.0, o], [-sine, o, cosine]],
     };
     let r = turned_matrix::<R, R::Hessian<3>>(&r.map(vector::exact));
-    let frame = so3::mid_frame(&r, None, R::integer(0));
+    let frame = so3::mid_frame(&r, None, R::ZERO);
     frame.map(|row| row.map(|entry| entry.gradient()))
 }
 

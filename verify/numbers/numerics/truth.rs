@@ -27,7 +27,7 @@ pub(super) fn references(function: Function, inputs: &[f64]) -> Vec<Vec<Referenc
     let n = function.directions();
     if function.is_log() {
         for (scale, component) in scales.iter_mut().zip(&base) {
-            let largest = component[1..=n].iter().fold(Wide::integer(0), |l, g| l.max(g.abs()));
+            let largest = component[1..=n].iter().fold(Wide::ZERO, |l, g| l.max(g.abs()));
             for (k, s) in scale.iter_mut().enumerate() {
                 if order(k, n) == 2 {
                     *s += largest;
@@ -71,7 +71,7 @@ fn of_rotation(function: Function, x: &[Wide]) -> (Numbers, Vec<Numbers>) {
     let base = at(&exact);
     let slopes = [0, 1, 2].map(|axis| {
         let about = |angle: Wide| {
-            let mut phi = [Wide::integer(0); 3];
+            let mut phi = [Wide::ZERO; 3];
             phi[axis] = angle;
             let turn = so3::exp(phi);
             if n == 4 {
@@ -96,7 +96,7 @@ fn of_rotation(function: Function, x: &[Wide]) -> (Numbers, Vec<Numbers>) {
         change
     };
     let changes = (0..n).filter(|i| rotation[*i] != 0.0).map(|i| {
-        let zero = Wide::integer(0);
+        let zero = Wide::ZERO;
         if n == 4 {
             // δq = δ^/2 q
             let mut change = [zero; 4];

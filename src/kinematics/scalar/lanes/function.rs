@@ -1,7 +1,7 @@
 //! Elementary functions without branches: one division at most, and polynomials.
 
 use crate::scalar::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1, LONG_LOG_2};
-use crate::scalar::lanes::{Lanes, MAX_ORDER, Real, Scalar, Series};
+use crate::scalar::lanes::{LANES, Lanes, MAX_ORDER, Real, Scalar, Series};
 
 /// A quarter of π in two parts. The first happens to have three zero bits at its end, so that up to eight of it are exact.
 const QUARTER: f64 = std::f64::consts::FRAC_PI_4;
@@ -39,16 +39,20 @@ const COSINE: [f64; 6] = [
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
     let square = x * x;
-    let (last, before) = (N - 1, N - 2);
-    let mut own = Lanes::splat(c[last]);
-    let mut other = Lanes::splat(c[before]);
-    let mut i = before;
-    while i >= 2 {
-        own = own.multiply_add(square, Lanes::splat(c[i - 1]));
-        other = other.multiply_add(square, Lanes::splat(c[i - 2]));
-        i -= 2;
+    let mut own = Lanes::splat(c[N - 1]);
+    let mut other = Lanes::splat(c[N - 2]);
+    // Written out, as `unrolled` does.
+    macro_rules! pairs {
+        ($($done:literal)+) => {
+            $(if const { N >= $done + 4 } {
+                own = own.multiply_add(square, Lanes::splat(c[N - 3 - $done]));
+                other = other.multiply_add(square, Lanes::splat(c[N - 4 - $done]));
+            })+
+        };
     }
-    if i == 1 {
+    const { assert!(N <= 25, "more coefficients than are written out") };
+    pairs!(0 2 4 6 8 10 12 14 16 18 20);
+    if const { N % 2 == 1 } {
         // c[0] is left, and belongs to the powers of `own`.
         own = own.multiply_add(square, Lanes::splat(c[0]));
         return other.multiply_add(x, own);
@@ -91,9 +95,9 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
     let one = Lanes::splat(1.0);
     let quarter = (x * Lanes::splat(std::f64::consts::FRAC_2_PI)).nearest_integer();
     let mut r = x;
-    for i in 0..3 {
+    unrolled!(i < 3, {
         r = r - quarter * Lanes::splat(HALF[i]);
-    }
+    });
     let square = r * r;
     let sine = (polynomial(&SINE, square) * square).multiply_add(r, r);
     let half = square * Lanes::splat(0.5);
@@ -117,9 +121,11 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn square<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> Lanes<FUSED> {
     let mut square = v[0] * v[0];
-    for i in 1..N {
-        square = v[i].multiply_add(v[i], square);
-    }
+    unrolled!(i < N, {
+        if i > 0 {
+            square = v[i].multiply_add(v[i], square);
+        }
+    });
     square
 }
 
@@ -131,14 +137,16 @@ const EXPONENT: u64 = 0x7ff << 52;
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn rescaled<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) -> (Lanes<FUSED>, [Lanes<FUSED>; N]) {
     let mut largest = v[0].magnitude();
-    for i in 1..N {
-        largest = v[i].magnitude().greater(largest);
-    }
+    unrolled!(i < N, {
+        if i > 0 {
+            largest = v[i].magnitude().greater(largest);
+        }
+    });
     let scale = opposite_power(largest);
     let mut scaled = v;
-    for i in 0..N {
+    unrolled!(i < N, {
         scaled[i] = v[i] * scale;
-    }
+    });
     (scale, scaled)
 }
 
@@ -169,9 +177,9 @@ pub(super) fn direction_and_norm<const FUSED: bool, const N: usize>(
     let norm = square.square_root();
     let factor = norm * inverse;
     let mut unit = scaled;
-    for i in 0..N {
+    unrolled!(i < N, {
         unit[i] = scaled[i] * factor;
-    }
+    });
     (unit, norm * opposite_power(scale))
 }
 
@@ -181,9 +189,9 @@ pub(super) fn inverted<const FUSED: bool, const N: usize>(v: [Lanes<FUSED>; N]) 
     let (scale, scaled) = rescaled(v);
     let factor = square_and_inverse(scaled).1 * scale;
     let mut inverted = scaled;
-    for i in 0..N {
+    unrolled!(i < N, {
         inverted[i] = scaled[i] * factor;
-    }
+    });
     inverted
 }
 
@@ -198,9 +206,9 @@ pub(super) fn inverted_cosines<const FUSED: bool, const N: usize>(
     let square = square(v);
     let inverse = Lanes::splat(1.0) / square.greater(Lanes::splat(SMALLEST_SQUARE));
     let mut inverted = v;
-    for i in 0..N {
+    unrolled!(i < N, {
         inverted[i] = v[i] * inverse;
-    }
+    });
     (inverted, square.square_root())
 }
 
@@ -232,16 +240,16 @@ fn larger<const FUSED: bool>(
 ) -> (Lanes<FUSED>, [Lanes<FUSED>; 4]) {
     let difference = a.0 - b.0;
     let mut column = a.1;
-    for i in 0..4 {
+    unrolled!(i < 4, {
         column[i] = Lanes::by_sign(difference, b.1[i], a.1[i]);
-    }
+    });
     (a.0.greater(b.0), column)
 }
 
 /// The coefficients of K at c in [0, 1], to the second.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
-    let mut series = [Lanes::splat(0.0); MAX_ORDER + 1];
+    let mut series = const { [Lanes([0.0; LANES]); MAX_ORDER + 1] };
     let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);
     series[0] = polynomial(&LONG_LOG_0, y);
     if order > 0 {

@@ -187,6 +187,7 @@ impl<const FUSED: bool> Scalar for Lanes<FUSED> {
 }
 
 impl<const FUSED: bool> Real for Lanes<FUSED> {
+    const ZERO: Self = Self([0.0; LANES]);
     const HAS_LANES: bool = true;
 
     type Mask = LaneMask;

@@ -391,7 +391,7 @@ fn rotations_are_those_of_doubles<const FUSED: bool>() {
         let half = S::Real::ratio(1, 2);
         let turned = [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[i][j] + first[i][j] + second[i][j].scale(half)));
         let log = so3::log_along(&turned, Some(spin));
-        let [x, y] = so3::component_flexions(&turned, Some(spin), S::Real::integer(0));
+        let [x, y] = so3::component_flexions(&turned, Some(spin), S::Real::ZERO);
         [log[0], log[1], log[2], so3::torsion_along(&turned, Some(spin)), x, y]
     }
     for shift in 0..rotations.len() {

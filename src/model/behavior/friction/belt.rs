@@ -86,7 +86,7 @@ where
     let angle = atan2(sine, dot(first, second));
     let mut flags = Vec::new();
     if is_zero(sine.real()) {
-        let is_folded = dot(first, second).real().less(S::Real::integer(0));
+        let is_folded = dot(first, second).real().less(S::Real::ZERO);
         flags.push(Flag::WrapAngle { angle: if is_folded { std::f64::consts::PI } else { 0.0 } });
     }
     (angle, flags)
@@ -155,7 +155,7 @@ impl Belt {
     {
         let context = Context { conditions: input.conditions, ..Context::default() };
         let rate = match input.duration {
-            Some(duration) if S::Real::integer(0).less(duration.real()) => increment * recip(duration),
+            Some(duration) if S::Real::ZERO.less(duration.real()) => increment * recip(duration),
             _ => {
                 if self.coefficient.depends_on_rate() {
                     flags.add(Flag::NoDuration);
@@ -181,7 +181,7 @@ impl Belt {
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
-        let zero = S::Real::integer(0);
+        let zero = S::Real::ZERO;
         // With no force yet, the direction is that of the flow.
         let carried = S::from_real(state.force[FLOW]);
         let is_backward = {
@@ -310,7 +310,7 @@ where
     S::Real: Ordered,
 {
     // What is no number stays one, and is told.
-    let is_slack = tension.real().less(S::Real::integer(0)) || is_zero(tension.real());
+    let is_slack = tension.real().less(S::Real::ZERO) || is_zero(tension.real());
     if !is_slack {
         return tension;
     }

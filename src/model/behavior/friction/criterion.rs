@@ -204,7 +204,7 @@ impl Term {
 
     /// The rows A of the magnitude |A f|.
     fn rows<R: Ordered>(&self, context: &Context<'_, R>, unit: impl Fn(usize) -> [R; 6]) -> Vec<[R; 6]> {
-        let spread = |v: [R; 3]| [v[0], v[1], v[2], R::integer(0), R::integer(0), R::integer(0)];
+        let spread = |v: [R; 3]| [v[0], v[1], v[2], R::ZERO, R::ZERO, R::ZERO];
         match self.load {
             Load::Norm(components) => {
                 components.iter().filter(|k| self.present[**k]).map(|k| unit(*k)).collect()
@@ -213,7 +213,7 @@ impl Term {
             Load::Across(axis) => {
                 let axis = direction(axis, context);
                 let along = |i: usize| {
-                    let mut e = [R::integer(0); 3];
+                    let mut e = [R::ZERO; 3];
                     e[i] = R::integer(1);
                     // (f × axis)_i = f · (axis × e_i)
                     spread(cross(axis, e))
@@ -533,7 +533,7 @@ impl Criterion {
 
     /// F_C and F_C^int in parts, with the context's positions; `None` where F_C is a derived component.
     pub fn contact_parts<R: Ordered>(&self, context: &Context<'_, R>) -> Option<ContactParts<R>> {
-        let (zero, one) = (R::integer(0), R::integer(1));
+        let (zero, one) = (R::ZERO, R::integer(1));
         let unit = |k: usize| {
             let mut row = [zero; 6];
             row[k] = one;

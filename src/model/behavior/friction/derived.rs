@@ -135,7 +135,7 @@ where
     S: Scalar,
     S::Real: Ordered,
 {
-    if S::Real::integer(0).less(x.real()) {
+    if S::Real::ZERO.less(x.real()) {
         return x;
     }
     if is_zero(x.real()) {
@@ -374,7 +374,7 @@ impl Potential {
         S: Scalar,
         S::Real: Ordered,
     {
-        if value.real().less(S::Real::integer(0)) {
+        if value.real().less(S::Real::ZERO) {
             flags.add(Flag::NegativePotential);
             return None;
         }
@@ -502,7 +502,7 @@ where
     S::Real: Ordered,
 {
     const { assert!(S::ORDER <= 2, "potentials are lifted to second order") }
-    let (zero, one, beta) = (S::Real::integer(0), S::Real::integer(1), S::Real::from_f64(exponent));
+    let (zero, one, beta) = (S::Real::ZERO, S::Real::integer(1), S::Real::from_f64(exponent));
     let most = values.iter().fold(zero, |most, q| larger(most, q.real().magnitude()));
     if is_zero(most) {
         return S::zero();

@@ -130,13 +130,13 @@ fn is_divisor(x: f64) -> bool {
 }
 
 fn is_zero<R: Ordered>(x: R) -> bool {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     // The last is false for NaN.
     !x.less(zero) && !zero.less(x) && x.magnitude().less(R::integer(1))
 }
 
 fn is_finite<R: Ordered>(x: R) -> bool {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     (x * zero).magnitude().less(R::integer(1))
 }
 
@@ -147,7 +147,7 @@ fn larger<R: Ordered>(x: R, y: R) -> R {
 
 /// The largest magnitude.
 fn largest<R: Ordered>(of: &[R]) -> R {
-    of.iter().fold(R::integer(0), |most, x| larger(most, x.magnitude()))
+    of.iter().fold(R::ZERO, |most, x| larger(most, x.magnitude()))
 }
 
 /// The most contributions that a potential may have.

@@ -28,7 +28,7 @@ where
         (excess.real() - slip - rise, -(one + slope))
     });
     let fall = one + rise_and_slope(root).1;
-    if !S::Real::integer(0).less(fall) {
+    if !S::Real::ZERO.less(fall) {
         flags.add(Flag::Unstable);
     }
     let there = S::from_real(root);
@@ -38,7 +38,7 @@ where
 /// The first root in [0, most] of a function that is positive at 0 and not at `most`, given with its slope; by Newton's method,
 /// safeguarded by bisection. Between `breaks` the function is smooth.
 fn first_root<R: Ordered + Differentiable>(breaks: &[R], most: R, h: impl Fn(R) -> (R, R)) -> R {
-    let zero = R::integer(0);
+    let zero = R::ZERO;
     let (mut low, mut high) = (zero, most);
     for point in breaks {
         if zero.less(h(*point).0) {
@@ -76,7 +76,7 @@ fn first_root<R: Ordered + Differentiable>(breaks: &[R], most: R, h: impl Fn(R) 
 
 /// The slips below `most`, each once, in increasing order.
 fn sorted<R: Ordered + Differentiable>(slips: impl Iterator<Item = R>, most: R) -> Vec<R> {
-    let mut sorted: Vec<R> = slips.filter(|slip| R::integer(0).less(*slip) && slip.less(most)).collect();
+    let mut sorted: Vec<R> = slips.filter(|slip| R::ZERO.less(*slip) && slip.less(most)).collect();
     sorted.sort_by(|x, y| {
         if x.less(*y) {
             Ordering::Less

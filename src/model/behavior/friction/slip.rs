@@ -115,8 +115,8 @@ where
     /// along the traction.
     pub(super) fn against(&self, potential: &Potential, flags: &mut Flags) -> Slip<S> {
         let size = largest(&self.trial.map(Scalar::real));
-        let limit = self.limit_and_slope(S::Real::integer(0)).0;
-        let (mut stretched, mut increment) = (self.trial.map(Scalar::real), S::Real::integer(0));
+        let limit = self.limit_and_slope(S::Real::ZERO).0;
+        let (mut stretched, mut increment) = (self.trial.map(Scalar::real), S::Real::ZERO);
         let magnitude = self.magnitude(potential, &mut Flags::default()).real();
         if Stretch::new(potential, magnitude, size, self.stick.stiffness().real()).is_any() {
             // Without a slip small tractions would be sent far over zero.
@@ -172,7 +172,7 @@ where
         increment: S::Real,
     ) -> Linearised<S::Real> {
         let n = self.radii.len();
-        let zero = S::Real::integer(0);
+        let zero = S::Real::ZERO;
         let unit = self.stick.stiffness().real();
         let seeded = [0, 1, 2, 3, 4, 5].map(|k| <S::Real as Duals>::Hessian::<6>::seed(t[k], k));
         let context = self.input.context.map(|x| Scalar::from_real(x.real()));
@@ -213,7 +213,7 @@ where
         const SOLVED: f64 = 1e-11;
         const STEPS: usize = 60;
         const HALVINGS: usize = 40;
-        let zero = S::Real::integer(0);
+        let zero = S::Real::ZERO;
         let (mut t, mut increment) = start;
         let mut here = self.linearised(potential, (size, scale), &t, increment);
         let size_of = |of: &Linearised<S::Real>| of.residual.iter().fold(zero, |sum, x| sum + x.magnitude());
@@ -290,8 +290,8 @@ where
             end[*k] = constant[*k] - step[i].scale(size * stretch.rise(*k, t[*k]));
         }
         let increment = S::from_real(increment) - step[n].scale(size);
-        let is_negative = increment.real().less(S::Real::integer(0));
-        let increment = if is_negative { increment.with_real(S::Real::integer(0)) } else { increment };
+        let is_negative = increment.real().less(S::Real::ZERO);
+        let increment = if is_negative { increment.with_real(S::Real::ZERO) } else { increment };
         self.returned(end, increment)
     }
 
@@ -350,7 +350,7 @@ where
     /// t = s t_tr with p(t) = ℓ and the slip that this takes, Δγ = (1 − s) Σ (t_tr,k/R_k)²/p(t_tr): by bisection, which cannot
     /// fail.
     fn along_traction(&self, potential: &Potential, flags: &mut Flags) -> ([S; 6], S) {
-        let (zero, one) = (S::Real::integer(0), S::Real::integer(1));
+        let (zero, one) = (S::Real::ZERO, S::Real::integer(1));
         let (whole, unit) = (self.elastic_slip(potential), self.stick.stiffness());
         let excess = |share: S, flags: &mut Flags| {
             let increment = (S::one() - share) * whole;
@@ -398,7 +398,7 @@ where
 /// Whether P − L falls as slip (unknown n) grows and the tractions follow, as far as rounding tells. Where the stick stiffness is
 /// many orders stiffer than the limit, the slip is a difference of numbers that are as much larger.
 fn falls<R: Ordered + Differentiable>(equations: &Equations<R>, n: usize) -> bool {
-    let mut of_excess = [R::integer(0); SLOTS];
+    let mut of_excess = [R::ZERO; SLOTS];
     of_excess[n] = R::integer(1);
     let Some(by) = equations.solve(&of_excess) else { return false };
     let mut row = 0;
@@ -408,7 +408,7 @@ fn falls<R: Ordered + Differentiable>(equations: &Equations<R>, n: usize) -> boo
         }
     }
     let parts = (0..n).map(|j| (equations.jacobian[row][j] * by[j]).magnitude());
-    let sum = parts.fold(R::integer(0), |sum, part| sum + part);
+    let sum = parts.fold(R::ZERO, |sum, part| sum + part);
     let noise = sum * R::from_f64(4.0 * f64::EPSILON) / equations.jacobian[row][n].magnitude();
     by[n].less(noise)
 }

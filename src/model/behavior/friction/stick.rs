@@ -35,7 +35,7 @@ impl StickStiffness {
         match (self, kept) {
             (Self::Given(stiffness), _) => Some(constant(S::Real::from_f64(stiffness))),
             (Self::ElasticSlip(_), Some(stiffness)) => Some(constant(stiffness)),
-            (Self::ElasticSlip(slip), None) => S::Real::integer(0)
+            (Self::ElasticSlip(slip), None) => S::Real::ZERO
                 .less(at_rest.value().real())
                 .then(|| Stick { of: *at_rest, per: S::Real::from_f64(slip) }),
         }

@@ -39,7 +39,7 @@ impl<R: Ordered> Stretch<R> {
             Some((power, _)) if !is_zero(t) => {
                 (t / self.size).magnitude().power(R::integer(1) - power) / power
             }
-            Some(_) => R::integer(0),
+            Some(_) => R::ZERO,
             None => R::integer(1),
         }
     }
@@ -64,7 +64,7 @@ impl<R: Ordered> Stretch<R> {
         let y = if is_zero(ratio) { ratio } else { ratio.magnitude().power(power).with_sign_of(ratio) };
         let y = y - step;
         if is_zero(y) {
-            return R::integer(0);
+            return R::ZERO;
         }
         y.magnitude().power(R::integer(1) / power).with_sign_of(y) * self.size
     }

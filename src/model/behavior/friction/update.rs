@@ -57,7 +57,7 @@ pub struct State<R> {
 
 impl<R: Real> Default for State<R> {
     fn default() -> Self {
-        Self { force: [R::integer(0); 6], accumulated_slip: R::integer(0), stick_stiffness: None }
+        Self { force: [R::ZERO; 6], accumulated_slip: R::ZERO, stick_stiffness: None }
     }
 }
 
@@ -177,7 +177,7 @@ impl<S: Copy> Outcome<S> {
 impl<R: Real> Outcome<R> {
     /// Nothing presses and nothing is asked to slide: no force, and what was remembered stays.
     pub(crate) fn idle(state: &State<R>) -> Self {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         Self {
             status: Status::Free,
             force: [zero; 6],
@@ -256,7 +256,7 @@ impl Friction {
         let constant = R::Gradient::<INPUTS>::from_real;
         let mut seeded = input.map(constant);
         for k in 0..6 {
-            let moved = R::Gradient::<INPUTS>::seed(R::integer(0), k);
+            let moved = R::Gradient::<INPUTS>::seed(R::ZERO, k);
             if !failed[k] {
                 seeded.displacement[k] = seeded.displacement[k] + moved;
             }
@@ -324,7 +324,7 @@ impl Friction {
             Context { accumulated_slip: S::from_real(accumulated_slip) + increment, ..input.context.clone() };
         let normal = self.criterion.normal(contact, &context, flags);
         let rate = match input.duration {
-            Some(duration) if S::Real::integer(0).less(duration.real()) => increment * recip(duration),
+            Some(duration) if S::Real::ZERO.less(duration.real()) => increment * recip(duration),
             _ => {
                 if self.coefficient.depends_on_rate() {
                     flags.add(Flag::NoDuration);
@@ -350,7 +350,7 @@ impl Friction {
     {
         const { assert!(S::ORDER <= 1, "the slip equations are differentiated once") }
         let mut flags = Flags::default();
-        let zero = S::Real::integer(0);
+        let zero = S::Real::ZERO;
         let radii: Vec<(usize, S::Real)> =
             self.radii().into_iter().map(|(k, radius)| (k, S::Real::from_f64(radius))).collect();
         let contact = self.criterion.pressing.evaluate(&input.forces, &input.context, &mut flags);
@@ -463,5 +463,5 @@ where
 
 /// The limit as a scale for its own error.
 fn larger_or_one<R: Ordered + Differentiable>(limit: R) -> R {
-    if R::integer(0).less(limit) { limit } else { R::integer(1) }
+    if R::ZERO.less(limit) { limit } else { R::integer(1) }
 }
