@@ -77,7 +77,7 @@ codes! {
     IncludeLimit = "deck::include-limit": "Includes nest too deep, or are too many or too large altogether.";
 
     UnsupportedKeyword = "deck::unsupported-keyword": "A keyword or parameter that acts on nodes of connectors or constraints, or changes the deck itself, and is not understood; skipping it would give another model.";
-    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
+    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, *BOUNDARY and *CLOAD with a parameter that is not read, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
     ItemsAfterCoordinates = "deck::items-after-coordinates": "A line of *NODE goes on after the third coordinate, and what follows is no normal: of numbers with decimal commas the digits become further items. A warning.";
     MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
@@ -585,6 +585,12 @@ impl Diagnostic {
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
         self.0.remedy = shortened(remedy.into());
+        self
+    }
+
+    /// The same as a warning, without those that it carries.
+    pub(crate) fn excused(mut self) -> Self {
+        self.0.severity = Severity::Warning;
         self
     }
 

@@ -293,7 +293,7 @@ fn faults_of_included_files_are_told_there() {
         ("twice.inp".to_owned(), "*FILM\n"),
     ]);
     let fails = |deck: &str| Scene::parse_with("deck.inp", deck.as_bytes(), &files).unwrap_err();
-    let error = fails("*HEADING\n*NODE\n*INCLUDE, INPUT=nodes.inp\n");
+    let error = fails("*HEADING\n*NODE\n*INCLUDE, INPUT=nodes.inp\n*MPC\nTIE, 1, 2\n");
     assert_eq!((error.code(), error.file(), error.line()), (Code::MalformedNumber, "nodes.inp", Some(2)));
     let shown = error.render(110, false);
     assert!(shown.contains("nodes.inp:2:4") && shown.contains("2, x, 0., 0."), "{shown}");

@@ -67,7 +67,7 @@ fn all_errors_come_in_one_run_and_none_that_follows_from_another() {
 #[test]
 fn errors_beyond_the_limit_are_counted() {
     let lines: String = (1..=50).map(|node| format!("{node}, x, 0., 0.\n")).collect();
-    let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}")).unwrap_err();
+    let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}*MPC\nTIE, 1, 2\n")).unwrap_err();
     assert_eq!((error.further().len() + 1, error.unsaid()), (MAX_ERRORS, 50 - MAX_ERRORS));
 }
 
@@ -151,9 +151,9 @@ fn excerpts_are_windows_around_the_place() {
             || shown.contains(&format!("scene.json:1:{}", column + 2)),
         "{shown}"
     );
-    let line = format!("*NODE\n1, 0., 0., 0.\n2, {}x\n", "é".repeat(2_500_000));
+    let line = format!("*NODE\n1, 0., 0., 0.\n2, {}x\n*MPC\nTIE, 1, 2\n", "é".repeat(2_500_000));
     let brackets = "[".repeat(200_000);
-    let unknown = format!("*NODE, {}=3\n", "ü".repeat(20_000));
+    let unknown = format!("*MPC, {}=3\n", "ü".repeat(20_000));
     for (name, text) in [
         ("deck.inp", line.as_str()),
         ("deck.inp", &unknown),

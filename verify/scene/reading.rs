@@ -42,7 +42,7 @@ fn a_byte_order_mark_and_other_encodings_in_comments_do_not_matter() {
     let mut bytes = b"\xef\xbb\xbf*HEADING\n caf\xe9\n** d\xe9but\n*NODE\n1, 2.\n*FILM\n\xff\n".to_vec();
     let scene = Scene::parse_bytes("deck.inp", &bytes).unwrap();
     assert_eq!(scene.nodes[&n(1)].coordinates, [2.0, 0.0, 0.0]);
-    let error = Scene::parse("deck.inp", "\u{feff}*NODE, SET=N\n").unwrap_err();
+    let error = Scene::parse("deck.inp", "\u{feff}*NODE, SET=N\n*MPC\n").unwrap_err();
     assert_eq!((error.code(), error.span().start(), error.span().end()), (Code::UnknownParameter, 10, 15));
     bytes.extend_from_slice(b"*NODE\n1, 3.\n5, 9.\n*MPC\nTIE, 1, 5\n");
     let error = Scene::parse_bytes("deck.inp", &bytes).unwrap_err();
@@ -73,7 +73,7 @@ fn wide_ranges_cost_what_they_contain() {
 fn sets_have_a_largest_size() {
     let nodes: String = (1..=4_000).map(|node| format!("{node}\n")).collect();
     let names = "ALL, ALL, ALL, ALL, ALL, ALL, ALL, ALL\n".repeat(320);
-    let deck = format!("*NODE, NSET=ALL\n{nodes}*NSET, NSET=MANY\n{names}");
+    let deck = format!("*NODE, NSET=ALL\n{nodes}*NSET, NSET=MANY\n{names}*MPC\n");
     let error = Scene::parse("deck.inp", &deck).unwrap_err();
     assert_eq!((error.code(), error.line()), (Code::GenerateRange, Some(4_002)));
 }

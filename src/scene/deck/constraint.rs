@@ -83,6 +83,16 @@ impl Raw {
         self.equations.len() + of_surfaces + self.bodies.len() + self.couplings.len() + self.ties.len()
     }
 
+    /// Is there none?
+    pub(super) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The orientations that are named.
+    pub(super) fn orientations(&self) -> impl Iterator<Item = &str> {
+        self.couplings.iter().filter_map(|coupling| Some(coupling.orientation.as_ref()?.value.as_str()))
+    }
+
     /// The node sets, and the element sets, that are named.
     pub(super) fn sets(&self) -> [Vec<&str>; 2] {
         fn set(target: &Spanned<Target>) -> Option<&str> {
@@ -426,7 +436,9 @@ fn equations(scene: &Scene, terms: &[RawTerm], span: Span) -> Result<Option<Vec<
         _ => None,
     };
     let Some(numbers) = terms.iter().map(number).collect::<Option<Vec<u8>>>() else {
-        let bad = terms.iter().find(|term| term.degree_of_freedom == 0);
+        // Of CalculiX, the temperatures of a network.
+        let all_zero = terms.iter().all(|term| term.degree_of_freedom == 0);
+        let bad = terms.iter().find(|term| term.degree_of_freedom == 0 && !all_zero);
         let Some(bad) = bad else { return Ok(None) };
         let message = "a term is about degree of freedom 0";
         return Err(Diagnostic::error(Code::BadDegreeOfFreedom, bad.node.span, message, "this term")

@@ -44,14 +44,31 @@ impl Errors {
         !self.is_torn
     }
 
+    /// Whether a deck that has nothing to evaluate may have these errors: nothing of it is in a file that is not there, or not begun.
+    pub(super) fn are_excusable(&self) -> bool {
+        let mut all = self.found.iter().flat_map(|first| std::iter::once(first).chain(first.further()));
+        all.all(|error| !hides(error.code()))
+    }
+
+    /// All as one, in the order of their places.
     pub(super) fn into_first(self) -> Option<Diagnostic> {
-        self.found
+        let (mut all, unsaid) = self.found?.apart();
+        all.sort_by_key(|error| (error.span().file(), error.span().line()));
+        Diagnostic::joined(all).map(|first| first.with_unsaid(unsaid))
     }
 }
 
 /// Reading cannot go on.
 pub(super) fn is_fatal(code: Code) -> bool {
     matches!(code, Code::Unreadable | Code::LineTooLong | Code::IncludeLimit)
+}
+
+/// Whether a connector or a constraint may be in what is missing.
+fn hides(code: Code) -> bool {
+    use Code::*;
+    let is_absent =
+        matches!(code, IncludeUnreadable | IncludeCycle | UnknownPart | MissingKeywords | UnsupportedKeyword);
+    is_fatal(code) || is_absent || matches!(code, NotUtf8)
 }
 
 /// Whether lines of any kind are missing after such an error.

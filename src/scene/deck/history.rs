@@ -1,6 +1,7 @@
 //! Steps and what happens in them: procedures, motions, loads, boundary conditions, output requests.
 
 use crate::choice::Choice;
+use crate::deck::errors::is_fatal;
 use crate::deck::lookup::target;
 use crate::deck::mesh::{any_degree_of_freedom, is_mechanical};
 use crate::deck::{Deck, misplaced, unread};
@@ -286,6 +287,19 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if let Some(why) = not_in_deck(deck, keyword) {
         return unread::amplitude(deck, keyword, &why);
     }
+    match amplitude_of(deck, keyword, &name.value) {
+        Ok(amplitude) => drop(deck.scene.amplitudes.insert(name.value, amplitude)),
+        Err(error) if is_fatal(error.code()) => return Err(error),
+        Err(error) => {
+            deck.lexer.skip()?;
+            unread::faulty_amplitude(deck, name.value, keyword.span, error);
+        }
+    }
+    Ok(())
+}
+
+/// The amplitude of the lines that follow.
+fn amplitude_of(deck: &mut Deck<'_>, keyword: &Keyword, name: &str) -> Result<Amplitude> {
     let definition = keyword.choice("DEFINITION")?.unwrap_or(AmplitudeDefinition::Tabular);
     let pairs = definition.has_pairs();
     let mut data = Vec::new();
@@ -311,11 +325,11 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         items.end("at most eight numbers")?;
     }
     if pairs && (data.is_empty() || data.len() % 2 == 1 || data.iter().any(Option::is_none)) {
-        let message = format!("amplitude {} needs pairs of time and value", name.value);
+        let message = format!("amplitude {name} needs pairs of time and value");
         return Err(Diagnostic::error(Code::MissingData, place, message, "a number is missing")
             .help("write time, value, time, value …"));
     }
-    let amplitude = Amplitude {
+    Ok(Amplitude {
         definition,
         time: keyword.choice("TIME")?,
         value: keyword.choice("VALUE")?,
@@ -324,9 +338,7 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         begin: keyword.number("BEGIN")?,
         data,
         span: keyword.span,
-    };
-    deck.scene.amplitudes.insert(name.value, amplitude);
-    Ok(())
+    })
 }
 
 pub(super) fn step(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
@@ -387,8 +399,14 @@ fn times(deck: &mut Deck<'_>) -> Result<Times> {
     let Some(line) = deck.lexer.data()? else { return Ok(Times::default()) };
     let mut items = line.items();
     let mut values = [None; 4];
+    let mut unread = None;
     for value in &mut values {
-        *value = items.number()?;
+        let Some(item) = items.maybe() else { continue };
+        // No connector depends on how long a step is.
+        match item.number() {
+            Err(error) if item.is_parameter() => unread = Some(error),
+            number => *value = Some(number?),
+        }
     }
     // Of *STATIC, RIKS the largest load factor, and a node or set whose displacement ends the step.
     let further = items.filter(|item| !item.text.is_empty()).count();
@@ -399,6 +417,9 @@ fn times(deck: &mut Deck<'_>) -> Result<Times> {
         let message = format!("a time is negative: {negative}");
         return Err(Diagnostic::error(Code::NumberOutOfRange, line, message, "must not be negative")
             .help("write: initial, total, minimum, maximum time"));
+    }
+    if let Some(error) = unread {
+        deck.unread.fault(unread::Bears::Nothing, error);
     }
     for _ in 0..further {
         deck.scene.skipped.count("further numbers of a procedure".to_owned(), line.line());

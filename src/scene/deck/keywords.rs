@@ -8,7 +8,7 @@ use crate::behavior::{
 use crate::choice::Choice;
 use crate::deck::{Deck, assembly, behavior, connector, constraint, generate, history, mesh, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
-use crate::lexer::Keyword;
+use crate::lexer::{Keyword, KeywordParameter, Value};
 use crate::model::Weighting;
 use crate::model::{AmplitudeTime, AmplitudeValue, DefaultAmplitude, MotionType, Operation, TransformKind};
 use std::collections::HashSet;
@@ -188,7 +188,8 @@ pub(super) static RULES: &[Rule] = &[
         &[may("NSET", Name), may("SYSTEM", One(&["R", "C", "S"])), may("INPUT", Text)],
         "each line is: node, x, y, z",
         mesh::node,
-    ),
+    )
+    .with_strange(Strange::Unlike),
     rule(
         "NSET",
         Both,
@@ -232,7 +233,8 @@ pub(super) static RULES: &[Rule] = &[
         ],
         "each line is: element, node, node …",
         mesh::element,
-    ),
+    )
+    .with_strange(Strange::Unlike),
     rule(
         "NGEN",
         Model,
@@ -845,6 +847,7 @@ pub(super) fn reads_by_line(name: &str) -> bool {
             | "BOUNDARY"
             | "CLOAD"
             | "DLOAD"
+            | "INITIAL CONDITIONS"
     )
 }
 
@@ -975,6 +978,13 @@ pub(super) fn is_unrelated(name: &str) -> bool {
 }
 
 impl Rule {
+    /// Is the keyword one of connectors or constraints?
+    pub(super) fn bears(&self) -> bool {
+        self.name.starts_with("CONNECTOR")
+            || self.name == "MPC"
+            || (is_constraint(self.name) && self.name != "SURFACE")
+    }
+
     /// The parameters of a keyword that are not kept.
     pub(super) fn passed_over<'a>(&'a self, keyword: &'a Keyword) -> impl Iterator<Item = &'static str> + 'a {
         let passed = self.parameters.into_iter().flatten().filter(|parameter| !parameter.kept);
@@ -996,6 +1006,11 @@ impl Rule {
         if let Some(known) = self.parameters {
             let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
             keyword.complete(&names);
+        }
+        if self.strange == Strange::Skipped && !self.bears() {
+            let is_open = |given: &KeywordParameter| given.value.as_ref().is_some_and(Value::is_parameter);
+            let left: Vec<_> = keyword.parameters.extract_if(.., |given| is_open(given)).collect();
+            strange.extend(left.into_iter().map(|given| given.name));
         }
         let keyword = &*keyword;
         let name = &keyword.name;

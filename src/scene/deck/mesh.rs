@@ -285,6 +285,7 @@ fn element_type(keyword: &Keyword) -> Result<ElementType> {
 
 pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let kind = element_type(keyword)?;
+    deck.unread.any_bears |= matches!(kind, ElementType::Connector(_));
     if let ElementType::Other(name) = &kind
         && let Some(near) = nearest(name, PointKind::ALL.map(PointKind::name))
     {

@@ -165,14 +165,21 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         host: Host::None,
         step: None,
         stepped: false,
+        has_keywords: false,
     };
     if let Err(error) = deck.read() {
         deck.errors.add(error);
     }
-    let is_judged = deck.errors.leaves_references();
+    let is_judged = deck.errors.leaves_references() || deck.may_excuse();
     if is_judged {
         resolve::resolve(&mut deck);
     }
+    // Without a connector or a constraint no error bears on one.
+    if deck.may_excuse() {
+        let errors = std::mem::take(&mut deck.errors).into_first().map(|first| first.apart().0);
+        errors.into_iter().flatten().for_each(|error| deck.warn(error.excused()));
+    }
+    let is_judged = is_judged && deck.errors.leaves_references();
     let Deck { lexer, mut scene, warnings, errors, .. } = deck;
     scene.axisymmetric = scene.skipped.element_types.keys().any(|name| name.contains("AX"));
     scene.skipped.comments = lexer.comments;
@@ -220,6 +227,8 @@ struct Deck<'a> {
     step: Option<Step>,
     /// There has been a step.
     stepped: bool,
+    /// There has been a keyword.
+    has_keywords: bool,
 }
 
 /// The suboption that takes suboptions of its own.
@@ -242,7 +251,7 @@ impl Deck<'_> {
             match self.lexer.keyword() {
                 Ok(None) => break,
                 Ok(Some(keyword)) => {
-                    empty = false;
+                    (empty, self.has_keywords) = (false, true);
                     let name = keyword.name.clone();
                     if let Err(error) = self.take(keyword) {
                         self.fault(error, &name)?;
@@ -280,6 +289,11 @@ impl Deck<'_> {
         self.lexer.skip().map(drop)
     }
 
+    /// Whether no error can bear on a connector or a constraint, for there is none.
+    fn may_excuse(&self) -> bool {
+        self.has_keywords && !self.unread.any_bears && self.errors.are_excusable()
+    }
+
     fn warn(&mut self, diagnostic: Diagnostic) {
         let code = diagnostic.code();
         let known = self.warned.entry(code).or_insert((self.warnings.len(), 0));
@@ -299,6 +313,10 @@ impl Deck<'_> {
         self.within_joint = false;
         if rule.family != Family::Suboption {
             (self.behavior_open, self.host) = (false, Host::None);
+        }
+        self.unread.any_bears |= rule.bears();
+        if let Some(comma) = keyword.dangling.filter(|_| rule.strange != Strange::Skipped) {
+            return Err(comma.error());
         }
         self.check_stage(rule, &keyword)?;
         let strange = rule.check_parameters(&mut keyword)?;
@@ -337,12 +355,21 @@ impl Deck<'_> {
         loop {
             let before = self.lexer.place_of_line();
             let Err(error) = (rule.read)(self, keyword) else { return Ok(()) };
-            let is_last = errors::is_fatal(error.code()) || self.lexer.place_of_line() == before;
-            if is_last || !keywords::reads_by_line(rule.name) {
-                return Err(error);
+            let is_fatal = errors::is_fatal(error.code());
+            let is_last = is_fatal || self.lexer.place_of_line() == before;
+            let goes_on = !is_last && keywords::reads_by_line(rule.name);
+            let bears = if is_fatal { None } else { unread::bears(self, rule.name, keyword, &error) };
+            match bears {
+                Some(bears) => self.unread.fault(bears, error),
+                None if goes_on => {
+                    self.errors.add(error);
+                    self.errors.spoil(rule.name);
+                }
+                None => return Err(error),
             }
-            self.errors.add(error);
-            self.errors.spoil(rule.name);
+            if !goes_on {
+                return self.lexer.skip().map(drop);
+            }
         }
     }
 
@@ -389,6 +416,8 @@ impl Deck<'_> {
     /// Skips a keyword that is not understood.
     fn pass_over(&mut self, keyword: &Keyword) -> Result<()> {
         self.within_joint |= ["JOINT", "ITS"].contains(&keyword.name.as_str());
+        self.unread.any_bears |=
+            keyword.name.starts_with("CONNECTOR") || keywords::constraint(&keyword.name).is_some();
         if let Some(near) = nearest(&keyword.name, keywords::RULES.iter().map(|rule| rule.name))
             .filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
         {

@@ -16,7 +16,7 @@ use crate::deck::unread;
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::label::Label;
 use crate::label::labelled::{Beside, LabelMap, LabelSet};
-use crate::model::{ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target};
+use crate::model::{Application, ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target};
 use crate::span::Spanned;
 use std::cell::OnceCell;
 use std::collections::HashSet;
@@ -24,6 +24,7 @@ use std::collections::HashSet;
 /// Checks every reference. What is wrong is added to the errors of the deck.
 pub(super) fn resolve(deck: &mut Deck<'_>) {
     let mut errors = std::mem::take(&mut deck.errors);
+    unread::judge_definitions(deck, &mut errors);
     elements(deck, &mut errors);
     let sets = build_sets(deck, &mut errors);
     errors.value(sets);
@@ -47,8 +48,9 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
         unread::drop_steps(deck);
     }
     let mut errors = std::mem::take(&mut deck.errors);
-    actuation(deck, &mut errors);
+    let excused = actuation(deck, &bearing, &mut errors);
     deck.errors = errors;
+    excused.into_iter().for_each(|error| deck.warn(error.excused()));
 }
 
 fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
@@ -490,9 +492,10 @@ fn constraints(scene: &Scene, raw: &RawMpc, mpcs: &mut Vec<Mpc>) -> Result<()> {
     Ok(())
 }
 
-/// Boundary conditions, motions, loads and output requests.
-fn actuation(deck: &Deck<'_>, errors: &mut Errors) {
+/// Boundary conditions, motions, loads and output requests. Gives what is wrong with those that bear on no connector.
+fn actuation(deck: &Deck<'_>, bearing: &LabelSet, errors: &mut Errors) -> Vec<Diagnostic> {
     let scene = &deck.scene;
+    let mut excused = Vec::new();
     let amplitude = |name: &Option<Spanned<String>>| {
         check_name(name.as_ref(), &scene.amplitudes, "amplitude", "AMPLITUDE", Code::UnknownAmplitude)
     };
@@ -523,9 +526,15 @@ fn actuation(deck: &Deck<'_>, errors: &mut Errors) {
         errors.value(amplitude(&motion.applied.amplitude));
     }
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
+    // Of what acts on nodes that are known, and on none of a connector, the amplitude does not matter.
+    let mut on_nodes = |target: &Spanned<Target>, applied: &Application, errors: &mut Errors| {
+        let known = errors.value(known_node_target(scene, target));
+        let error = amplitude(&applied.amplitude).err();
+        let bears = known.is_none() || unread::acts_on(scene, &target.value, bearing);
+        if bears { error.into_iter().for_each(|error| errors.add(error)) } else { excused.extend(error) }
+    };
     for boundary in boundaries {
-        errors.value(known_node_target(scene, &boundary.target));
-        errors.value(amplitude(&boundary.applied.amplitude));
+        on_nodes(&boundary.target, &boundary.applied, errors);
     }
     for velocity in &scene.initial_velocities {
         errors.value(known_node_target(scene, &velocity.target));
@@ -536,29 +545,38 @@ fn actuation(deck: &Deck<'_>, errors: &mut Errors) {
             errors.value(amplitude(&load.applied.amplitude));
         }
         for load in &step.concentrated_loads {
-            errors.value(known_node_target(scene, &load.target));
-            errors.value(amplitude(&load.applied.amplitude));
+            on_nodes(&load.target, &load.applied, errors);
         }
+    }
+    for step in &scene.steps {
         for load in &step.distributed_loads {
-            errors.value(amplitude(&load.applied.amplitude));
+            // Gravity acts on the masses of connectors' nodes; no other load of elements does.
+            let errors: &mut dyn FnMut(Diagnostic) = if load.label == "GRAV" {
+                &mut |error| errors.add(error)
+            } else {
+                &mut |error| excused.push(error)
+            };
+            amplitude(&load.applied.amplitude).err().into_iter().for_each(&mut *errors);
             match &load.target {
                 Some(Spanned { value: Target::Set(name), span }) => {
-                    errors.value(element_set(scene, &Spanned::new(name.clone(), *span)));
+                    let found = element_set(scene, &Spanned::new(name.clone(), *span));
+                    found.err().into_iter().for_each(errors);
                 }
                 Some(Spanned { value: Target::Label(label), span }) => {
                     let known = scene.connectors.contains_key(label)
                         || scene.point_elements.contains_key(label)
                         || deck.other_elements.contains(*label);
                     if !known {
-                        errors.add(unknown(Kind::Element, *label, *span));
+                        errors(unknown(Kind::Element, *label, *span));
                     }
                 }
                 None => {}
             }
         }
         for request in &step.outputs {
-            errors.value(request.element_set.iter().try_for_each(|name| element_set(scene, name).map(drop)));
-            errors.value(request.node_set.iter().try_for_each(|name| node_set(scene, name).map(drop)));
+            excused.extend(request.element_set.iter().filter_map(|name| element_set(scene, name).err()));
+            excused.extend(request.node_set.iter().filter_map(|name| node_set(scene, name).err()));
         }
     }
+    excused
 }

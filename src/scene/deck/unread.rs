@@ -1,5 +1,6 @@
 //! What bears on a connector or constraint only where one uses it: it is skipped and counted elsewhere, and an error there.
 
+use crate::deck::errors::Errors;
 use crate::deck::lookup::target;
 use crate::deck::{Deck, constraint};
 use crate::diagnostic::{Code, Diagnostic, Result};
@@ -7,16 +8,21 @@ use crate::label::Label;
 use crate::label::labelled::LabelSet;
 use crate::label::normal;
 use crate::lexer::Keyword;
-use crate::model::{Application, Scene, Target};
+use crate::model::{Application, Scene, SkippedConstraint, Target};
 use crate::span::{Span, Spanned};
 use indexmap::IndexMap;
+use std::collections::HashSet;
 
 /// What was passed over, until it is known whether something uses it.
 #[derive(Debug, Default)]
 pub(super) struct Unread {
     lines: Vec<OnNodes>,
     /// Amplitudes by name: where they are, and why they are not read.
-    amplitudes: IndexMap<String, (Span, String)>,
+    amplitudes: IndexMap<String, (Span, Why)>,
+    /// Lines that cannot be read, each with what it bears on.
+    faults: Vec<(Bears, Diagnostic)>,
+    /// There is a connector or a constraint, or a keyword that is meant for one.
+    pub(super) any_bears: bool,
     changes: Vec<Change>,
     /// What moves nodes, these or any, or takes them from elsewhere.
     warnings: Vec<(Option<Vec<Spanned<Target>>>, Diagnostic)>,
@@ -34,6 +40,58 @@ struct OnNodes {
     what: String,
     targets: Vec<Spanned<Target>>,
     remedy: String,
+    /// Without them the model is another one, or only what acts on it.
+    moves_nodes: bool,
+}
+
+/// Why an amplitude is not read.
+#[derive(Debug)]
+enum Why {
+    /// Its values are elsewhere.
+    Elsewhere(String),
+    /// Its lines are faulty.
+    Faulty(Diagnostic),
+}
+
+/// What a line that cannot be read bears on.
+#[derive(Debug)]
+pub(super) enum Bears {
+    /// No connector and no constraint.
+    Nothing,
+    /// These nodes.
+    Nodes(Spanned<Target>),
+    /// The nodes of the elements of a set.
+    Elements(String),
+    /// The nodes of a set.
+    NodeSet(String),
+    /// What uses an orientation.
+    Orientation(String),
+}
+
+/// What an error of a keyword bears on, if that can be told; the faulty line was read last.
+pub(super) fn bears(deck: &mut Deck<'_>, rule: &str, keyword: &Keyword, error: &Diagnostic) -> Option<Bears> {
+    if deck.assembly.is_open() || !error.further().is_empty() {
+        return None;
+    }
+    let set = |parameter| Some(keyword.name_of(parameter).ok()??.value);
+    match rule {
+        "BOUNDARY" | "CLOAD" | "INITIAL CONDITIONS" | "NODE" => {
+            deck.lexer.again();
+            let line = deck.lexer.row().ok()??;
+            let first = line.items().maybe()?;
+            target(&first, "the node number").ok().map(Bears::Nodes)
+        }
+        "DLOAD" => {
+            deck.lexer.again();
+            let line = deck.lexer.row().ok()??;
+            let is_gravity = line.items().nth(1).is_some_and(|item| normal(item.text) == "GRAV");
+            (!is_gravity).then_some(Bears::Nothing)
+        }
+        "MASS" | "ROTARY INERTIA" | "SPRING" | "DASHPOT" => set("ELSET").map(Bears::Elements),
+        "TRANSFORM" => set("NSET").map(Bears::NodeSet),
+        "ORIENTATION" => set("NAME").map(Bears::Orientation),
+        _ => None,
+    }
 }
 
 /// A node that is defined twice.
@@ -62,6 +120,44 @@ struct Change {
     targets: Vec<Spanned<Target>>,
 }
 
+impl Unread {
+    /// Notes a line that cannot be read.
+    pub(super) fn fault(&mut self, bears: Bears, error: Diagnostic) {
+        self.faults.push((bears, error));
+    }
+}
+
+/// Before references are resolved: what makes nodes and orientations that connectors and constraints use is an error where it cannot be read.
+pub(super) fn judge_definitions(deck: &mut Deck<'_>, errors: &mut Errors) {
+    let scene = &deck.scene;
+    let discrete = scene.springs.iter().chain(&scene.dashpots).map(|discrete| &discrete.orientation);
+    let inertias = scene.rotary_inertias.iter().map(|inertia| &inertia.orientation);
+    let sections = scene.connector_sections.iter();
+    let sections = sections.flat_map(|section| [&section.orientation_a, &section.orientation_b]);
+    let of_scene = discrete.chain(inertias).chain(sections).flatten().map(|name| name.value.as_str());
+    let used: HashSet<&str> = of_scene.chain(deck.constraints.orientations()).collect();
+    let is_used = |bears: &Bears| matches!(bears, Bears::Orientation(name) if used.contains(name.as_str()));
+    // Which nodes a set of a constraint has cannot be told while one of them is not known.
+    let has_sets = !deck.mpcs.is_empty() || !deck.constraints.is_empty();
+    let points = scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]);
+    let ends: LabelSet = ends(scene).chain(points.flatten()).collect();
+    let is_end = |bears: &Bears| match bears {
+        Bears::Nodes(Spanned { value: Target::Label(label), .. }) => {
+            !scene.nodes.contains_key(label) && (has_sets || ends.contains(label))
+        }
+        _ => false,
+    };
+    let faults = std::mem::take(&mut deck.unread.faults);
+    for (bears, error) in faults {
+        if is_used(&bears) || is_end(&bears) {
+            errors.add(error);
+            errors.spoil(if is_used(&bears) { "ORIENTATION" } else { "NODE" });
+        } else {
+            deck.unread.faults.push((bears, error));
+        }
+    }
+}
+
 /// Passes over the lines of a keyword that has a parameter which is not known; each begins with a node or set.
 pub(super) fn lines_on_nodes(deck: &mut Deck<'_>, keyword: &Keyword, parameter: &str) -> Result<()> {
     let mut targets = Vec::new();
@@ -70,7 +166,7 @@ pub(super) fn lines_on_nodes(deck: &mut Deck<'_>, keyword: &Keyword, parameter: 
     }
     let what = format!("*{}, {parameter}", keyword.name);
     let remedy = format!("write it without {parameter}, with what it stands for on the data lines");
-    deck.unread.lines.push(OnNodes { what, targets, remedy });
+    deck.unread.lines.push(OnNodes { what, targets, remedy, moves_nodes: false });
     Ok(())
 }
 
@@ -81,7 +177,7 @@ pub(super) fn mapping(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     deck.count_skipped(keyword, lines);
     let targets = vec![Spanned::new(Target::Set(set.value), set.span)];
     let remedy = "list the nodes under *NODE, at their final positions".to_owned();
-    deck.unread.lines.push(OnNodes { what: "*NMAP".to_owned(), targets, remedy });
+    deck.unread.lines.push(OnNodes { what: "*NMAP".to_owned(), targets, remedy, moves_nodes: true });
     Ok(())
 }
 
@@ -102,8 +198,13 @@ pub(super) fn amplitude(deck: &mut Deck<'_>, keyword: &Keyword, why: &str) -> Re
     let name = keyword.need_name("NAME")?;
     deck.lexer.skip()?;
     deck.scene.skipped.count(format!("*AMPLITUDE, {why}"), keyword.span.line());
-    deck.unread.amplitudes.insert(name.value, (keyword.span, why.to_owned()));
+    deck.unread.amplitudes.insert(name.value, (keyword.span, Why::Elsewhere(why.to_owned())));
     Ok(())
+}
+
+/// An amplitude whose lines are faulty, which is an error where it acts on a connector or constraint.
+pub(super) fn faulty_amplitude(deck: &mut Deck<'_>, name: String, place: Span, error: Diagnostic) {
+    deck.unread.amplitudes.insert(name, (place, Why::Faulty(error)));
 }
 
 /// `*MODEL CHANGE`; the number of its lines.
@@ -165,6 +266,11 @@ fn named<'a>(scene: &'a Scene, target: &'a Target, among: impl Fn(&Label) -> boo
     }
 }
 
+/// Whether what acts on a node or set acts on one of these.
+pub(super) fn acts_on(scene: &Scene, target: &Target, bearing: &LabelSet) -> bool {
+    named(scene, target, |label| bearing.contains(label)).is_some()
+}
+
 /// The nodes of connectors and constraints.
 pub(super) fn bearing(scene: &Scene) -> LabelSet {
     let of_mpcs = scene.mpcs.iter().flat_map(|mpc| &mpc.nodes).copied();
@@ -177,9 +283,28 @@ fn ends(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
 
 /// Tells which of what was passed over bears on connectors and constraints. The sets and constraints must be resolved.
 pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
-    let Unread { lines, amplitudes, changes, warnings, is_elsewhere, redefined, .. } =
+    let Unread { lines, amplitudes, changes, warnings, is_elsewhere, redefined, faults, any_bears, .. } =
         std::mem::take(&mut deck.unread);
-    deck.unread.is_elsewhere = is_elsewhere;
+    (deck.unread.is_elsewhere, deck.unread.any_bears) = (is_elsewhere, any_bears);
+    for (bears, error) in faults {
+        let found = match &bears {
+            Bears::Nothing | Bears::Orientation(_) => false,
+            Bears::Nodes(target) => acts_on(&deck.scene, &target.value, bearing),
+            Bears::NodeSet(name) => acts_on(&deck.scene, &Target::Set(name.clone()), bearing),
+            Bears::Elements(name) => {
+                let elements = deck.scene.element_sets.get(name).into_iter().flat_map(|set| &set.labels);
+                let points = elements.filter_map(|label| deck.scene.point_elements.get(label));
+                let mut nodes = points.flat_map(|point| [Some(point.node), point.second]).flatten();
+                nodes.any(|node| bearing.contains(&node))
+            }
+        };
+        if found {
+            deck.errors.add(error);
+        } else {
+            deck.scene.skipped.count("lines that cannot be read".to_owned(), error.span().line());
+            deck.warn(error.excused());
+        }
+    }
     for node in redefined {
         if bearing.contains(&node.label) {
             deck.errors.add(node.error());
@@ -190,17 +315,30 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     }
     let scene = &deck.scene;
     let ends: LabelSet = ends(scene).collect();
-    for OnNodes { what, targets, remedy } in lines {
+    let mut not_followed = Vec::new();
+    for OnNodes { what, targets, remedy, moves_nodes } in lines {
         // Equations also join nodes of a network of fluids, whose degree of freedom 1 is no displacement.
         let bearing = if what.ends_with("MASS FLOW") { &ends } else { bearing };
         for target in targets {
             if let Some(label) = named(scene, &target.value, |label| bearing.contains(label)) {
                 let message =
                     format!("{what} acts on node {label} of a connector or constraint, and is not read");
-                let error = Diagnostic::error(Code::UnsupportedKeyword, target.span, message, "not read");
-                deck.errors.add(error.help(&remedy));
+                if moves_nodes {
+                    let error = Diagnostic::error(Code::UnsupportedKeyword, target.span, message, "not read");
+                    deck.errors.add(error.help(&remedy));
+                } else {
+                    let warning = Diagnostic::warning(Code::NotFollowed, target.span, message, "not read");
+                    not_followed.push((what.starts_with("*BOUNDARY"), warning.help(&remedy)));
+                }
             }
         }
+    }
+    for (holds, warning) in not_followed {
+        if holds {
+            let constraint = SkippedConstraint { keyword: "BOUNDARY", span: warning.span() };
+            deck.scene.skipped.constraints.push(constraint);
+        }
+        deck.warn(warning);
     }
     if !amplitudes.is_empty() {
         drop_unread(deck, &amplitudes, bearing);
@@ -208,9 +346,7 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     for (targets, warning) in warnings {
         let bears = match targets {
             None => !bearing.is_empty() || is_elsewhere,
-            Some(targets) => targets
-                .iter()
-                .any(|target| named(&deck.scene, &target.value, |label| bearing.contains(label)).is_some()),
+            Some(targets) => targets.iter().any(|target| acts_on(&deck.scene, &target.value, bearing)),
         };
         if bears {
             deck.warn(warning);
@@ -293,7 +429,7 @@ pub(super) fn drop_steps(deck: &mut Deck<'_>) {
 }
 
 /// Takes out what an amplitude scales that is not read, and counts it; an error where it acts on a connector or constraint.
-fn drop_unread(deck: &mut Deck<'_>, amplitudes: &IndexMap<String, (Span, String)>, bearing: &LabelSet) {
+fn drop_unread(deck: &mut Deck<'_>, amplitudes: &IndexMap<String, (Span, Why)>, bearing: &LabelSet) {
     let Scene { steps, boundaries, connector_motions, node_sets, skipped, .. } = &mut deck.scene;
     let mut errors = Vec::new();
     let mut goes = |applied: &Application, what: &str, nodes: Option<&Target>| {
@@ -305,7 +441,9 @@ fn drop_unread(deck: &mut Deck<'_>, amplitudes: &IndexMap<String, (Span, String)
             Some(Target::Label(label)) => is_bearing(label),
             Some(Target::Set(set)) => node_sets.get(set).is_some_and(|set| set.labels.iter().any(is_bearing)),
         };
-        if bears {
+        if let (true, Why::Faulty(error)) = (bears, why) {
+            errors.push(error.clone());
+        } else if let (true, Why::Elsewhere(why)) = (bears, why) {
             let message =
                 format!("amplitude {} of line {} is {why}, which is not read", name.value, place.line());
             let error =
@@ -326,5 +464,11 @@ fn drop_unread(deck: &mut Deck<'_>, amplitudes: &IndexMap<String, (Span, String)
         let nowhere = Target::Set(String::new());
         step.distributed_loads.retain(|load| !goes(&load.applied, "*DLOAD", Some(&nowhere)));
     }
+    let is_used = |fault: &Diagnostic| errors.iter().any(|error| error.span() == fault.span());
+    let unused = amplitudes.values().filter_map(|(_, why)| match why {
+        Why::Faulty(error) if !is_used(error) => Some(error.clone().excused()),
+        _ => None,
+    });
+    unused.for_each(|warning| deck.warn(warning));
     errors.into_iter().for_each(|error| deck.errors.add(error));
 }

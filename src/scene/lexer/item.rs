@@ -5,7 +5,7 @@ use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::MAX_LABEL;
 use crate::label::normal;
 use crate::label::{Label, LabelError};
-use crate::lexer::value::{Value, component, integer, name, number, word};
+use crate::lexer::value::{Value, component, integer, is_parameter, name, number, word};
 use crate::lexer::{Keyword, KeywordParameter};
 use crate::span::{Span, Spanned};
 
@@ -211,7 +211,7 @@ impl<'a> Item<'a> {
             )
             .help("write a keyword after the asterisk, or ** for a comment"));
         }
-        Ok(Keyword { name, span: self.span, parameters: Vec::new(), not_utf8: None })
+        Ok(Keyword { name, span: self.span, parameters: Vec::new(), not_utf8: None, dangling: None })
     }
 
     pub(super) fn parameter(&self) -> KeywordParameter {
@@ -286,6 +286,11 @@ impl<'a> Item<'a> {
     /// Is it written as a whole number?
     pub(crate) fn is_integer(&self) -> bool {
         self.text.bytes().all(|byte| byte.is_ascii_digit()) && !self.text.is_empty()
+    }
+
+    /// Does it have a name of `*PARAMETER` that is not known?
+    pub(crate) fn is_parameter(&self) -> bool {
+        is_parameter(self.text)
     }
 
     /// Would it pass for a number?

@@ -66,6 +66,22 @@ pub(crate) struct Keyword {
     pub(crate) parameters: Vec<KeywordParameter>,
     /// The first byte that is not UTF-8; question marks stand for such bytes.
     pub(crate) not_utf8: Option<Span>,
+    /// A comma at its end that nothing continues.
+    pub(crate) dangling: Option<Dangling>,
+}
+
+/// A comma at the end of a keyword line, before another keyword or the end of the deck.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Dangling(Span);
+
+impl Dangling {
+    /// That something is missing.
+    pub(crate) fn error(self) -> Diagnostic {
+        let message = "a keyword line ends in a comma, but nothing continues it";
+        let label = "this comma announces another line";
+        Diagnostic::error(Code::DanglingContinuation, self.0, message, label)
+            .help("remove the comma, or continue the keyword on the next line")
+    }
 }
 
 /// One parameter of a keyword line.
@@ -166,13 +182,8 @@ impl<'a> Lexer<'a> {
                 return Ok(keyword.map(|keyword| Keyword { not_utf8, ..keyword }));
             }
             if !goes_on || self.at_keyword() {
-                return Err(Diagnostic::error(
-                    Code::DanglingContinuation,
-                    comma,
-                    "a keyword line ends in a comma, but nothing continues it",
-                    "this comma announces another line",
-                )
-                .help("remove the comma, or continue the keyword on the next line"));
+                let dangling = Some(Dangling(comma));
+                return Ok(keyword.map(|keyword| Keyword { not_utf8, dangling, ..keyword }));
             }
         }
     }
@@ -289,7 +300,8 @@ impl<'a> Lexer<'a> {
                 return Err(Diagnostic::error(Code::LineTooLong, place, message, "begins here")
                     .help("break the line; is this a text file?"));
             }
-            self.pending = !self.buffer.trim_ascii_start().starts_with(b"**");
+            let text = self.buffer.trim_ascii();
+            self.pending = !text.starts_with(b"**") && text != b"*";
             self.comments += u64::from(!self.pending);
             self.replaced = self.pending && self.parameters.replace(&mut self.buffer);
         }
@@ -306,6 +318,9 @@ impl<'a> Lexer<'a> {
     fn include_keyword(&mut self, keyword: &Keyword) -> Result<()> {
         if let Some(place) = keyword.not_utf8 {
             return Err(not_utf8(place));
+        }
+        if let Some(comma) = keyword.dangling {
+            return Err(comma.error());
         }
         let input = |parameter: &&KeywordParameter| {
             "INPUT".starts_with(parameter.name.as_str()) && !parameter.name.is_empty()

@@ -18,6 +18,11 @@ impl Value {
         &self.text
     }
 
+    /// Is it a name of `*PARAMETER` that is not known?
+    pub(crate) fn is_parameter(&self) -> bool {
+        is_parameter(&self.text)
+    }
+
     pub(crate) fn number(&self) -> Result<f64> {
         number(&self.text, self.span)
     }
@@ -43,6 +48,11 @@ impl Value {
     pub(crate) fn is_integer(&self) -> bool {
         !self.quoted && !self.text.is_empty() && self.text.bytes().all(|byte| byte.is_ascii_digit())
     }
+}
+
+/// Is it `<name>`, which `*PARAMETER` would have replaced?
+pub(super) fn is_parameter(text: &str) -> bool {
+    text.starts_with('<') && text.ends_with('>')
 }
 
 /// Why a text is no finite double.
