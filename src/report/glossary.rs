@@ -1,6 +1,9 @@
-//! `pintle explain WORD`: what a word of a report, an output, a flag or a key of JSON means. The reference pages are the one list.
+//! `pintle explain WORD`: what a word of a report, an output, a flag or a key of JSON means. The reference pages are the one list; of keys of a
+//! scene it is the schema of scenes.
 
 use crate::layout::{self, BOLD, styled};
+use serde_json::Value;
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// The pages: tables whose first column is the word, or words, and whose second is the meaning, or what a field holds.
@@ -11,12 +14,12 @@ const PAGES: [&str; 3] = [
 ];
 
 /// A word and what it means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Meaning {
     /// The word, or several of one meaning, as the page has them.
-    pub word: &'static str,
+    pub word: Cow<'static, str>,
     /// The meaning.
-    pub meaning: &'static str,
+    pub meaning: Cow<'static, str>,
 }
 
 /// Every word of the pages that has a meaning, in their order.
@@ -33,7 +36,7 @@ pub fn meanings() -> impl Iterator<Item = Meaning> {
             has_meanings = true;
             return None;
         }
-        (has_meanings && !word.starts_with("---")).then_some(Meaning { word, meaning })
+        (has_meanings && !word.starts_with("---")).then_some(Meaning { word: word.into(), meaning: meaning.into() })
     })
 }
 
@@ -47,11 +50,49 @@ pub fn of(word: &str) -> Vec<Meaning> {
             is_it(&plain) || plain.rsplit_once('.').is_some_and(|(_, last)| is_it(last))
         })
     };
-    let exact: Vec<Meaning> = meanings().filter(|row| lists(row, &|one| one == asked)).collect();
+    let mut exact: Vec<Meaning> = meanings().filter(|row| lists(row, &|one| one == asked)).collect();
+    exact.extend(of_scenes(&asked));
     if !exact.is_empty() || asked.chars().count() < 3 {
         return exact;
     }
     meanings().filter(|row| lists(row, &|one| one.starts_with(&asked))).collect()
+}
+
+/// What a key of a scene means, in each object that has it.
+fn of_scenes(key: &str) -> Vec<Meaning> {
+    let mut found = Vec::new();
+    if let Ok(schema) = serde_json::from_str(pintle_scene::SCHEMA_TEXT) {
+        properties("scene", &schema, &mut |object, name, property| {
+            let meaning = property.get("description").and_then(Value::as_str);
+            if let Some(meaning) = meaning.filter(|_| name.eq_ignore_ascii_case(key)) {
+                let word = format!("`{name}` ({object})").into();
+                let meaning = Meaning { word, meaning: meaning.replace('\n', " ").into() };
+                if !found.contains(&meaning) {
+                    found.push(meaning);
+                }
+            }
+        });
+    }
+    found
+}
+
+/// Hands on the properties of a schema: of which object, their names, and what is said of them.
+fn properties(object: &str, schema: &Value, take: &mut impl FnMut(&str, &str, &Value)) {
+    let all = schema.get("properties").and_then(Value::as_object);
+    all.into_iter().flatten().for_each(|(name, property)| take(object, name, property));
+    match schema {
+        Value::Object(all) => {
+            for (key, below) in all {
+                let definitions = below.as_object().filter(|_| key == "$defs");
+                match definitions {
+                    Some(all) => all.iter().for_each(|(name, below)| properties(name, below, take)),
+                    None => properties(object, below, take),
+                }
+            }
+        }
+        Value::Array(all) => all.iter().for_each(|below| properties(object, below, take)),
+        _ => {}
+    }
 }
 
 /// Writes meanings for reading.
@@ -78,31 +119,28 @@ pub fn json(out: &mut dyn Write, found: &[Meaning]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{meanings, of};
+    use super::{meanings, of, properties};
     use pintle_audit::Verdict;
     use std::collections::BTreeSet;
 
-    /// Every key of the schema of an audit has a meaning.
+    /// Every key of the schemas has a meaning, and each meaning is told once.
     #[test]
-    fn every_key_and_flag_is_explained() {
-        let mut keys = BTreeSet::new();
-        properties(&serde_json::from_str(crate::audit::SCHEMA_TEXT).unwrap(), &mut keys);
-        let asked = keys.len();
-        let lacking: Vec<&String> = keys.iter().filter(|key| of(key).is_empty()).collect();
-        assert!(lacking.is_empty() && asked > 90, "{asked}: {lacking:?}");
-    }
-
-    /// The names of properties of a schema.
-    fn properties(schema: &serde_json::Value, keys: &mut BTreeSet<String>) {
-        if let Some(found) = schema.get("properties").and_then(|found| found.as_object()) {
-            keys.extend(found.keys().cloned());
+    fn every_key_of_the_schemas_is_explained() {
+        let mut asked = 0;
+        for (text, least) in [(crate::audit::SCHEMA_TEXT, 90), (pintle_scene::SCHEMA_TEXT, 170)] {
+            let mut keys = BTreeSet::new();
+            properties("", &serde_json::from_str(text).unwrap(), &mut |_, name, _| drop(keys.insert(name.to_owned())));
+            assert!(keys.len() > least, "{}", keys.len());
+            for key in keys {
+                let found = of(&key);
+                assert!(!found.is_empty(), "{key} is not explained");
+                assert!(found.iter().all(|one| !one.meaning.is_empty()), "{key}: {found:?}");
+                let once: BTreeSet<_> = found.iter().map(|one| (&one.word, &one.meaning)).collect();
+                assert_eq!(once.len(), found.len(), "{key}: {found:?}");
+                asked += 1;
+            }
         }
-        let below: Vec<&serde_json::Value> = match schema {
-            serde_json::Value::Object(all) => all.values().collect(),
-            serde_json::Value::Array(all) => all.iter().collect(),
-            _ => Vec::new(),
-        };
-        below.into_iter().for_each(|schema| properties(schema, keys));
+        assert!(asked > 260, "{asked}");
     }
 
     /// Each verdict that a report prints, and the other words of which readers asked.

@@ -131,6 +131,7 @@ codes! {
     UnknownAmplitude = "deck::unknown-amplitude": "An amplitude is used that is not defined.";
     UnknownDerivedComponent = "deck::unknown-derived-component": "A derived component is used that its behaviour does not define.";
     UnknownSurface = "deck::unknown-surface": "A surface is used that is not defined.";
+    TieApart = "deck::tie-apart": "Nodes of the dependent surface of a *TIE are farther from the other one than its position tolerance, and are not tied. A warning.";
     UnknownMpc = "deck::unknown-mpc": "A multi-point constraint type that does not exist.";
     MpcNotEvaluated = "deck::mpc-not-evaluated": "A multi-point constraint type that is kept but not evaluated. A warning.";
     WrongElementType = "deck::wrong-element-type": "A property is given to elements of another type.";
@@ -200,7 +201,6 @@ codes! {
     ForcesRepeatedElement = "forces::repeated-element": "A state is given the forces of one element twice.";
     ForcesUnknownState = "forces::unknown-state": "Forces are given for a state, by number or time, that there is not, or for a time that several states have.";
     ForcesAbsentComponent = "forces::absent-component": "A force that is not zero is given for a component that the connector does not have, or that has no force.";
-    ForcesMissingComponent = "forces::missing-component": "The force of a component is not given, and those of others of the element are.";
     ForcesNotATotal = "forces::not-a-total": "Of an available component only the reaction CRF or CRM is given, which is a part of its total force.";
     ForcesContradiction = "forces::contradiction": "The total force and the reaction of a constrained component are given and differ.";
 

@@ -143,6 +143,8 @@ fn component_forces(connector: &Connector<f64>, given: &ElementForces) -> Result
         }
         let is_constrained = connector.is_constrained(k);
         let force = match (of_total, of_reaction) {
+            // A gap: it is not given, and not zero.
+            (None, None) => continue,
             (Some(total_force), Some(other)) if is_constrained && total_force != other => {
                 let message = format!(
                     "{} is constrained, and its total force {total_force} differs from its reaction {other}",
@@ -162,17 +164,15 @@ fn component_forces(connector: &Connector<f64>, given: &ElementForces) -> Result
                 let remedy = format!("give the total force as {} or {}", FORCE[k], total(k));
                 return fail(Code::ForcesNotATotal, message, remedy);
             }
-            (None, None) => {
-                let message = format!("its force {} is missing", FORCE[k]);
-                let remedy = format!("give {} or {}; 0 where there is none", FORCE[k], total(k));
-                return fail(Code::ForcesMissingComponent, message, remedy);
-            }
         };
         let is_on_b = is_constrained && given.sign == ForceSign::ConstraintsOnB;
         forces[k] = Some(if is_on_b { -force } else { force });
     }
     Ok(forces)
 }
+
+/// Why a sum of forces is not known.
+pub(super) const NOT_GIVEN: &str = "the force of this component is neither given nor told by its behaviour";
 
 impl ForceResult {
     /// What a request names of the forces given; `None` where there are none, or nothing of them is asked for.
@@ -213,7 +213,7 @@ impl ForceResult {
         // A sum without one of its forces would be another one: it is left out, and said to be.
         let mut is_known = |output: Output, mask: Mask| {
             let missing = |k: &usize| mask[*k] && connector.has_force(*k) && components[*k].is_none();
-            let why = "the force of this component is neither given nor told by its behaviour";
+            let why = NOT_GIVEN;
             let before = flags.len();
             let flag = |k: usize| Flag::NotKnown { component: COMPONENT[k], quantity: output.name(), why };
             flags.extend((0..6).filter(missing).map(flag));
@@ -277,7 +277,7 @@ impl ForceResult {
         // The geometric part needs the forces themselves.
         let mut is_loaded = || {
             let missing = |k: &usize| stiffness[*k] && has_slopes(*k) && components[*k].is_none();
-            let why = "the force of this component is neither given nor told by its behaviour";
+            let why = NOT_GIVEN;
             let missing: Vec<usize> = (0..6).filter(missing).collect();
             result.flags.extend(missing.iter().map(|k| Flag::NotKnown {
                 component: COMPONENT[*k],

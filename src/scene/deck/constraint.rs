@@ -1,12 +1,13 @@
 //! Equations, rigid bodies, couplings and ties. What of them cannot be read is named as a constraint that was not read.
 
 use crate::deck::errors::Errors;
+use crate::deck::faces;
 use crate::deck::faces::Element;
 use crate::deck::lookup::{check_orientation, element_set, node_set, node_target, target};
 use crate::deck::{Deck, misplaced, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::grammar;
-use crate::label::labelled::LabelSet;
+use crate::label::labelled::{LabelMap, LabelSet};
 use crate::label::{Instance, Label};
 use crate::lexer::{Keyword, Value};
 use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
@@ -491,7 +492,10 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
         }
     };
     for (name, surface) in &raw.surfaces {
-        let of_faces = if surface.kind == SurfaceKind::Faces { face_nodes(deck, surface) } else { None };
+        let is_mean = |coupling: &RawCoupling| matches!(coupling.kind, Some(CouplingKind::Distributing(_)));
+        let weighs = raw.couplings.iter().any(|one| is_mean(one) && one.surface.value == *name);
+        let of_faces =
+            if surface.kind == SurfaceKind::Faces { face_nodes(deck, surface, weighs) } else { None };
         if let Some(members) = of_faces {
             deck.scene.surfaces.insert(name.clone(), Surface { members, span: surface.surface.span });
         }
@@ -523,7 +527,9 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
         let meets = kinds[1] != Some(SurfaceKind::Faces) || are_known && all_meet(&deck.scene, &tie);
         if kinds.iter().all(Option::is_some) && are_known && meets {
             used.extend([tie.slave.value.clone(), tie.master.value.clone()]);
+            let apart = untied(&deck.scene, &tie);
             deck.scene.ties.push(tie);
+            apart.into_iter().for_each(|warning| deck.warn(warning));
         } else {
             deck.leave_out("TIE", tie.span, 1);
         }
@@ -546,10 +552,14 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
     }
 }
 
-/// The nodes of the faces of a surface, each once; none where one of them is not known.
-fn face_nodes(deck: &Deck<'_>, surface: &RawSurface) -> Option<Vec<(Spanned<Target>, Option<f64>)>> {
-    let mut known = LabelSet::default();
-    let mut found = Vec::new();
+/// The nodes of the faces of a surface, each once, with its area where that weighs; none where one of them is not known.
+fn face_nodes(
+    deck: &Deck<'_>,
+    surface: &RawSurface,
+    weighs: bool,
+) -> Option<Vec<(Spanned<Target>, Option<f64>)>> {
+    let mut known: LabelMap<usize> = LabelMap::default();
+    let mut found: Vec<(Spanned<Target>, Option<f64>)> = Vec::new();
     for (target, face) in &surface.faces {
         let ranges = match &target.value {
             Target::Label(label) => vec![(*label, label.number(), 1)],
@@ -563,10 +573,18 @@ fn face_nodes(deck: &Deck<'_>, surface: &RawSurface) -> Option<Vec<(Spanned<Targ
         };
         let from = found.len();
         for element in ranges.into_iter().flat_map(|range| deck.other_elements.within(range)) {
-            for node in element?.face(face)? {
-                deck.scene.nodes.get(&node)?;
-                if known.insert(node) {
-                    found.push((Spanned::new(Target::Label(node), target.span), None));
+            let nodes = element?.face(face)?;
+            let place = |node: &Label| Some(deck.scene.nodes.get(node)?.coordinates);
+            let corners = nodes.iter().map(place).collect::<Option<Vec<_>>>()?;
+            let shares = if weighs { faces::shares(&corners) } else { None };
+            for (index, node) in nodes.into_iter().enumerate() {
+                let place = *known.entry(node).or_insert(found.len());
+                if place == found.len() {
+                    found.push((Spanned::new(Target::Label(node), target.span), weighs.then_some(0.0)));
+                }
+                let share = shares.as_ref().and_then(|shares| shares.get(index));
+                if let Some((_, area)) = found.get_mut(place) {
+                    *area = area.zip(share).map(|(area, share)| area + share);
                 }
             }
         }
@@ -575,6 +593,24 @@ fn face_nodes(deck: &Deck<'_>, surface: &RawSurface) -> Option<Vec<(Spanned<Targ
         }
     }
     Some(found)
+}
+
+/// That nodes of the dependent surface of a tie are too far from the other.
+fn untied(scene: &Scene, tie: &Tie) -> Option<Diagnostic> {
+    let (apart, within) = scene.untied_nodes(tie);
+    let first = apart.first()?;
+    let (slave, master) = (&tie.slave.value, &tie.master.value);
+    let names: Vec<String> = apart.iter().take(3).map(ToString::to_string).collect();
+    let more = if apart.len() > names.len() { " …" } else { "" };
+    let message = format!(
+        "{} of {slave} {} farther than {within} from every node of {master}, and not tied: {}{more}",
+        grammar::count(apart.len(), "node"),
+        grammar::agree(apart.len(), ["is", "are"]),
+        names.join(", "),
+    );
+    let label = format!("node {first}, for one, is free");
+    let remedy = "give POSITION TOLERANCE the largest distance at which a node is tied, or take these nodes out of the surface";
+    Some(Diagnostic::warning(Code::TieApart, tie.slave.span, message, label).help(remedy))
 }
 
 /// Whether each node of the dependent surface of a tie is where one of the other is.
@@ -660,12 +696,14 @@ fn resolved_coupling(
     }
     let (reference, surface) = (reference?, surface?);
     // Faces weigh the nodes of a mean by their areas.
-    let serves = match surface {
-        SurfaceKind::Nodes => true,
-        SurfaceKind::Faces => matches!(coupling.kind, Some(CouplingKind::Kinematic(_))),
-        SurfaceKind::Unread => false,
-    };
-    let is_known = serves && deck.scene.surfaces.contains_key(&coupling.surface.value);
+    let known = deck.scene.surfaces.get(&coupling.surface.value);
+    let weighs = || known.is_some_and(|known| known.members.iter().all(|(_, area)| area.is_some()));
+    let is_known = known.is_some()
+        && match surface {
+            SurfaceKind::Nodes => true,
+            SurfaceKind::Faces => matches!(coupling.kind, Some(CouplingKind::Kinematic(_))) || weighs(),
+            SurfaceKind::Unread => false,
+        };
     let Some(kind) = coupling.kind.filter(|_| is_known) else {
         deck.rotation_targets.push(Target::Label(reference));
         deck.leave_out("COUPLING", coupling.span, 0);

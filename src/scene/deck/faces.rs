@@ -1,6 +1,8 @@
 //! Elements of types that are not read: their numbers, and their nodes, for sets, surfaces and rigid bodies that name them.
 
 use crate::label::{Instance, Label};
+use crate::orientation::{cross, minus};
+use pintle_kinematics::scalar::elementary::norm;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -185,6 +187,30 @@ impl OtherElements {
             others.connectivity.nodes.iter().map(|number| Label::of(*instance, *number))
         });
         (all, self.0.values().all(whole))
+    }
+}
+
+/// How much of the area of a face falls to each of its corners: the integrals of their shape functions. None for an edge, and for a face of
+/// second order, whose integrals at the corners are not positive.
+pub(super) fn shares(corners: &[[f64; 3]]) -> Option<Vec<f64>> {
+    let area = |one: [f64; 3], other: [f64; 3]| norm(cross(one, other));
+    match *corners {
+        [a, b, c] => Some(vec![area(minus(b, a), minus(c, a)) / 6.0; 3]),
+        [a, b, c, d] => {
+            let mut shares = vec![0.0; 4];
+            let at = 1.0 / 3.0_f64.sqrt();
+            for [r, s] in [[-at, -at], [at, -at], [at, at], [-at, at]] {
+                let along = |from: f64, one: [f64; 3], two: [f64; 3]| {
+                    [0, 1, 2].map(|i| ((1.0 - from) * one[i] + (1.0 + from) * two[i]) / 4.0)
+                };
+                let here = area(along(s, minus(b, a), minus(c, d)), along(r, minus(d, a), minus(c, b)));
+                for (share, [x, y]) in shares.iter_mut().zip([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) {
+                    *share += here * (1.0 + x * r) * (1.0 + y * s) / 4.0;
+                }
+            }
+            Some(shares)
+        }
+        _ => None,
     }
 }
 

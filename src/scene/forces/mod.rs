@@ -9,7 +9,7 @@
 //!
 //! # CSV
 //! The first line names the columns, in any order and case: `element`, `state` (the number of the state: its own, or counted from 0) or
-//! `time`, and names of forces. Every force of an element that is named must be there.
+//! `time`, and names of forces. A blank cell, or a column that is not there, is a gap: that force is not given, and not zero.
 //!
 //! # JSON
 //! `{"schema": "pintle-forces/1", "states": [{"state": 0, "forces": {"101": {"f1": 2.5, "m2": -0.1}}}]}`, with `state` or `time`. A

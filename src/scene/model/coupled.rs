@@ -82,20 +82,10 @@ impl Scene {
     /// from its extent \[R\].
     #[must_use]
     pub fn tied_nodes(&self, tie: &Tie) -> Vec<[Label; 2]> {
-        const SHARE: f64 = 0.05;
-        // Nodes that are no farther apart than rounding makes them coincide.
-        const ROUNDED: f64 = 1e-12;
         let place = |(label, _): (Label, f64)| (label, self.coordinates(label));
         let slaves: Vec<_> = self.surface_nodes(&tie.slave.value).into_iter().map(place).collect();
         let masters: Vec<_> = self.surface_nodes(&tie.master.value).into_iter().map(place).collect();
-        let corner = |of: fn(f64, f64) -> f64, from: f64| {
-            masters.iter().fold([from; 3], |corner, (_, x)| [0, 1, 2].map(|i| of(corner[i], x[i])))
-        };
-        let extent = distance(corner(f64::min, f64::INFINITY), corner(f64::max, f64::NEG_INFINITY));
-        let spacing = extent / (masters.len() as f64).sqrt();
-        let within = tie.position_tolerance.unwrap_or(SHARE * spacing);
-        let largest = masters.iter().flat_map(|(_, x)| x).fold(0.0_f64, |most, x| most.max(x.abs()));
-        let within = within.max(ROUNDED * largest).max(f64::MIN_POSITIVE);
+        let within = tie_reach(tie, &masters);
         let cell = |x: [f64; 3]| x.map(|x| (x / within).floor());
         let bits = |cell: [f64; 3]| cell.map(|x| (x + 0.0).to_bits());
         let mut cells: HashMap<[u64; 3], Vec<(Label, [f64; 3])>> = HashMap::new();
@@ -125,4 +115,29 @@ impl Scene {
         }
         found
     }
+
+    /// The nodes of the dependent surface that are too far from the other to be tied, and how far is too far.
+    pub(crate) fn untied_nodes(&self, tie: &Tie) -> (Vec<Label>, f64) {
+        let place = |(label, _): (Label, f64)| (label, self.coordinates(label));
+        let masters: Vec<_> = self.surface_nodes(&tie.master.value).into_iter().map(place).collect();
+        let tied = self.tied_nodes(tie).into_iter().flatten();
+        let known: LabelSet = tied.chain(masters.iter().map(|(label, _)| *label)).collect();
+        let slaves = self.surface_nodes(&tie.slave.value).into_iter().map(|(label, _)| label);
+        (slaves.filter(|label| !known.contains(label)).collect(), tie_reach(tie, &masters))
+    }
+}
+
+/// How far from a node of the other surface a node is tied to it.
+fn tie_reach(tie: &Tie, masters: &[(Label, [f64; 3])]) -> f64 {
+    const SHARE: f64 = 0.05;
+    // Nodes that are no farther apart than rounding makes them coincide.
+    const ROUNDED: f64 = 1e-12;
+    let corner = |of: fn(f64, f64) -> f64, from: f64| {
+        masters.iter().fold([from; 3], |corner, (_, x)| [0, 1, 2].map(|i| of(corner[i], x[i])))
+    };
+    let extent = distance(corner(f64::min, f64::INFINITY), corner(f64::max, f64::NEG_INFINITY));
+    let spacing = extent / (masters.len() as f64).sqrt();
+    let within = tie.position_tolerance.unwrap_or(SHARE * spacing);
+    let largest = masters.iter().flat_map(|(_, x)| x).fold(0.0_f64, |most, x| most.max(x.abs()));
+    within.max(ROUNDED * largest).max(f64::MIN_POSITIVE)
 }

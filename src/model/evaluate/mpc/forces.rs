@@ -96,19 +96,20 @@ pub(in crate::evaluate) fn order(request: &Request) -> u8 {
     request.outputs().map(needs).max().unwrap_or(0)
 }
 
-/// The six forces and moments that a constraint puts on its first node, as given.
+/// The six forces and moments that a constraint puts on its first node, as given, or the name of one that is not.
 ///
 /// # Errors
-/// One that it does not transmit and is not zero, or transmits and is missing: code, message, remedy.
+/// One that it does not transmit and is not zero: code, message, remedy.
 pub(in crate::evaluate) fn given_forces(
     element: &MpcElement,
     given: &ElementForces,
-) -> Result<Dofs<f64>, (Code, String, String)> {
+) -> Result<Result<Dofs<f64>, &'static str>, (Code, String, String)> {
     let transmits = transmitted(element.constraint.kind());
     let list: Vec<&str> = (0..6).filter(|k| transmits[*k]).map(|k| FORCE[k]).collect();
     let list = list.join(", ");
     let sign = if given.sign == ForceSign::ConstraintsOnB { -1.0 } else { 1.0 };
     let mut forces = [0.0; DOFS];
+    let mut missing = None;
     for k in 0..6 {
         let value = given.total[k].or(given.reaction[k]);
         match value {
@@ -117,16 +118,11 @@ pub(in crate::evaluate) fn given_forces(
                 let remedy = format!("leave it out, or write 0; it transmits {list}");
                 return Err((Code::ForcesAbsentComponent, message, remedy));
             }
-            None if transmits[k] => {
-                let message = format!("its {} is missing", FORCE[k]);
-                let remedy =
-                    format!("give {list} on its first node, global components; 0 where there is none");
-                return Err((Code::ForcesMissingComponent, message, remedy));
-            }
+            None if transmits[k] => missing = missing.or(Some(FORCE[k])),
             _ => forces[XS + k] = sign * value.unwrap_or(0.0),
         }
     }
-    Ok(forces)
+    Ok(missing.map_or(Ok(forces), Err))
 }
 
 /// Which of f1 … m3 a kind transmits.

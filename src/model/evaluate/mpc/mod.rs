@@ -5,6 +5,7 @@ pub(super) mod forces;
 use crate::behavior::drive::{Drives, Schedule, on_angles};
 use crate::behavior::ground::Ground;
 use crate::behavior::{Conditions, Unknown};
+use crate::evaluate::forces::NOT_GIVEN;
 use crate::evaluate::mpc::forces::{Hinge, MpcForces, MpcSlopes, given_forces, on_hinges, order};
 use crate::evaluate::sequence::nodes::{Moved, ambiguous_turns};
 use pintle_kinematics::connector::{Flag, Output, Request, Tally, Turns};
@@ -354,7 +355,10 @@ impl MpcElement {
         };
         let (given, refused) = match given {
             Some(Err((code, ..))) => (None, Some(Flag::refused(code.as_str()))),
-            Some(Ok(given)) => (Some(given), None),
+            Some(Ok(Ok(given))) => (Some(given), None),
+            Some(Ok(Err(component))) => {
+                (None, Some(Flag::NotKnown { component, quantity: Output::NF.name(), why: NOT_GIVEN }))
+            }
             None => (None, None),
         };
         let given = given.filter(|_| request.outputs().any(asks_for_forces));

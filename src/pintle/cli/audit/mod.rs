@@ -4,7 +4,7 @@ mod budget;
 mod page;
 
 use super::eval::{Source, nothing, read, source};
-use super::tell::{complain, show_diagnostic};
+use super::tell::complain;
 use super::{ConditionOptions, Failure, Files, Sign, page_width};
 pub(crate) use budget::Bar;
 use budget::{say_budget, seconds};
@@ -343,9 +343,6 @@ struct Loaded {
     is_refused: bool,
 }
 
-/// Errors of one scene that are shown with the lines they are about; the report has all.
-const SHOWN: usize = 20;
-
 /// A scene with its states and their forces, which are checked. Every rule that it breaks is told.
 fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result<Loaded, Failure> {
     let (scene, mut states) = read(source, arguments.at.as_deref())?;
@@ -353,14 +350,8 @@ fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result
     // Those that are taken for less are told by the findings.
     errors.retain(|error| !levels.lets_pass(error));
     source.warn(&scene, &mut model, |warning| levels.of_diagnostic(warning));
+    // The report names each.
     let is_refused = !errors.is_empty();
-    let hidden = errors.len().saturating_sub(SHOWN);
-    for error in errors.into_iter().take(SHOWN) {
-        show_diagnostic(&source.quoted(error));
-    }
-    if hidden > 0 {
-        complain("note", &format!("{hidden} more errors of {} are in the report", scene.name));
-    }
     let (name, file) = match source {
         Source::File(path) => (path.to_string(), Path::new(path)),
         Source::Gallery(example) => (format!("gallery:{}", example.name), Path::new(example.name)),

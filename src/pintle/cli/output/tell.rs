@@ -5,41 +5,67 @@ use pintle_scene::grammar::{agree, shape};
 use pintle_scene::{Code, Diagnostic};
 use std::io::{self, Write};
 
-/// Shows a diagnostic, and the others of its file that it carries, on stderr with their source lines.
+/// Shows a diagnostic, and the others of its file that it carries, on stderr with their source lines: what is alike once, with a count.
 pub(crate) fn show_diagnostic(diagnostic: &Diagnostic) {
-    for one in std::iter::once(diagnostic).chain(diagnostic.further()) {
-        let text = one.render(page_width(&io::stderr()), true);
-        _ = writeln!(anstream::stderr(), "{}", text.trim_end());
+    let mut once = Once::default();
+    let (all, unsaid) = diagnostic.clone().without_unsaid();
+    for one in std::iter::once(&all).chain(all.further()) {
+        once.show(one.clone(), |one| one);
     }
-    if diagnostic.unsaid() > 0 {
-        let count = diagnostic.unsaid();
-        let text = format!("{count} more error{} not shown", if count == 1 { " is" } else { "s are" });
-        complain("note", &text);
+    once.count();
+    if unsaid > 0 {
+        complain("note", &format!("{unsaid} more {} not shown", agree(unsaid, ["error is", "errors are"])));
     }
 }
 
 /// What is said of many things in the same words is shown once, and counted.
 #[derive(Default)]
-pub(crate) struct Once(Vec<(Code, String, usize)>);
+pub(crate) struct Once(Vec<Like>);
+
+/// Diagnostics of one code and one shape.
+struct Like {
+    code: Code,
+    shape: String,
+    more: usize,
+    /// Whom or where those that are not shown are about, the first three.
+    names: Vec<String>,
+}
 
 impl Once {
-    /// Shows a warning, with its lines, or counts it where the like was shown.
-    pub(crate) fn show(&mut self, warning: Diagnostic, quoted: impl FnOnce(Diagnostic) -> Diagnostic) {
-        let (warning, unsaid) = warning.without_unsaid();
-        let (code, shape) = (warning.code(), shape(warning.message()));
-        match self.0.iter_mut().find(|(known, like, _)| *known == code && *like == shape) {
-            Some((.., more)) => *more += 1 + unsaid,
+    /// So many shapes of one code are shown.
+    const SHAPES: usize = 3;
+    /// So many names are told.
+    const NAMES: usize = 3;
+
+    /// Shows a diagnostic, with its lines, or counts it where the like was shown.
+    pub(crate) fn show(&mut self, told: Diagnostic, quoted: impl FnOnce(Diagnostic) -> Diagnostic) {
+        let (told, unsaid) = told.without_unsaid();
+        let (code, shape) = (told.code(), shape(told.message()));
+        let of_code: Vec<usize> = (0..self.0.len()).filter(|place| self.0[*place].code == code).collect();
+        let same = of_code.iter().find(|place| self.0[**place].shape == shape);
+        let last = of_code.last().filter(|_| of_code.len() >= Self::SHAPES);
+        match same.or(last).and_then(|place| self.0.get_mut(*place)) {
+            Some(like) => {
+                like.more += 1 + unsaid;
+                if like.names.len() < Self::NAMES {
+                    let element = told.elements().first().map(|element| format!("element {element}"));
+                    like.names.extend(element.or(told.line().map(|line| format!("line {line}"))));
+                }
+            }
             None => {
-                self.0.push((code, shape, unsaid));
-                show_diagnostic(&quoted(warning));
+                self.0.push(Like { code, shape, more: unsaid, names: Vec::new() });
+                let text = quoted(told).render(page_width(&io::stderr()), true);
+                _ = writeln!(anstream::stderr(), "{}", text.trim_end());
             }
         }
     }
 
-    /// Says how often each was said.
+    /// Says how often each was said, and of what.
     pub(crate) fn count(self) {
-        for (code, _, more) in self.0.into_iter().filter(|(.., more)| *more > 0) {
-            complain("note", &format!("{code} {more} more {}", agree(more, ["time", "times"])));
+        for Like { code, more, names, .. } in self.0.into_iter().filter(|like| like.more > 0) {
+            let rest = if more > names.len() { " …" } else { "" };
+            let of = if names.is_empty() { String::new() } else { format!(": {}{rest}", names.join(", ")) };
+            complain("note", &format!("{code} {more} more {}{of}", agree(more, ["time", "times"])));
         }
     }
 }
