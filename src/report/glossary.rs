@@ -36,7 +36,8 @@ pub fn meanings() -> impl Iterator<Item = Meaning> {
             has_meanings = true;
             return None;
         }
-        (has_meanings && !word.starts_with("---")).then_some(Meaning { word: word.into(), meaning: meaning.into() })
+        (has_meanings && !word.starts_with("---"))
+            .then_some(Meaning { word: word.into(), meaning: meaning.into() })
     })
 }
 
@@ -129,7 +130,9 @@ mod tests {
         let mut asked = 0;
         for (text, least) in [(crate::audit::SCHEMA_TEXT, 90), (pintle_scene::SCHEMA_TEXT, 170)] {
             let mut keys = BTreeSet::new();
-            properties("", &serde_json::from_str(text).unwrap(), &mut |_, name, _| drop(keys.insert(name.to_owned())));
+            properties("", &serde_json::from_str(text).unwrap(), &mut |_, name, _| {
+                keys.extend([name.to_owned()])
+            });
             assert!(keys.len() > least, "{}", keys.len());
             for key in keys {
                 let found = of(&key);

@@ -535,7 +535,10 @@ impl Diagnostic {
         let parts = &mut self.0;
         parts.unsaid += std::mem::take(&mut other.0.unsaid);
         for error in std::iter::once(other).chain(rest) {
-            if parts.further.len() + 1 < MAX_ERRORS {
+            // Of each code one is told at least.
+            let is_new =
+                error.0.code != parts.code && parts.further.iter().all(|told| told.0.code != error.0.code);
+            if parts.further.len() + 1 < MAX_ERRORS || is_new {
                 parts.further.push(error);
             } else {
                 parts.unsaid += 1;

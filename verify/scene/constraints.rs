@@ -231,7 +231,11 @@ fn what_is_left_out_is_named() {
     let surfaces = "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n\
          *SURFACE, TYPE=NODE, NAME=APART\n4,\n";
     let left_out = [
-        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=FACES\n*DISTRIBUTING", "COUPLING"),
+        (
+            "*ELEMENT, TYPE=C3D10, ELSET=CURVED\n9, 1, 2, 3, 4, 1, 2, 3, 4, 1, 2\n*SURFACE, NAME=SKIN\nCURVED, S1\n\
+             *COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*DISTRIBUTING",
+            "COUPLING",
+        ),
         (
             "*SURFACE, NAME=SKIN\nSOLID,\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*KINEMATIC",
             "COUPLING",
@@ -272,6 +276,29 @@ fn what_is_left_out_is_named() {
         let error = Scene::parse("deck.inp", &format!("{nodes}{surfaces}{text}")).unwrap_err();
         assert_eq!(error.code().as_str(), code, "{text}: {error}");
     }
+}
+
+/// A mean over faces weighs each node by what of their areas falls to it: a rectangle gives each corner a quarter, a triangle a third. A
+/// trapezium of height h and sides a, b gives the ends of a (2a + b) h / 12 each.
+#[test]
+fn faces_weigh_a_mean_by_their_areas() {
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 2., 0., 0.\n3, 2., 1., 0.\n4, 0., 1., 0.\n5, 5., 0., 0.\n6, 4., 1., 0.\n7, 1., 3., 0.\n\
+         20, 2., 0.5, -1.\n*ELEMENT, TYPE=S4R, ELSET=SKIN\n1, 1, 2, 3, 4\n2, 2, 5, 6, 3\n*ELEMENT, TYPE=S3, ELSET=SKIN\n3, 4, 3, 7\n\
+         *SURFACE, NAME=TOP\nSKIN, SPOS\n*COUPLING, CONSTRAINT NAME=C, REF NODE=20, SURFACE=TOP\n*DISTRIBUTING\n";
+    let scene = read(nodes);
+    let (long, short) = ((2.0 * 3.0 + 2.0) / 12.0, (2.0 * 2.0 + 3.0) / 12.0);
+    let third = 2.0 / 3.0;
+    let want = [(1, 0.5), (2, 0.5 + long), (3, 0.5 + short + third), (4, 0.5 + third), (5, long), (6, short), (7, third)];
+    let found = scene.coupling_nodes(&scene.couplings[0]);
+    assert_eq!(found.len(), want.len());
+    for (node, weight) in want {
+        let (_, found) = found.iter().find(|(label, _)| *label == n(node)).unwrap();
+        assert!((found - weight).abs() < 1e-15, "node {node}: {found}, not {weight}");
+    }
+    assert!(scene.skipped.constraints.is_empty() && !scene.skipped.keywords.contains_key("SURFACE"));
+    // What is written weighs the same.
+    let again = read(&scene.write(Format::Deck).unwrap().text);
+    assert_eq!(again.coupling_nodes(&again.couplings[0]), found);
 }
 
 const ROTATED: Vector<f64> = [0.7, -0.4, 1.1];

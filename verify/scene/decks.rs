@@ -1,5 +1,6 @@
 //! Every legitimate deck is read: what bears on no connector is skipped and counted, and what makes nodes makes them.
 
+use pintle_model::evaluate::Model;
 use pintle_scene::{Code, ForceFile, ForceSign, Format, Label, Scene, State, StateFile};
 use std::collections::BTreeMap;
 
@@ -393,6 +394,41 @@ fn columns_are_in_any_case_and_forces_in_any_order_with_gaps() {
         rows(&[(2, 101, "3"), (0, 101, "1"), (1, 101, ""), (0, 102, "2"), (1, 102, ""), (2, 102, "4")]);
     assert_eq!(by_state, by_element);
     assert_eq!(by_state.iter().map(BTreeMap::len).collect::<Vec<_>>(), [2, 0, 2]);
+    // What is not given is not zero: a blank cell, a column that is not there, null.
+    let blank = ("f.csv", "state,element,F1,m3,f2\n0,101,2.5,,\n");
+    let absent = ("f.csv", "f1,element\n2.5,101\n");
+    let null = (
+        "f.json",
+        "{\"schema\": \"pintle-forces/1\", \"states\": [{\"forces\": {\"101\": {\"m3\": null, \"f1\": 2.5}}}]}",
+    );
+    let model = Model::compile(&scene).unwrap();
+    for (name, text) in [blank, absent, null] {
+        let mut states = vec![State::default()];
+        let parse = if name == "f.csv" { ForceFile::parse_csv } else { ForceFile::parse_json };
+        parse(name, text, &scene, ForceSign::Internal).unwrap().attach(&mut states, 0).unwrap();
+        model.check_forces(&states, 0, name).unwrap();
+        let given = &states[0].forces[&Label::from(101)];
+        assert_eq!(given.total, [Some(2.5), None, None, None, None, None], "{text}");
+    }
+}
+
+/// Gaps in the forces of a connector: what is given is used, and a sum of what is not given is not known.
+#[test]
+fn forces_with_gaps_are_known_as_far_as_they_are_given() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("gaps");
+    std::fs::create_dir_all(&folder).unwrap();
+    let (deck, forces) = (folder.join("deck.inp"), folder.join("forces.csv"));
+    std::fs::write(&deck, HINGE).unwrap();
+    std::fs::write(&forces, "element,f1,f2\n101,2.5,\n").unwrap();
+    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_pintle"));
+    run.arg("eval").arg(&deck).arg("--forces").arg(&forces);
+    let output = run.args(["--outputs", "CTF,NF", "--format", "json"]).output().unwrap();
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let connector = &document["scenes"][0]["states"][0]["connectors"][0];
+    assert_eq!(connector["components"]["u1"]["CTF"], 2.5);
+    assert!(connector["components"]["u2"].get("CTF").is_none_or(serde_json::Value::is_null), "{connector}");
+    assert!(connector.get("nodal_forces").is_none(), "{connector}");
+    assert!(connector["flags"].to_string().contains("not-known"), "{connector}");
 }
 
 /// Copies of a set without nodes are none, however many are asked for.

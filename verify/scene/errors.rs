@@ -69,6 +69,60 @@ fn errors_beyond_the_limit_are_counted() {
     let lines: String = (1..=50).map(|node| format!("{node}, x, 0., 0.\n")).collect();
     let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}*MPC\nTIE, 1, 2\n")).unwrap_err();
     assert_eq!((error.further().len() + 1, error.unsaid()), (MAX_ERRORS, 50 - MAX_ERRORS));
+    // One of another code is told all the same.
+    let other = "*ELEMENT, TYPE=CONN3D2\n1, 1, 2\n";
+    let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}{other}")).unwrap_err();
+    let found = codes(&error);
+    assert_eq!((found.len(), found.last().map(|one| one.0)), (MAX_ERRORS + 1, Some(Code::MissingSection)));
+}
+
+/// What is alike is shown once, with how often, and of whom.
+#[test]
+fn what_is_alike_is_told_once() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("alike");
+    fs::create_dir_all(&folder).unwrap();
+    let nodes: String = (1..=201).map(|node| format!("{node}, {node}., 0., 0.\n")).collect();
+    let hinges: String = (1..=200)
+        .map(|n| {
+            format!(
+                "*ELEMENT, TYPE=CONN3D2, ELSET=E{n}\n{}, {n}, {}\n*CONNECTOR SECTION, ELSET=E{n}\nHINGE\n",
+                1000 + n,
+                n + 1
+            )
+        })
+        .collect();
+    let loads: String = (1..=9).map(|node| format!("{node}, 1, x\n")).collect();
+    let cases = [
+        (
+            "hinges",
+            hinges.clone(),
+            "rule::orientation-required",
+            "more times: element 1002, element 1003, element 1004 …",
+        ),
+        (
+            "loads",
+            format!("{hinges}*STEP\n*CLOAD\n{loads}*END STEP\n"),
+            "deck::malformed-number",
+            "8 more times: line ",
+        ),
+    ];
+    for (name, lines, code, more) in cases {
+        let deck = folder.join(format!("{name}.inp"));
+        fs::write(&deck, format!("*NODE\n{nodes}{lines}")).unwrap();
+        let run = |words: &[&str]| {
+            let mut run = Command::new(env!("CARGO_BIN_EXE_pintle"));
+            let output = run.env("NO_COLOR", "1").args(words).arg(&deck).output().unwrap();
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap())
+        };
+        let [_, shown] = run(&["eval"]);
+        let blocks = shown.lines().filter(|line| line.trim() == code).count();
+        assert!(blocks == 1 && shown.contains(more), "{name}: {blocks}\n{shown}");
+        // The report of an audit has what refuses a model, and stderr does not.
+        if name == "hinges" {
+            let [report, shown] = run(&["audit", "--model-only"]);
+            assert!(report.contains(code) && !shown.contains(code), "{report}\n{shown}");
+        }
+    }
 }
 
 #[test]
@@ -91,9 +145,21 @@ fn commands_show_every_error_once() {
             let mut run = Command::new(env!("CARGO_BIN_EXE_pintle"));
             run.env("NO_COLOR", "1").args(&command).arg(file);
             let output = run.output().unwrap();
-            let shown = String::from_utf8(output.stderr).unwrap();
-            let count = shown.lines().filter(|line| line.trim_start().starts_with('×')).count();
-            assert_eq!((output.status.code(), count), (Some(6), errors), "{command:?}:\n{shown}");
+            let [report, shown] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+            let is_of_report = command[0] == "audit" && file == &rules;
+            let begins = if is_of_report { "error[" } else { "×" };
+            let all = if is_of_report { report } else { shown };
+            let blocks = all.lines().filter(|line| line.trim_start().starts_with(begins)).count();
+            // What is like another one is counted with it.
+            let more = if is_of_report { "and " } else { "more time" };
+            let number = |line: &str| {
+                let (before, after) = line.split_once(more)?;
+                let text = if is_of_report { after.split(' ').next() } else { before.split_whitespace().last() };
+                text?.parse::<usize>().ok()
+            };
+            let alike = all.lines().filter(|line| line.contains("more ")).filter_map(number);
+            let count = blocks + alike.sum::<usize>();
+            assert_eq!((output.status.code(), count), (Some(6), errors), "{command:?}:\n{all}");
         }
     }
 }

@@ -374,7 +374,7 @@ pub(super) fn distributing(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()>
 }
 
 pub(super) fn tie(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let is_other = ["CYCLIC SYMMETRY", "MULTIPHYSICS", "FLUID PERIODIC", "CONSTRAINT RATIO"];
+    let is_other = ["CYCLIC SYMMETRY", "MULTISTAGE", "MULTIPHYSICS", "FLUID PERIODIC", "CONSTRAINT RATIO"];
     let is_nodal =
         keyword.get("TYPE").is_some_and(|value| crate::label::normal(value.text()) == "NODE TO SURFACE");
     if is_other.iter().any(|parameter| keyword.has(parameter)) || (keyword.has("TYPE") && !is_nodal) {
@@ -466,7 +466,16 @@ fn equations(scene: &Scene, terms: &[RawTerm], span: Span) -> Result<Option<Vec<
 /// The references of the constraints; those that cannot be read are left out, and named.
 pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
     let raw = std::mem::take(&mut deck.constraints);
+    let mut network = if raw.equations.is_empty() { LabelSet::default() } else { deck.other_elements.network() };
+    let ends: LabelSet = unread::ends(&deck.scene).collect();
+    network.retain(|node| !ends.contains(node));
+    let is_of_network =
+        |term: &RawTerm| matches!(&term.node.value, Target::Label(label) if network.contains(label));
     for (terms, span) in &raw.equations {
+        if terms.iter().all(is_of_network) {
+            deck.scene.skipped.count("*EQUATION of a network of fluids".to_owned(), span.line());
+            continue;
+        }
         if !terms.iter().all(|term| is_whole(&deck.scene, &term.node)) {
             deck.leave_out("EQUATION", *span, 0);
             continue;

@@ -1,5 +1,6 @@
 //! Elements of types that are not read: their numbers, and their nodes, for sets, surfaces and rigid bodies that name them.
 
+use crate::label::labelled::LabelSet;
 use crate::label::{Instance, Label};
 use crate::orientation::{cross, minus};
 use pintle_kinematics::scalar::elementary::norm;
@@ -180,6 +181,22 @@ impl OtherElements {
         ranges.into_iter().flatten().map(move |number| self.element(Label::of(instance, number)))
     }
 
+    /// The nodes of networks of fluids (type D of CalculiX) that no other element has: their degrees of freedom are no motions.
+    pub(super) fn network(&self) -> LabelSet {
+        let (mut found, mut others) = (LabelSet::default(), LabelSet::default());
+        for (instance, group) in &self.0 {
+            let known = &group.connectivity;
+            for (of_type, first, last) in known.elements.values() {
+                let is_of_network = known.types.get(*of_type).is_some_and(|name| name == "D");
+                let nodes = known.nodes.get(*first..*last).unwrap_or_default();
+                let nodes = nodes.iter().map(|number| Label::of(*instance, *number));
+                if is_of_network { found.extend(nodes) } else { others.extend(nodes) }
+            }
+        }
+        found.retain(|node| !others.contains(node));
+        found
+    }
+
     /// The nodes of all, and whether those of each are known.
     pub(super) fn nodes(&self) -> (impl Iterator<Item = Label>, bool) {
         let whole = |others: &Others| others.connectivity.elements.len() as u64 >= others.numbers.total();
@@ -204,7 +221,9 @@ pub(super) fn shares(corners: &[[f64; 3]]) -> Option<Vec<f64>> {
                     [0, 1, 2].map(|i| ((1.0 - from) * one[i] + (1.0 + from) * two[i]) / 4.0)
                 };
                 let here = area(along(s, minus(b, a), minus(c, d)), along(r, minus(d, a), minus(c, b)));
-                for (share, [x, y]) in shares.iter_mut().zip([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) {
+                for (share, [x, y]) in
+                    shares.iter_mut().zip([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+                {
                     *share += here * (1.0 + x * r) * (1.0 + y * s) / 4.0;
                 }
             }

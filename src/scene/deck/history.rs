@@ -117,7 +117,7 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     }
     let kind = motion_type(keyword)?;
     let applied = application(deck, keyword, ConditionKind::Boundary)?;
-    let mut warning = None;
+    let mut moved = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
@@ -160,7 +160,8 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             if let Some(value) = value {
                 magnitude = value.number()?;
                 if magnitude != 0.0 && deck.step.is_none() {
-                    warning = Some(nonzero(value));
+                    let (targets, _) = moved.get_or_insert_with(|| (Vec::new(), nonzero(value)));
+                    targets.push(target.clone());
                 }
             }
             items.end("a node or node set, the first and last degree of freedom and a magnitude")?;
@@ -184,7 +185,7 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             None => deck.scene.boundaries.push(boundary),
         }
     }
-    warning.into_iter().for_each(|warning| deck.warn(warning));
+    moved.into_iter().for_each(|(targets, warning)| deck.unread.warn_of(targets, warning));
     Ok(())
 }
 

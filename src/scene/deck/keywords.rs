@@ -756,6 +756,8 @@ pub(super) static RULES: &[Rule] = &[
             may("NAME", Name),
             may("NLGEOM", FlagOr(&["YES", "NO"])),
             may("INC", Count),
+            // Of CalculiX, for fluids.
+            pass("INCF", Count),
             may("PERTURBATION", Flag),
             may("AMPLITUDE", One(DefaultAmplitude::SPELLINGS)),
             pass("UNSYMM", One(&["YES", "NO"])),
@@ -1008,7 +1010,13 @@ impl Rule {
             keyword.complete(&names);
         }
         if self.strange == Strange::Skipped && !self.bears() {
-            let is_open = |given: &KeywordParameter| given.value.as_ref().is_some_and(Value::is_parameter);
+            let is_word = |name: &str| {
+                let known = self.parameters.into_iter().flatten().find(|known| known.name == name);
+                known.is_some_and(|known| matches!(known.takes, Name | Text))
+            };
+            let is_open = |given: &KeywordParameter| {
+                !is_word(&given.name) && given.value.as_ref().is_some_and(Value::is_parameter)
+            };
             let left: Vec<_> = keyword.parameters.extract_if(.., |given| is_open(given)).collect();
             strange.extend(left.into_iter().map(|given| given.name));
         }

@@ -306,12 +306,20 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         ElementType::Other(name) if element_rotates(name) => Some(&mut deck.other_rotations),
         _ => None,
     });
+    // What follows the nodes of a type does not go on on the next line.
+    let all = match &kind {
+        ElementType::Other(name) => node_count(name),
+        _ => usize::MAX,
+    };
+    let mut room = all;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         if continued {
-            continued = line.text.trim_end().ends_with(',');
             lines += 1;
-            deck.other_elements.extend(last, rotating.nodes(items));
+            let here = items.clone().filter(|item| !item.text.is_empty()).count();
+            deck.other_elements.extend(last, rotating.nodes(items).take(room));
+            room = room.saturating_sub(here);
+            continued = room > 0 && line.text.trim_end().ends_with(',');
             continue;
         }
         let label = items.need("the element number")?.label_number("the element number")?;
@@ -326,9 +334,11 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             }
             ElementType::Other(name) => {
                 last = label;
+                let here = items.clone().filter(|item| !item.text.is_empty()).count();
                 deck.other_elements.push(label, name);
-                deck.other_elements.extend(label, rotating.nodes(items));
-                continued = line.text.trim_end().ends_with(',');
+                deck.other_elements.extend(label, rotating.nodes(items).take(all));
+                room = all.saturating_sub(here);
+                continued = room > 0 && line.text.trim_end().ends_with(',');
                 (count, lines) = (count + 1, lines + 1);
             }
         }
@@ -345,6 +355,15 @@ pub(super) fn element(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         skipped.data_lines += lines;
     }
     Ok(())
+}
+
+/// How many nodes elements of a continuum type have, which its name says; of other types any number.
+fn node_count(type_name: &str) -> usize {
+    let rest = ["C3D", "CPE", "CPS"].iter().find_map(|family| type_name.strip_prefix(family));
+    // C3D15V has 15 to 18.
+    let rest = rest.filter(|rest| !rest.ends_with('V'));
+    let digits = rest.map(|rest| rest.trim_end_matches(|letter: char| !letter.is_ascii_digit()));
+    digits.and_then(|digits| digits.parse().ok()).filter(|count| *count > 2).unwrap_or(usize::MAX)
 }
 
 /// The nodes that elements of a type which is not read give rotations, if they do.

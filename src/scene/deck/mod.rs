@@ -496,9 +496,13 @@ fn misplaced(keyword: &Keyword, host: &str) -> Diagnostic {
 }
 
 impl Keyword {
-    /// Gives every parameter that is written by a beginning of exactly one of `names` that name.
+    /// Gives every parameter that is written by a beginning of exactly one of `names`, or without its blanks, that name.
     fn complete(&mut self, names: &[&str]) {
         for given in &mut self.parameters {
+            if let Some(name) = names.iter().find(|name| name.replace(' ', "") == given.name) {
+                (*name).clone_into(&mut given.name);
+                continue;
+            }
             let mut begun = names.iter().filter(|name| name.starts_with(given.name.as_str()));
             if let (false, Some(name), None) =
                 (names.contains(&given.name.as_str()), begun.next(), begun.next())

@@ -121,6 +121,11 @@ struct Change {
 }
 
 impl Unread {
+    /// Notes a warning that matters if these are nodes of connectors or constraints.
+    pub(super) fn warn_of(&mut self, targets: Vec<Spanned<Target>>, warning: Diagnostic) {
+        self.warnings.push((Some(targets), warning));
+    }
+
     /// Notes a line that cannot be read.
     pub(super) fn fault(&mut self, bears: Bears, error: Diagnostic) {
         self.faults.push((bears, error));
@@ -277,7 +282,7 @@ pub(super) fn bearing(scene: &Scene) -> LabelSet {
     ends(scene).chain(of_mpcs).chain(constraint::nodes(scene)).collect()
 }
 
-fn ends(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
+pub(super) fn ends(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
     scene.connectors.values().flat_map(|element| [element.a, element.b]).flatten()
 }
 
