@@ -288,7 +288,15 @@ fn faces_weigh_a_mean_by_their_areas() {
     let scene = read(nodes);
     let (long, short) = ((2.0 * 3.0 + 2.0) / 12.0, (2.0 * 2.0 + 3.0) / 12.0);
     let third = 2.0 / 3.0;
-    let want = [(1, 0.5), (2, 0.5 + long), (3, 0.5 + short + third), (4, 0.5 + third), (5, long), (6, short), (7, third)];
+    let want = [
+        (1, 0.5),
+        (2, 0.5 + long),
+        (3, 0.5 + short + third),
+        (4, 0.5 + third),
+        (5, long),
+        (6, short),
+        (7, third),
+    ];
     let found = scene.coupling_nodes(&scene.couplings[0]);
     assert_eq!(found.len(), want.len());
     for (node, weight) in want {

@@ -169,6 +169,68 @@ fn faults_that_bear_on_no_connector_refuse_nothing() {
     }
 }
 
+/// Other ends of lines, blanks, and beginnings of words: each deck is the same one.
+#[test]
+fn spelling_does_not_matter() {
+    let plain = format!(
+        "{HINGE}*AMPLITUDE, NAME=A, TIME=TOTAL TIME\n0., 0., 1., 1.\n*STEP\n*STATIC\n*CONNECTOR MOTION, AMPLITUDE=A, TYPE=DISPLACEMENT\nE, 4, 1.\n*END STEP\n"
+    );
+    let known = read(&plain);
+    let spelt = [
+        plain.replace('\n', "\r\n"),
+        plain.replace('\n', "\r"),
+        plain.replacen('\n', "\r", 9),
+        plain.replace(", ", ",\u{a0}"),
+        plain.replace(", ", ",\t"),
+        format!("{plain}\u{1a}"),
+        format!("{plain}*\n"),
+        plain.replace("*END STEP\n", "*END STEP,\n"),
+        plain.replace("TYPE=DISPLACEMENT", "TYP=Disp"),
+        plain.replace("NAME=", "NAM=").replace("TOTAL TIME", "total").replace("ELSET=", "ELS="),
+    ];
+    for text in spelt {
+        let scene = read(&text);
+        assert_eq!(scene.nodes.len(), 2, "{text:?}");
+        let motion = &scene.steps[0].connector_motions[0];
+        let expected = &known.steps[0].connector_motions[0];
+        assert_eq!((motion.magnitude, motion.kind), (expected.magnitude, expected.kind), "{text:?}");
+        assert_eq!(scene.amplitudes["A"].time, known.amplitudes["A"].time, "{text:?}");
+        assert_eq!(scene.warnings.len(), 0, "{text:?}: {:?}", scene.warnings);
+    }
+    let words: Vec<u8> = plain.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let error = Scene::parse_bytes("deck.inp", &[&b"\xff\xfe"[..], &words].concat()).unwrap_err();
+    assert_eq!((error.code(), error.message()), (Code::NotUtf8, "the file is encoded as UTF-16"));
+    // Every separator another one: no connector is lost without an error.
+    let error = Scene::parse("deck.inp", &HINGE.replace(',', ";")).unwrap_err();
+    assert_eq!(error.code(), Code::MalformedInteger);
+    // Decimal commas make normals of zeros, which is said.
+    let commas = read(&HINGE.replace("2, 1., 0., 0.", "2, 1,5, 0,0, 0,0"));
+    assert_eq!(commas.warnings[0].code(), Code::ItemsAfterCoordinates);
+}
+
+/// What foreign decks have and what is not wrong with them.
+#[test]
+fn no_false_warnings() {
+    let cases = [
+        // More items than nodes, and a comma at the end: the next line is the next element.
+        "*NODE, NSET=FAR\n11\n12\n*ELEMENT, TYPE=C3D4, ELSET=S\n1, 11, 12, 11, 12, 7, 8,\n2, 11, 12, 11, 12, 7, 8,\n*ELSET, ELSET=ALL, GENERATE\n1, 2\n",
+        "*STEP, INCF=100\n*STATIC\n*END STEP\n",
+        // Not of a connector's node, and not of its motion.
+        "*NODE\n11\n12\n*BOUNDARY\n11, 1, 1, 293.\n12, 11, 11, 20.\n",
+        "*NODE\n11\n12\n13\n*ELEMENT, TYPE=D\n1, 11, 12, 13\n*EQUATION\n2\n11, 1, 1., 13, 1, -1.\n",
+        "*NODE\n11\n12\n*NSET, NSET=B\n12\n*RIGID BODY, PIN NSET=B, REFNODE=11\n",
+    ];
+    for lines in cases {
+        let scene = read(&format!("{HINGE}{lines}"));
+        assert!(scene.warnings.is_empty(), "{lines}: {:?}", scene.warnings);
+        assert!(scene.equations.is_empty(), "an equation of a network is not one of motions");
+    }
+    // The tie of stages of a rotor joins what turns at another angle.
+    let tie = "*NODE\n11\n12\n*SURFACE, TYPE=NODE, NAME=S\n11\n*SURFACE, TYPE=NODE, NAME=M\n12\n*TIE, NAME=T, MULTISTAGE\nS, M\n";
+    let scene = read(&format!("{HINGE}{tie}"));
+    assert_eq!((scene.skipped.constraints.len(), scene.ties.len()), (1, 0));
+}
+
 fn places(text: &str, expected: &[(u64, [f64; 3])]) {
     let scene = read(text);
     for (label, place) in expected {

@@ -154,7 +154,8 @@ fn commands_show_every_error_once() {
             let more = if is_of_report { "and " } else { "more time" };
             let number = |line: &str| {
                 let (before, after) = line.split_once(more)?;
-                let text = if is_of_report { after.split(' ').next() } else { before.split_whitespace().last() };
+                let text =
+                    if is_of_report { after.split(' ').next() } else { before.split_whitespace().last() };
                 text?.parse::<usize>().ok()
             };
             let alike = all.lines().filter(|line| line.contains("more ")).filter_map(number);

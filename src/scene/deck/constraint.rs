@@ -466,7 +466,8 @@ fn equations(scene: &Scene, terms: &[RawTerm], span: Span) -> Result<Option<Vec<
 /// The references of the constraints; those that cannot be read are left out, and named.
 pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
     let raw = std::mem::take(&mut deck.constraints);
-    let mut network = if raw.equations.is_empty() { LabelSet::default() } else { deck.other_elements.network() };
+    let mut network =
+        if raw.equations.is_empty() { LabelSet::default() } else { deck.other_elements.network() };
     let ends: LabelSet = unread::ends(&deck.scene).collect();
     network.retain(|node| !ends.contains(node));
     let is_of_network =

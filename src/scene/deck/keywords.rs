@@ -832,6 +832,13 @@ pub(super) fn find(name: &str) -> Option<&'static Rule> {
     RULES.iter().find(same)
 }
 
+/// The one keyword that begins so, of five letters at least.
+pub(super) fn begun(name: &str) -> Option<&'static str> {
+    let mut all = RULES.iter().map(|rule| rule.name).filter(|known| known.starts_with(name));
+    let found = all.next().filter(|_| name.len() > 4)?;
+    all.next().is_none().then_some(found)
+}
+
 /// Whether each data line of a keyword stands for itself, so that reading goes on after a faulty one.
 pub(super) fn reads_by_line(name: &str) -> bool {
     matches!(

@@ -164,7 +164,8 @@ fn beyond_coordinates(line: &Data<'_>, normal: [Option<f64>; 3]) -> bool {
     let is_given = normal.iter().any(Option::is_some);
     let is_whole = || line.text.bytes().all(|c| c.is_ascii_digit() || b",-+ \t\r\n".contains(&c));
     let is_unit = (square - 1.0).abs() < ROUNDED || square == 0.0;
-    is_given && (!is_unit || (square != 0.0 && normal.iter().any(Option::is_none) && is_whole()))
+    let lacks = normal.iter().any(Option::is_none);
+    is_given && (!is_unit || (lacks != (square == 0.0) && is_whole()))
 }
 
 pub(super) fn node_set(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {

@@ -418,8 +418,10 @@ impl Deck<'_> {
         self.within_joint |= ["JOINT", "ITS"].contains(&keyword.name.as_str());
         self.unread.any_bears |=
             keyword.name.starts_with("CONNECTOR") || keywords::constraint(&keyword.name).is_some();
-        if let Some(near) = nearest(&keyword.name, keywords::RULES.iter().map(|rule| rule.name))
-            .filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
+        let names = || keywords::RULES.iter().map(|rule| rule.name);
+        let near = nearest(&keyword.name, names()).or_else(|| keywords::begun(&keyword.name));
+        if let Some(near) =
+            near.filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
         {
             let message = format!("*{} is skipped", keyword.name);
             self.warn(
@@ -499,7 +501,9 @@ impl Keyword {
     /// Gives every parameter that is written by a beginning of exactly one of `names`, or without its blanks, that name.
     fn complete(&mut self, names: &[&str]) {
         for given in &mut self.parameters {
-            if let Some(name) = names.iter().find(|name| name.replace(' ', "") == given.name) {
+            let is_name = names.contains(&given.name.as_str());
+            let joined = |name: &&&str| name.bytes().filter(|byte| *byte != b' ').eq(given.name.bytes());
+            if let (false, Some(name)) = (is_name, names.iter().find(joined)) {
                 (*name).clone_into(&mut given.name);
                 continue;
             }

@@ -75,7 +75,14 @@ pub(super) fn bears(deck: &mut Deck<'_>, rule: &str, keyword: &Keyword, error: &
     }
     let set = |parameter| Some(keyword.name_of(parameter).ok()??.value);
     match rule {
-        "BOUNDARY" | "CLOAD" | "INITIAL CONDITIONS" | "NODE" => {
+        "NODE" => {
+            deck.lexer.again();
+            let line = deck.lexer.row().ok()??;
+            let first = line.items().maybe()?;
+            let label = first.label_number("the node number").ok()?;
+            Some(Bears::Nodes(Spanned::new(Target::Label(label.into()), first.span)))
+        }
+        "BOUNDARY" | "CLOAD" | "INITIAL CONDITIONS" => {
             deck.lexer.again();
             let line = deck.lexer.row().ok()??;
             let first = line.items().maybe()?;
@@ -294,7 +301,14 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     for (bears, error) in faults {
         let found = match &bears {
             Bears::Nothing | Bears::Orientation(_) => false,
-            Bears::Nodes(target) => acts_on(&deck.scene, &target.value, bearing),
+            Bears::Nodes(target) => {
+                let is_known = match &target.value {
+                    // A node that is used has been judged with the definitions.
+                    Target::Label(_) => true,
+                    Target::Set(name) => deck.scene.node_sets.contains_key(name),
+                };
+                !is_known || acts_on(&deck.scene, &target.value, bearing)
+            }
             Bears::NodeSet(name) => acts_on(&deck.scene, &Target::Set(name.clone()), bearing),
             Bears::Elements(name) => {
                 let elements = deck.scene.element_sets.get(name).into_iter().flat_map(|set| &set.labels);

@@ -53,6 +53,37 @@ struct Frame<'a> {
     file: u16,
     line: u32,
     next: u64,
+    /// What was read beyond the line, where lines end in CR.
+    rest: Vec<u8>,
+}
+
+impl Frame<'_> {
+    /// Reads a line, which ends in LF, CRLF or CR, and gives its length; 0 at the end of the file.
+    fn read_line(&mut self, buffer: &mut Vec<u8>) -> std::io::Result<usize> {
+        std::mem::swap(buffer, &mut self.rest);
+        self.rest.clear();
+        if !buffer.iter().any(|byte| b"\r\n".contains(byte)) {
+            let limit = (MAX_LINE as u64 + 1).saturating_sub(buffer.len() as u64);
+            Read::take(&mut self.input, limit).read_until(b'\n', buffer)?;
+        }
+        let ends = |two: &[u8]| matches!(two, [b'\r', next] if !b"\r\n".contains(next));
+        if let Some(end) = buffer.windows(2).position(ends) {
+            self.rest.extend(buffer.drain(end + 1..));
+        }
+        Ok(buffer.len())
+    }
+}
+
+/// Writes blanks for the blanks that do not break lines, which word processors and pages leave.
+fn blank_spaces(line: &mut [u8]) {
+    if line.is_ascii() {
+        return;
+    }
+    for at in 1..line.len() {
+        if line.get(at - 1..=at) == Some(b"\xc2\xa0") {
+            line[at - 1..=at].fill(b' ');
+        }
+    }
 }
 
 /// A keyword line with everything that continues it.
@@ -99,7 +130,7 @@ impl<'a> Lexer<'a> {
     pub(crate) fn new(name: &str, input: Box<dyn BufRead + 'a>, files: &'a dyn Files) -> Self {
         Self {
             files,
-            frames: vec![Frame { input, file: 0, line: 0, next: 0 }],
+            frames: vec![Frame { input, file: 0, line: 0, next: 0, rest: Vec::new() }],
             names: vec![name.to_owned()],
             buffer: Vec::new(),
             pending: false,
@@ -271,13 +302,11 @@ impl<'a> Lexer<'a> {
             frame.line = frame.line.saturating_add(1);
             (self.file, self.line, self.start) = (frame.file, frame.line, frame.next);
             let place = Span::new(self.file, self.line, self.start, 1);
-            let limit = MAX_LINE as u64 + 1;
-            let length =
-                Read::take(&mut frame.input, limit).read_until(b'\n', &mut self.buffer).map_err(|error| {
-                    let message = format!("cannot read on: {error}");
-                    Diagnostic::error(Code::Unreadable, place, message, "up to here")
-                        .help("check the file and the disk it is on")
-                })?;
+            let length = frame.read_line(&mut self.buffer).map_err(|error| {
+                let message = format!("cannot read on: {error}");
+                Diagnostic::error(Code::Unreadable, place, message, "up to here")
+                    .help("check the file and the disk it is on")
+            })?;
             if length == 0 {
                 self.frames.pop();
                 continue;
@@ -300,8 +329,17 @@ impl<'a> Lexer<'a> {
                 return Err(Diagnostic::error(Code::LineTooLong, place, message, "begins here")
                     .help("break the line; is this a text file?"));
             }
+            if self.line == 1
+                && [&b"\xff\xfe"[..], b"\xfe\xff"].iter().any(|mark| self.buffer.starts_with(mark))
+            {
+                let message = "the file is encoded as UTF-16";
+                return Err(Diagnostic::error(Code::NotUtf8, place, message, "its byte order mark")
+                    .help("save the deck as UTF-8"));
+            }
+            blank_spaces(&mut self.buffer);
             let text = self.buffer.trim_ascii();
-            self.pending = !text.starts_with(b"**") && text != b"*";
+            // The last is the end of a file of DOS.
+            self.pending = !text.starts_with(b"**") && text != b"*" && text != b"\x1a";
             self.comments += u64::from(!self.pending);
             self.replaced = self.pending && self.parameters.replace(&mut self.buffer);
         }
@@ -386,7 +424,7 @@ impl<'a> Lexer<'a> {
         match opened {
             Ok(input) => {
                 self.names.push(name);
-                self.frames.push(Frame { input, file, line: 0, next: 0 });
+                self.frames.push(Frame { input, file, line: 0, next: 0, rest: Vec::new() });
                 Ok(())
             }
             Err(error) => {

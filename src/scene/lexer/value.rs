@@ -190,7 +190,13 @@ pub(super) fn word(
     words: &[&'static str],
 ) -> Result<&'static str> {
     let written = normal(text);
-    words.iter().find(|&&word| word == written).copied().ok_or_else(|| {
+    // Values of parameters may be shortened as their names are.
+    let begun = || {
+        let mut all = words.iter().filter(|word| word.starts_with(&written));
+        let found = all.next().filter(|_| code == Code::BadParameterValue && written.len() > 2);
+        found.filter(|_| all.next().is_none())
+    };
+    words.iter().find(|&&word| word == written).or_else(begun).copied().ok_or_else(|| {
         let remedy =
             suggest(&written, words.iter().copied(), || format!("{what} is one of {}", words.join(", ")));
         Diagnostic::error(code, span, format!("{what} cannot be `{text}`"), "not one of those allowed")
