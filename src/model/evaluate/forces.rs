@@ -3,7 +3,7 @@
 use crate::behavior::Tangent;
 use crate::evaluate::model::{ConnectorElement, Model};
 use crate::evaluate::mpc::MpcElement;
-use crate::evaluate::mpc::forces::given_forces as of_mpc;
+use crate::evaluate::mpc::forces::{NOT_GIVEN, given_forces as of_mpc};
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
 use pintle_kinematics::connector::{
     Components, Connector, Evaluation, Flag, Mask, NodalMatrix, NodalRow, Output, Request, State, Tally,
@@ -170,9 +170,6 @@ fn component_forces(connector: &Connector<f64>, given: &ElementForces) -> Result
     }
     Ok(forces)
 }
-
-/// Why a sum of forces is not known.
-pub(super) const NOT_GIVEN: &str = "the force of this component is neither given nor told by its behaviour";
 
 impl ForceResult {
     /// What a request names of the forces given; `None` where there are none, or nothing of them is asked for.

@@ -289,11 +289,11 @@ impl Source<'_> {
     pub(crate) fn warn(
         self,
         scene: &Scene,
-        model: &mut Model,
+        of_model: &[Diagnostic],
         taken: impl Fn(&Diagnostic) -> Option<Severity>,
     ) {
         let of_scene = scene.warnings.iter().map(|warning| (warning.clone(), false));
-        let of_model = std::mem::take(&mut model.warnings).into_iter().map(|warning| (warning, true));
+        let of_model = of_model.iter().map(|warning| (warning.clone(), true));
         let mut once = Once::default();
         for (warning, is_of_model) in of_scene.chain(of_model) {
             let Some(severity) = taken(&warning) else { continue };
@@ -323,11 +323,11 @@ pub(crate) fn nothing(scene: &Scene) -> Failure {
 /// Reads and resolves a scene, and says what deserves a look.
 fn load(source: Source<'_>) -> Result<Loaded, Failure> {
     let (scene, states) = read(source, None)?;
-    let (mut model, errors) = Model::examine(&scene);
+    let (model, errors) = Model::examine(&scene);
     if let Some(error) = Diagnostic::joined(errors.into_iter().map(|error| source.quoted(error))) {
         return Err(error.into());
     }
-    source.warn(&scene, &mut model, |warning| Some(warning.severity()));
+    source.warn(&scene, &model.warnings, |warning| Some(warning.severity()));
     Ok(Loaded { scene, states, model })
 }
 

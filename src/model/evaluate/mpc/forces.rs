@@ -86,6 +86,10 @@ fn on_angles(moments: &Moments, of: fn(&HingeMoments) -> Option<f64>) -> DofMatr
     matrix
 }
 
+/// Why a sum of forces is not known.
+pub(in crate::evaluate) const NOT_GIVEN: &str =
+    "the force of this component is neither given nor told by its behaviour";
+
 /// The order of derivatives that a request of forces needs.
 pub(in crate::evaluate) fn order(request: &Request) -> u8 {
     let needs = |output: Output| match output {

@@ -246,10 +246,14 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
         names => Selection::Named(names.to_vec()),
     };
     let mut plans = Vec::new();
-    for Loaded { scene, model, .. } in loaded.iter().filter(|loaded| !loaded.is_refused) {
+    for (source, Loaded { scene, model, .. }) in
+        sources.iter().zip(&loaded).filter(|(_, loaded)| !loaded.is_refused)
+    {
         let plan = Plan::compile(model, &selection, Request::nothing(0))
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.is_empty() {
+            // Without a report they are told here.
+            source.warn(scene, &model.warnings, |warning| levels.of_diagnostic(warning));
             return Err(nothing(scene));
         }
         plans.push(plan);
@@ -346,11 +350,10 @@ struct Loaded {
 /// A scene with its states and their forces, which are checked. Every rule that it breaks is told.
 fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result<Loaded, Failure> {
     let (scene, mut states) = read(source, arguments.at.as_deref())?;
-    let (mut model, mut errors) = Model::examine(&scene);
+    let (model, mut errors) = Model::examine(&scene);
     // Those that are taken for less are told by the findings.
     errors.retain(|error| !levels.lets_pass(error));
-    source.warn(&scene, &mut model, |warning| levels.of_diagnostic(warning));
-    // The report names each.
+    // The report has them, and warnings.
     let is_refused = !errors.is_empty();
     let (name, file) = match source {
         Source::File(path) => (path.to_string(), Path::new(path)),
