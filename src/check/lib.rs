@@ -11,6 +11,7 @@
 //! | `constraint` | the same of a multi-point constraint |
 //! | `friction` | the same of a friction |
 //! | `process` | does the process behave? |
+//! | `kin` | what has it started? |
 //! | `python` | how is a Python function asked? |
 //!
 //! The audit judges; nothing here does.
@@ -20,6 +21,7 @@ mod convention;
 mod exchange;
 pub mod fit;
 mod friction;
+mod kin;
 mod payload;
 mod process;
 mod protocol;

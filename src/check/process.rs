@@ -1,5 +1,6 @@
 //! A process that answers: started, asked with a time limit, and ended whatever it does.
 
+use crate::kin::Kin;
 use crate::protocol::{self, PROTOCOL};
 use serde_json::{Map, Value};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -216,6 +217,7 @@ pub struct Process {
     input: Option<ChildStdin>,
     lines: Receiver<LineOrEnd>,
     patience: Patience,
+    kin: Kin,
 }
 
 type LineOrEnd = Option<Line>;
@@ -284,13 +286,16 @@ impl Process {
         // In a group of its own, so that all that it starts can be ended with it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut shell, 0);
+        let mut kin = Kin::mark(&mut shell);
         let mut child = shell.spawn().map_err(|error| Misbehaviour::NotStarted(error.to_string()))?;
         let (to, lines) = sync_channel(WAITING);
         if let Some(output) = child.stdout.take() {
+            #[cfg(unix)]
+            kin.write_to(std::os::fd::AsRawFd::as_raw_fd(&output));
             thread::spawn(move || read(output, &to));
         }
         let input = child.stdin.take();
-        Ok(Self { child, input, lines, patience })
+        Ok(Self { child, input, lines, patience, kin })
     }
 
     /// That the process has ended, if it does so now.
@@ -319,6 +324,7 @@ impl Process {
             Ok(None) | Err(RecvTimeoutError::Disconnected) => {
                 Err(self.ended(due).unwrap_or(Misbehaviour::ClosedOutput(due)))
             }
+            Err(RecvTimeoutError::Timeout) if self.kin.is_mute() => Err(Misbehaviour::ClosedOutput(due)),
             Err(RecvTimeoutError::Timeout) => Err(Misbehaviour::Silent { due, limit: self.patience.answer }),
         }
     }
@@ -391,6 +397,7 @@ impl Drop for Process {
             .args(["-KILL", "--", &format!("-{}", self.child.id())])
             .stderr(Stdio::null())
             .status();
+        self.kin.end();
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

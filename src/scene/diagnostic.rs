@@ -209,6 +209,7 @@ codes! {
     DiagnosisBlockTransposed = "diagnosis::block-transposed": "A 3 × 3 block of the matrix, or a matrix of second derivatives, is transposed: rows were written where columns belong.";
     DiagnosisNodesSwapped = "diagnosis::nodes-swapped": "The columns of the two nodes are exchanged.";
     DiagnosisComponentsSwapped = "diagnosis::components-swapped": "Two components, or two equations of a constraint, have each other's numbers.";
+    DiagnosisFlowColumn = "diagnosis::flow-column": "The number of a material flow, such as β_s, stands in the column of another degree of freedom, or in two.";
     DiagnosisColumnsSwapped = "diagnosis::columns-swapped": "Two neighbouring columns have each other's numbers.";
     DiagnosisDegrees = "diagnosis::degrees": "Angles are in degrees where radians are expected, or the other way round.";
     DiagnosisRotationHalved = "diagnosis::rotation-halved": "The rotation columns of a node, or all second derivatives by rotations, are half of what is expected, as from a half angle or half a skew-symmetric part.";
@@ -223,6 +224,7 @@ codes! {
     DiagnosisRatesOfA = "diagnosis::rates-of-a-ignored": "The velocities or accelerations of the first node, a of a connector or S of a multi-point constraint, do not count.";
     DiagnosisQuadraticPart = "diagnosis::quadratic-part-missing": "An acceleration lacks the part that is quadratic in the rates, J̇ q̇.";
     DiagnosisNotANumber = "diagnosis::not-a-number": "A number is none at special states only, such as no rotation, half a turn, or coincident nodes: 0/0, or acos of more than 1. A series or atan2 goes through.";
+    DiagnosisLimited = "diagnosis::limited": "A number stops at a bound, and stays there wherever more is expected: a clamp, as min or max.";
     DiagnosisDigitsLost = "diagnosis::digits-lost": "The nearer a state is to a special one, the fewer digits are right: acos(x) near 1, asin(x) near 1, 1 − cos x of a small x. atan2 of sine and cosine, and 2 sin²(x/2), keep them.";
     DiagnosisDisplacementAsLocal = "diagnosis::displacement-as-local": "The displacement columns are the expected ones along the axes of a node, Aᵀ g instead of g, where global ones are expected.";
     DiagnosisTotalVector = "diagnosis::total-vector": "The rotation columns are derivatives by the total rotation vector of the node, or turned from them, where variations are spatial, δC = δθ^ C.";
@@ -277,6 +279,7 @@ codes! {
     DiagnosisContactForceHeld = "diagnosis::contact-force-held": "The tangent of a friction lacks the derivatives by the forces that press: the contact force was held.";
     DiagnosisParametersSwapped = "diagnosis::parameters-swapped": "Two parameters of a friction, such as R_r and L, are exchanged.";
     DiagnosisSumForNorm = "diagnosis::sum-for-norm": "The magnitudes of forces are added where their norm is meant.";
+    DiagnosisTermLeftOut = "diagnosis::term-left-out": "A friction criterion lacks one of several norms, or one force of a norm.";
     DiagnosisOtherCoefficient = "diagnosis::other-coefficient": "The coefficient of friction counts twice, or not at all.";
     DiagnosisContinuumTangent = "diagnosis::continuum-tangent": "The tangent is that of an increment that goes to zero, not of the increment that was made.";
     DiagnosisElasticForViscous = "diagnosis::elastic-for-viscous": "The slopes of a behaviour by displacements and by velocities have each other's numbers.";

@@ -53,7 +53,7 @@ def slide(state, friction):
     sign = math.copysign(1.0, f[0])
     of_p = [0.0] * 6
     for k in (1, 2):
-        of_p[k] = (0.0 if f[k] == 0 else math.copysign(1.0, f[k])) if WRONG == "sum" else f[k] / p
+        of_p[k] = (0.0 if f[k] == 0 else math.copysign(1.0, f[k])) if WRONG == "sum" else f[k] / (p or 1.0)
     of_n = [sign, 0.0, 0.0, 0.0, 0.0, 0.0]
     return {"criterion": [p, abs(f[0]), n, p - mu * n],
             "gradients": [of_p, of_n, of_n, [x - mu * y for x, y in zip(of_p, of_n)]]}
@@ -147,7 +147,7 @@ int pintle_friction(const pintle_friction_data *friction, const pintle_friction_
     numbers->criterion[3] = p - mu * n;
     memset(numbers->gradients, 0, sizeof numbers->gradients);
     for (int k = 1; k < 3; k++)
-        numbers->gradients[0][k] = is("sum") ? (f[k] > 0) - (f[k] < 0) : f[k] / p;
+        numbers->gradients[0][k] = is("sum") ? (f[k] > 0) - (f[k] < 0) : p == 0 ? 0 : f[k] / p;
     numbers->gradients[1][0] = numbers->gradients[2][0] = copysign(1, f[0]);
     for (int j = 0; j < 6; j++) numbers->gradients[3][j] = numbers->gradients[0][j] - mu * numbers->gradients[2][j];
     return 0;

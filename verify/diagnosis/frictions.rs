@@ -29,7 +29,11 @@ fn translator(f: &[f64; 6], [r, l, internal]: [f64; 3], norm: fn(f64, f64) -> f6
 
 /// The gradients of the same.
 fn slopes(f: &[f64; 6], [r, l, _]: [f64; 3], is_sum: bool, mu: f64) -> [[f64; 6]; 4] {
-    let of = |x: f64, y: f64| if is_sum { x.signum() } else { x / x.hypot(y) };
+    let of = |x: f64, y: f64| match x.hypot(y) {
+        0.0 => 0.0,
+        _ if is_sum => x.signum(),
+        size => x / size,
+    };
     let contact = [
         0.0,
         of(f[1], f[2]),
@@ -277,6 +281,103 @@ const ALL: &[Wrong] = &[
         "multiplied",
         "P",
     ),
+    (
+        "TRANSLATOR",
+        "one of two norms missing",
+        &[PHI],
+        |case, given| {
+            let mut f = case.told().forces;
+            (f[4], f[5]) = (0.0, 0.0);
+            given.criterion = translator(&f, TRANSLATOR, f64::hypot, MU).map(Some);
+        },
+        "term-left-out",
+        "F_C",
+    ),
+    (
+        "TRANSLATOR",
+        "one of two norms missing, in the gradients",
+        &[DPHI],
+        |case, given| {
+            let mut f = case.told().forces;
+            (f[1], f[2]) = (0.0, 0.0);
+            given.gradients = slopes(&f, TRANSLATOR, false, MU).map(Some);
+        },
+        "term-left-out",
+        "∂F_C",
+    ),
+    (
+        "SLIDE-PLANE",
+        "one force of the norm in P",
+        &[PHI],
+        |case, given| {
+            let p = case.told().forces[1].abs();
+            let by = p - given.criterion[0].unwrap();
+            given.criterion[0] = Some(p);
+            given.criterion[3] = given.criterion[3].map(|x| x + by);
+        },
+        "term-left-out",
+        "f3 in P",
+    ),
+    (
+        "SLIDE-PLANE",
+        "f/|f| where there is no traction",
+        &[DPHI],
+        |case, given| {
+            let f = case.told().forces;
+            for k in [1, 2] {
+                given.gradients[0].as_mut().unwrap()[k] = f[k] / f[1].hypot(f[2]);
+            }
+        },
+        "not-a-number",
+        "∂P",
+    ),
+    (
+        "TRANSLATOR",
+        "f/|f| where nothing presses across",
+        &[DPHI],
+        |case, given| {
+            let f = case.told().forces;
+            for k in [1, 2] {
+                given.gradients[1].as_mut().unwrap()[k] = f[k] / f[1].hypot(f[2]);
+            }
+        },
+        "not-a-number",
+        "∂F_C",
+    ),
+    (
+        "SLIDE-PLANE",
+        "the direction of a slip that is none",
+        &[FORCE],
+        |case, given| {
+            let told = case.told();
+            let trial = [1, 2].map(|k| told.forces_before[k] + STICK * told.displacement[k]);
+            let size = trial[0].hypot(trial[1]);
+            for (k, trial) in [1, 2].into_iter().zip(trial) {
+                given.forces[k] = Some(size.min(given.forces[8].unwrap()) * trial / size);
+            }
+        },
+        "not-a-number",
+        "CSF",
+    ),
+    (
+        "SLIDE-PLANE",
+        "a traction clamped at 50",
+        &[PHI],
+        |_, given| given.criterion[0] = given.criterion[0].map(|x| x.min(50.0)),
+        "limited",
+        "P",
+    ),
+    (
+        "SLIDE-PLANE",
+        "the coefficient times 1 + 1e-7",
+        &[PHI],
+        |_, given| {
+            let [p, _, normal, _] = given.criterion.map(Option::unwrap);
+            given.criterion[3] = Some((MU * (1.0 + 1e-7)).mul_add(-normal, p));
+        },
+        "other-coefficient",
+        "Φ",
+    ),
 ];
 
 fn settings(states: usize) -> Settings {
@@ -285,7 +386,7 @@ fn settings(states: usize) -> Settings {
 
 fn checked(name: &str, offers: &[Quantity], spoil: fn(&FrictionCase, &mut FrictionNumbers)) -> Report {
     let subject = subject(name);
-    let candidate = FrictionCandidate::new("mine", &subject).settings(settings(18)).offers(offers);
+    let candidate = FrictionCandidate::new("mine", &subject).settings(settings(24)).offers(offers);
     candidate.check(|case| {
         let mut given = case.product();
         spoil(case, &mut given);

@@ -104,6 +104,12 @@ impl Domain {
         self.0.iter().all(Option::is_none)
     }
 
+    /// How far its places reach from node a; `None` where none is limited.
+    pub(super) fn reach(&self) -> Option<f64> {
+        let ends = self.0[..3].iter().flatten().flatten();
+        ends.map(|end| end.abs()).reduce(f64::max)
+    }
+
     /// Whether a pair lies in it, but for rounding.
     pub fn holds(&self, definition: &Definition, pair: &Pair<f64>) -> bool {
         let (x, r) = relative(definition, pair);

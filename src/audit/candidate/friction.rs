@@ -52,7 +52,16 @@ impl<'a> FrictionCandidate<'a> {
     }
 
     /// The states at which the routine is asked: forces, and an increment after a state in which something may be stored. A third of
-    /// the increments sticks; of every sixth state one traction is zero, and one increment.
+    /// the increments sticks. Where norms have no derivative is asked, too:
+    ///
+    /// | state, of twelve | what is zero there |
+    /// |---|---|
+    /// | 5, 11 | one traction, its increment, and what is stored of it |
+    /// | 2, 9 | all of these |
+    /// | 4 | all that presses |
+    /// | 7, 10 | the forces that press; the moments that press |
+    ///
+    /// Of every ten, one has forces of a hundredth, and one a hundred times as large, at places as much nearer and farther.
     pub fn drawn(&self) -> Vec<FrictionCase> {
         let FrictionSubject { friction, coefficient, length, .. } = self.subject;
         let mut draw = Draw::new(&format!("{} {} friction", self.settings.seed, self.name));
@@ -66,16 +75,33 @@ impl<'a> FrictionCandidate<'a> {
                         if draw.unit() < 0.5 { -x } else { x }
                     })
                 };
-                let (mut point, forces, position) = (six(3.0), six(3.0), six(0.8));
+                let (mut point, mut forces, mut position) = (six(3.0), six(3.0), six(0.8));
                 let mut displacement = six(1.0);
                 let mut stored = six(1.0);
+                let size = [(3, 0.01), (8, 100.0)].into_iter().find(|(place, _)| i % 10 == *place);
+                let size = size.map_or(1.0, |(_, size)| size);
                 for k in 0..6 {
-                    point[k] *= unit(k);
+                    point[k] *= unit(k) * size;
+                    forces[k] *= size;
+                    position[k] *= size;
                 }
-                if i % 6 == 5 {
-                    for (k, _) in radii.iter().take(1) {
-                        (point[*k], displacement[*k], stored[*k]) = (0.0, 0.0, 0.0);
-                    }
+                let still = match i % 12 {
+                    5 | 11 => 1,
+                    2 | 9 => radii.len(),
+                    _ => 0,
+                };
+                for (k, _) in radii.iter().take(still) {
+                    (point[*k], displacement[*k], stored[*k]) = (0.0, 0.0, 0.0);
+                }
+                let presses = |k: usize| radii.iter().all(|(of, _)| *of != k);
+                let resting = match i % 12 {
+                    4 => 0..6,
+                    7 => 0..3,
+                    10 => 3..6,
+                    _ => 0..0,
+                };
+                for k in resting.filter(|k| presses(*k)) {
+                    (point[k], forces[k]) = (0.0, 0.0);
                 }
                 let accumulated_slip = draw.between(0.0, 2.0) * length;
                 let mut case = FrictionCase {

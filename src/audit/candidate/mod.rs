@@ -215,6 +215,18 @@ impl<'a> Candidate<'a> {
         if length > 0.0 { length } else { 1.0 }
     }
 
+    /// By how much nodes move farther than usual at a state: every fifth goes through orders of magnitude, as far as the domain reaches.
+    fn reach(&self, i: usize) -> f64 {
+        /// In what [`about_initial`] draws, which is up to 0.4 lengths apart.
+        const FARTHEST: f64 = 50.0;
+        if i % 5 != 2 {
+            return 1.0;
+        }
+        let domain = self.domain.reach().map_or(FARTHEST, |reach| 5.0 * reach / self.length());
+        let farthest = domain.max(FARTHEST);
+        [farthest, 0.03, farthest.sqrt(), 0.3][i / 5 % 4]
+    }
+
     /// How many states lie near singular sets.
     fn near_singular_states(&self) -> usize {
         if has_sites(self.definition) { self.settings.near_singular_states } else { 0 }
@@ -259,7 +271,10 @@ impl<'a> Candidate<'a> {
                 None
             };
             let case = match case {
-                None if i < regular => about_initial(self.definition, i, length, name, &mut draw),
+                None if i < regular => {
+                    let case = about_initial(self.definition, i, length * self.reach(i), name, &mut draw);
+                    case.map(|case| Case { length, ..case })
+                }
                 drawn => drawn,
             };
             // Near singular sets is where they are.

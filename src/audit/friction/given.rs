@@ -86,6 +86,10 @@ impl FrictionSubject {
             let relation = "what is expected without the radius that divides a moment in P";
             others.push((Cause::NotNormalised, relation.into(), undivided));
         }
+        for (what, criterion) in friction.criterion.with_parts_left_out() {
+            let relation = format!("what is expected without {what}");
+            others.push((Cause::TermLeftOut, relation, Friction { criterion, ..friction.clone() }));
+        }
         others.retain(|(.., other)| *other != friction);
         Ok(Self { name, friction, coefficient, parameters: Vec::new(), length, connection, others })
     }

@@ -33,6 +33,7 @@ macro_rules! causes {
 
 causes! {
     NotANumber = DiagnosisNotANumber, "no number", "0/0 or a root of less than zero at special states";
+    Limited = DiagnosisLimited, "one bound wherever more is expected", "clamped";
     DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
     SinglePrecision = DiagnosisSinglePrecision, "what is expected to 24 bits", "single precision";
     Differences = DiagnosisDifferences, "what is expected but for the last digits", "differences with a step, or constants with few digits";
@@ -85,6 +86,7 @@ causes! {
     NodeLeftOut = DiagnosisNodeLeftOut, "zero", "one node left out";
     RotationHalved = DiagnosisRotationHalved, "half of what is expected", "rotation block halved";
     RotationDoubled = DiagnosisRotationDoubled, "twice what is expected", "rotation block doubled";
+    FlowColumn = DiagnosisFlowColumn, "what is expected with a flow in another column", "flow, or β_s, in the wrong column";
     ColumnsSwapped = DiagnosisColumnsSwapped, "what is expected of each other", "columns swapped";
     RatesOfAIgnored = DiagnosisRatesOfA, "what the rates of the second node alone give", "rates of the first node ignored";
     QuadraticPartMissing = DiagnosisQuadraticPart, "what the accelerations alone give", "the part quadratic in the rates missing";
@@ -105,6 +107,7 @@ causes! {
     SecantForTangent = DiagnosisSecant, "force / displacement over the whole motion or increment", "the secant instead of the tangent";
     ParametersSwapped = DiagnosisParametersSwapped, "what is expected with two lengths exchanged", "parameters exchanged";
     SumForNorm = DiagnosisSumForNorm, "what is expected with the sum of magnitudes for their norm", "a norm taken as a sum";
+    TermLeftOut = DiagnosisTermLeftOut, "what is expected without one of its terms", "a norm or a force left out";
     OtherCoefficient = DiagnosisOtherCoefficient, "what is expected with another coefficient", "μ twice, or not at all";
     ContinuumForConsistent = DiagnosisContinuumTangent, "the tangent of an increment that goes to zero", "continuum for consistent tangent";
     Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";

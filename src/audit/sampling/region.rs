@@ -444,7 +444,10 @@ pub fn about_initial(
 }
 
 /// How many states of [`special_initial`] there are.
-pub const SPECIAL: usize = 4 + 24;
+pub const SPECIAL: usize = 4 + BESIDE + 24;
+
+/// How many of them are next to right angles.
+const BESIDE: usize = 8;
 
 /// A state of special values, clear of the singular sets; `None` where the nodes cannot be brought there.
 ///
@@ -453,10 +456,29 @@ pub const SPECIAL: usize = 4 + 24;
 /// | 0 | both nodes turned alike |
 /// | 1 | b moved alone |
 /// | 2, 3 | b turned to the axes of a; both along global axes |
-/// | from 4 on | the axes of b at right angles to those of a |
+/// | 4 to 11 | 1e-2 to 1e-9 from such axes, where arccosines and arcsines lose digits: every other time parallel where the type allows it |
+/// | from 12 on | the axes of b at right angles to those of a |
 pub fn special_initial(
     definition: &Definition,
     n: usize,
+    length: f64,
+    name: &str,
+    draw: &mut Draw,
+) -> Option<Case> {
+    /// How often axes are drawn beside which a state is to be.
+    const OFTEN: usize = 12;
+    let is_beside = (4..4 + BESIDE).contains(&n);
+    let attempts = if is_beside { OFTEN } else { 1 };
+    (0..attempts).find_map(|attempt| {
+        let is_parallel = attempt == 0 && n.is_multiple_of(2);
+        special(definition, (n, is_parallel), length, name, draw)
+    })
+}
+
+/// The same, once; what is next to axes is next to parallel ones, or to any at right angles.
+fn special(
+    definition: &Definition,
+    (n, is_parallel): (usize, bool),
     length: f64,
     name: &str,
     draw: &mut Draw,
@@ -466,6 +488,8 @@ pub fn special_initial(
     let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
     let mut after = *initial;
     let spin = if definition.planar { [0.0, 0.0, 0.7] } else { draw.rotation(0.3, 1.2) };
+    let cubes = cube_orientations();
+    let axis = if definition.planar { [0.0, 0.0, 1.0] } else { scale(spin, 1.0 / norm(spin)) };
     let relative = match n {
         0 => {
             let common = turn(spin);
@@ -483,7 +507,13 @@ pub fn special_initial(
             after.a.triad = vector::identity();
             Some(vector::identity())
         }
-        _ => Some(*cube_orientations().get(n - 4)?),
+        _ => Some(match (n - 4).checked_sub(BESIDE) {
+            Some(place) => *cubes.get(place)?,
+            None => product(
+                &cubes[if is_parallel { 0 } else { draw.below(cubes.len()) }],
+                &turn(scale(axis, 10.0_f64.powf(2.0 - n as f64))),
+            ),
+        }),
     };
     if let Some(relative) = relative {
         after.b.triad = product(&after.a.triad, &relative);

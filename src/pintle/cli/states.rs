@@ -20,7 +20,7 @@ use std::path::PathBuf;
 const HELP: &str = "\
 States for a harness of your own: those at which pintle check asks. The first is the
 initial one; then come special values, states about the initial one, and as many
-as --near says 1e-1 to 1e-12 from the singular sets of the connector. Each of them
+as --near says (50 without a number) 1e-1 to 1e-12 from the singular sets of the connector. Each of them
 follows the initial state: pintle eval --independent reads them so.
 
 --history gives one history instead, in increments of at most 0.6 rad, through half
@@ -49,7 +49,7 @@ pub(crate) struct States {
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     count: u32,
     /// How many near the singular sets of the connector, besides
-    #[arg(long, value_name = "COUNT", default_value_t = 0, conflicts_with = "history")]
+    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_value_t = 0, default_missing_value = "50", conflicts_with = "history")]
     near: u32,
     /// One history, whose states follow one another
     #[arg(long)]

@@ -8,6 +8,7 @@ mod rates;
 mod rows;
 mod second;
 mod special;
+mod strangers;
 mod values;
 
 use pintle_audit::oracles::oracle::Narrow;
@@ -161,7 +162,7 @@ pub(crate) fn general(name: &str) -> Definition {
 
 /// The states of a check: about the initial one, at ends of histories, near singular sets.
 pub(crate) fn settings() -> Settings {
-    Settings { states: 24, wide_states: 6, near_singular_states: 8, atlas: false, ..Settings::default() }
+    Settings { states: 48, wide_states: 6, near_singular_states: 8, atlas: false, ..Settings::default() }
 }
 
 /// The report of a routine that gives what `answer` makes of the right numbers.
@@ -274,6 +275,11 @@ fn causes_of_the_corpus_are_named() {
         &[values::ALL, rows::ALL, rates::ALL, second::ALL, forces::ALL, special::ALL, other::ALL],
         95,
     );
+}
+
+#[test]
+fn causes_of_strangers_are_named() {
+    assert_named("strangers", &[strangers::ALL], 90);
 }
 
 /// Right routines: the product's numbers, and numbers by other formulas. Nothing is wrong of any type, in any quantity, at any state.

@@ -162,16 +162,45 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
     let total = [total(&a, &initial.a.triad), total(&b, &initial.b.triad)];
     let mut found = Vec::new();
     // Rotations along the axes of the nodes: of one node, of both, by its own triad or the other's.
-    for (cause, [of_a, of_b]) in
-        [(Cause::RotationTakenAsLocal, [back_a, back_b]), (Cause::RotationTurnedTwice, [a, b])]
-    {
+    for (cause, [of_a, of_b], [both_a, both_b, a_at_b, b_at_a, crossed]) in [
+        (
+            Cause::RotationTakenAsLocal,
+            [back_a, back_b],
+            [
+                "Aᵀ × expected, of b too",
+                "Bᵀ × expected, of a too",
+                "Aᵀ × expected, the axes of a for those of b",
+                "Bᵀ × expected, the axes of b for those of a",
+                "Bᵀ and Aᵀ × expected, the axes of each other",
+            ],
+        ),
+        (
+            Cause::RotationTurnedTwice,
+            [a, b],
+            [
+                "A × expected, of b too",
+                "B × expected, of a too",
+                "A × expected, at b",
+                "B × expected, at a",
+                "B and A × expected, the triads of each other",
+            ],
+        ),
+    ] {
         found.push(Operation::new(cause, move |row| turned(row, THETA_A, &of_a)).known());
         found.push(Operation::new(cause, move |row| turned(row, THETA_B, &of_b)).known());
-        for [x, y] in [[of_a, of_b], [of_a, of_a], [of_b, of_b]] {
-            found.push(Operation::new(cause, move |row| {
+        found.push(Operation::new(cause, move |row| turned(row, THETA_B, &of_a)).related(a_at_b));
+        found.push(Operation::new(cause, move |row| turned(row, THETA_A, &of_b)).related(b_at_a));
+        for ([x, y], relation) in [
+            ([of_a, of_b], None),
+            ([of_a, of_a], Some(both_a)),
+            ([of_b, of_b], Some(both_b)),
+            ([of_b, of_a], Some(crossed)),
+        ] {
+            let change = move |row: &mut [f64]| {
                 turned(row, THETA_A, &x);
                 turned(row, THETA_B, &y);
-            }));
+            };
+            found.push(Operation { relation, ..Operation::new(cause, change) });
         }
     }
     for (relation, x, y) in [

@@ -6,13 +6,13 @@ use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
-use crate::mutants::diagnosis::patterns::{differences, digits_lost, single_precision, without_numbers};
+use crate::mutants::diagnosis::patterns::{differences, digits_lost, limited, single_precision, without_numbers};
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::measure::{Measure, Unit};
-use pintle_kinematics::node::{DOF, DOFS, Pair, THETA_A, THETA_B, XA, XB};
+use pintle_kinematics::node::{DOF, DOFS, PSI_A, Pair, THETA_A, THETA_B, XA, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
@@ -51,6 +51,9 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     if let Some(few) = single_precision(&whole, &words) {
         return Some(few);
     }
+    if let Some(bound) = limited(&whole, &words).filter(|_| !is_derivative(quantity)) {
+        return Some(bound);
+    }
     let states = whole.iter().map(|symptoms| symptoms.at_state()).collect();
     let mut regions: BTreeSet<Vec<Cell>> = BTreeSet::new();
     for (k, row) in symptoms.iter().flat_map(|one| one.wanted().0.iter().enumerate()) {
@@ -69,6 +72,11 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     }
     let fewer = digits_lost(&whole, &words).or_else(|| differences(&whole, &words));
     Some(fewer.unwrap_or(found))
+}
+
+/// Whether entries are derivatives, of which many are the same constant at every state.
+const fn is_derivative(quantity: Quantity) -> bool {
+    !matches!(quantity, Quantity::Value | Quantity::Rate | Quantity::Acceleration)
 }
 
 /// The class of an entry.
@@ -229,6 +237,7 @@ impl Symptoms<'_> {
                 let both = put(THETA_A, e).into_iter().chain(put(THETA_B, e.map(|x| -x)));
                 found.push(Hypothesis::of_row(Cause::AxesOfB, k, both));
             }
+            found.extend(flow_columns(k, row));
             found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
             if matches!(measure, Some(Measure::RadialDistance | Measure::Distance)) {
                 let d = pair.separation();
@@ -445,10 +454,20 @@ impl Symptoms<'_> {
             }
             if let Some((i, at)) = connector.differentiated(k).and_then(resolved_at) {
                 let v = faster.unwrap_or(velocity);
+                if let Some(faster) = faster {
+                    is(Cause::DerivativeForResolved, along(row, faster) + twice(matrix, velocity));
+                }
+                let initial = &self.case.definition.initial;
                 let (of_a, of_b) = (part(v, at), part(v, at + XB));
                 let global = [0, 1, 2].map(|n| f64::from(u8::from(n == i)));
                 let [a, b] = triads.map(|triad| column(triad, i));
-                for (cause, e) in [(Cause::AxesOfA, a), (Cause::GlobalAxes, global)] {
+                let still = [&initial.a, &initial.b].map(|node| column(&node.triad, i));
+                for (cause, e) in [
+                    (Cause::AxesOfA, a),
+                    (Cause::GlobalAxes, global),
+                    (Cause::InitialAxes, still[0]),
+                    (Cause::InitialAxes, still[1]),
+                ] {
                     is(cause, along(&e, &sub(of_b, of_a)));
                 }
                 is(Cause::RatesOfAIgnored, along(&b, &of_b));
@@ -507,6 +526,33 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
         )
     };
     vec![of(left), of(transpose(&left)), of(transpose(&inverse)), of(inverse)]
+}
+
+/// Rows with a flow in the column of another degree of freedom, or in both: beside what stands there, or in its place.
+fn flow_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
+    let mut found = Vec::new();
+    for flow in [PSI_A, DOFS - 1].into_iter().filter(|flow| row[*flow] != 0.0) {
+        let x = row[flow];
+        let mut add = |relation: String, changes: Vec<(usize, f64)>| {
+            found.push(Hypothesis::of_row(Cause::FlowColumn, k, changes).related(relation));
+        };
+        for to in (0..DOFS).filter(|to| *to != flow) {
+            let relation = format!("what is expected with the number of {} in the column {}", DOF[flow], DOF[to]);
+            if row[to] == 0.0 {
+                add(relation, vec![(flow, 0.0), (to, x)]);
+            } else if row[to] != -x {
+                add(relation.clone(), vec![(flow, row[to]), (to, x)]);
+                add(format!("{relation} too"), vec![(flow, 0.0), (to, row[to] + x)]);
+            }
+        }
+        let other = DOFS - 1 + PSI_A - flow;
+        if row[other] == 0.0 {
+            for sign in [1.0, -1.0] {
+                add(format!("what is expected, and a number in the column {} too", DOF[other]), vec![(other, sign * x)]);
+            }
+        }
+    }
+    found
 }
 
 /// The row of a coordinate along other axes: of b, global ones, initial ones of a.

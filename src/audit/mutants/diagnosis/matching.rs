@@ -324,14 +324,10 @@ impl Matching<'_> {
             // Nothing, and the opposite, are causes of their own; and what is off in the last digits is off by no constant.
             if factor.is_finite()
                 && factor.abs() > 1e-12
-                && [1.0, -1.0].iter().all(|one| (factor - one).abs() > 1e-9)
+                && [1.0, -1.0].iter().all(|one| (factor - one).abs() > 1e-12)
             {
                 let cause = if is_entry { Cause::Scaled } else { Cause::Factor };
-                let relation = if is_entry {
-                    format!("{factor:.10} × expected")
-                } else {
-                    format!("{} × expected", short(factor, 6))
-                };
+                let relation = format!("{} × expected", factor_in_words(factor));
                 add(cause, relation, &|want| factor * want);
             }
             let is_offset = if is_entry { best.is_none() } else { self.has_offsets };
@@ -513,6 +509,13 @@ impl Matching<'_> {
         };
         Explained { cause, code: cause.code(), sentence, also: Vec::new() }
     }
+}
+
+/// A factor; what is next to 1 by how much it is off.
+fn factor_in_words(factor: f64) -> String {
+    let off = factor - 1.0;
+    let sign = if off < 0.0 { '−' } else { '+' };
+    if off.abs() < 1e-4 { format!("(1 {sign} {})", short(off.abs(), 3)) } else { short(factor, 6) }
 }
 
 /// Columns in words, runs of one name with increasing numbers together: `θa1..3`, `xb2`.

@@ -12,7 +12,8 @@ use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, column, dot, product, transpose, transposed_product};
-use std::collections::BTreeSet;
+use pintle_scene::grammar::number as short;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 /// So near to a special state (rad, or lengths of the connector) that numbers are lost there.
@@ -29,6 +30,9 @@ const LOST: f64 = 1e-4;
 
 /// How many roundings, over the distance or its square, are still a loss of digits.
 const ROUNDINGS: f64 = 1e3;
+
+/// At so many states one bound is no chance.
+const SEVERAL: usize = 3;
 
 /// A special kind of states, and how far a state is from it.
 struct Special {
@@ -139,6 +143,39 @@ pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> 
         Cause::NotANumber.meaning()
     );
     Some(told(Cause::NotANumber, sentence, &cells))
+}
+
+/// Numbers that stop at a bound: at several states all that is wrong of a component is one number, or its opposite, nearer to zero
+/// than what is expected; zero, where the sign that is expected is lost.
+pub(super) fn limited(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    let mut bounds: BTreeMap<Cell, f64> = BTreeMap::new();
+    let mut wants = BTreeMap::<Cell, [bool; 2]>::new();
+    for one in symptoms {
+        for (k, i, want) in one.want.entries(one.quantity).iter() {
+            let Some(got) = one.got.get(k, i) else { continue };
+            if (got - want).abs() <= one.bound.tolerance(one.quantity, k, i) {
+                continue;
+            }
+            let is_beyond = got.abs() < want.abs() && (got == 0.0 || got.signum() == want.signum());
+            if !is_beyond || bounds.insert((k, i), got.abs()).is_some_and(|known| known != got.abs()) {
+                return None;
+            }
+            wants.entry((k, i)).or_default()[usize::from(want > 0.0)] = true;
+        }
+    }
+    // What is zero whatever is expected was not computed.
+    let is_bound = |(place, bound): (&Cell, &f64)| *bound > 0.0 || wants.get(place) != Some(&[true; 2]);
+    if symptoms.len() < SEVERAL || !bounds.iter().all(is_bound) {
+        return None;
+    }
+    let cells: BTreeSet<Cell> = bounds.keys().copied().collect();
+    let named: BTreeSet<String> = bounds.values().map(|bound| short(*bound, 6)).collect();
+    let (place, count) = (place(&cells, words), symptoms.len());
+    let equals = if place.contains(", ") { "equal" } else { "equals" };
+    let bounds = named.into_iter().collect::<Vec<_>>().join(", ");
+    let (relation, meaning) = (Cause::Limited.relation(), Cause::Limited.meaning());
+    let sentence = format!("{place} {equals} {relation}, {bounds}: {meaning}, at {count} of {count} states");
+    Some(told(Cause::Limited, sentence, &cells))
 }
 
 /// Numbers that are wrong by little, and more the nearer their states are to special ones.

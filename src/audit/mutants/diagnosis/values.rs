@@ -128,6 +128,10 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
             let (d, d0) = (pair.separation(), initial.separation());
             let [u, v, w] = [0, 1, 2].map(|i| dot(column(&pair.a.triad, i), d));
             let [u0, v0, w0] = [0, 1, 2].map(|i| dot(column(&initial.a.triad, i), d0));
+            let from_b = |pair: &Pair<f64>| {
+                let of = |i: usize| dot(column(&pair.b.triad, i), pair.separation());
+                of(0).hypot(of(1))
+            };
             for (what, x) in [
                 ("the whole length |d|", norm(d) - norm(d0)),
                 ("|d − d₀|", norm(sub(d, d0))),
@@ -135,6 +139,7 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                 ("the coordinate along e2a", v - v0),
                 ("the coordinate along e3a", w - w0),
                 ("the distance from the axis e3a", u.hypot(v) - u0.hypot(v0)),
+                ("the distance from the axis e3b", from_b(pair) - from_b(initial)),
                 ("the distance from the axis e2a", u.hypot(w) - u0.hypot(w0)),
                 ("the distance from the axis e1a", v.hypot(w) - v0.hypot(w0)),
                 (
@@ -260,6 +265,7 @@ fn of_axes(
         (Cause::AxesOfA, dot(a, d), dot(a0, d0)),
         (Cause::AxesOfB, dot(b, d), dot(b0, d0)),
         (Cause::AxesMidway, dot(midway(a, b), d), dot(midway(a0, b0), d0)),
+        (Cause::NotNormalised, f64::midpoint(dot(a, d), dot(b, d)), f64::midpoint(dot(a0, d0), dot(b0, d0))),
         (Cause::GlobalAxes, d[i], d0[i]),
         (Cause::InitialAxes, dot(a0, d), dot(a0, d0)),
     ];
@@ -349,16 +355,26 @@ fn of_rotation(
             add_as(cause, "", along, along_first);
         }
     }
+    if rotational.iter().flatten().any(|measure| *measure == Measure::Torsion) {
+        let apart = |q: &Matrix<f64>| so3::euler_angle(q, 1.0, 1) - so3::euler_angle(q, 1.0, 3);
+        let what = "the difference of the Euler angles α and γ, not their sum";
+        add_as(Cause::OtherOrder, what, [apart(&q); 3], [apart(&q0); 3]);
+    }
     add_as(Cause::OtherParameters, "", so3::log(&q), so3::log(&q0));
     if rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_))) {
         add_as(Cause::InitialKept, "", so3::log(&q), [0.0; 3]);
     }
+    let flexions = [now, first];
     let vector = |all: &Components<f64>| Some([all[3]?, all[4]?, all[5]?]);
     let held = || Some([0, 1, 2].map(|i| want.get(3 + i, 0)).map(|x| x.unwrap_or(0.0)));
     let is_misalignment =
         rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_)));
     let (now, first) = if is_misalignment { (held(), Some([0.0; 3])) } else { (vector(now), vector(first)) };
-    if let (Some(now), Some(first), true) = (now, first, is_vector) {
+    // Of a flexion α q the first two numbers are such a vector.
+    let bent = |all: &Components<f64>| Some([all[3]?, all[4]?, 0.0]);
+    let is_bent = !is_vector && rotational.iter().flatten().any(is_flexion);
+    let (now, first) = if is_bent { flexions.map(bent).into() } else { (now, first) };
+    if let (Some(now), Some(first), true) = (now, first, is_vector || is_bent) {
         type Length = fn(f64) -> f64;
         let functions: [(&str, Length); 6] = [
             ("sin θ n, the axial vector", f64::sin),
@@ -372,8 +388,13 @@ fn of_rotation(
             let angle = norm(v);
             if angle > 0.0 { scale(v, length(angle) / angle) } else { v }
         };
+        // The torsion beside a flexion is another number.
+        let alone = |[x, y, z]: [f64; 3]| if is_bent { [x, y, f64::NAN] } else { [x, y, z] };
         for (what, length) in functions {
-            add_as(Cause::OtherParameters, what, to(length, now), to(length, first));
+            add_as(Cause::OtherParameters, what, alone(to(length, now)), alone(to(length, first)));
+        }
+        if is_bent {
+            return found;
         }
         add_as(Cause::GlobalAxes, "", apply(&pair.a.triad, now), apply(&initial.a.triad, first));
         add_as(Cause::AxesOfB, "", apply(&transpose(&q), now), apply(&transpose(&q0), first));

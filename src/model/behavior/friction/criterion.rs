@@ -465,6 +465,38 @@ impl Criterion {
         found
     }
 
+    /// The criterion without one of several terms in F_C, and without one of several tractions in P, each with what is left out, in words.
+    pub fn with_parts_left_out(&self) -> Vec<(String, Self)> {
+        let mut found = Vec::new();
+        if let Pressing::Terms(terms) = &self.pressing {
+            for i in (0..terms.len()).filter(|_| terms.len() > 1) {
+                let mut rest = terms.clone();
+                let term = rest.remove(i);
+                let name = term.load.formula(term.present).unwrap_or_default();
+                found.push((format!("{name} in F_C"), Self { pressing: Pressing::Terms(rest), ..self.clone() }));
+            }
+            for (i, term) in terms.iter().enumerate() {
+                let Load::Norm(components) = term.load else { continue };
+                let listed: Vec<usize> = components.iter().copied().filter(|k| term.present[*k]).collect();
+                for k in listed.iter().copied().filter(|_| listed.len() > 1) {
+                    let mut all = terms.clone();
+                    all[i].present[k] = false;
+                    let name = format!("{} in F_C", FORCE[k]);
+                    found.push((name, Self { pressing: Pressing::Terms(all), ..self.clone() }));
+                }
+            }
+        }
+        if let Tangential::Norm(components) = &self.tangential {
+            for i in (0..components.len()).filter(|_| components.len() > 1) {
+                let mut rest = components.clone();
+                let (k, _) = rest.remove(i);
+                let without = Self { tangential: Tangential::Norm(rest), ..self.clone() };
+                found.push((format!("{} in P", FORCE[k]), without));
+            }
+        }
+        found
+    }
+
     /// F_C with a sum of magnitudes for each norm of a predefined friction, a mistake, and its derivatives by the forces; none without a
     /// norm of several forces.
     pub fn contact_of_sums(&self, forces: &[f64; 6]) -> Option<(f64, [f64; 6])> {
