@@ -40,11 +40,16 @@ impl Kin {
         let bears = |folder: &PathBuf| {
             let environment = fs::read(folder.join("environ")).unwrap_or_default();
             environment.split(|byte| *byte == 0).any(|entry| {
-                entry.strip_prefix(VARIABLE.as_bytes()).and_then(|rest| rest.strip_prefix(b"=")) == Some(self.mark.as_bytes())
+                entry.strip_prefix(VARIABLE.as_bytes()).and_then(|rest| rest.strip_prefix(b"="))
+                    == Some(self.mark.as_bytes())
             })
         };
         let folders = fs::read_dir("/proc").into_iter().flatten().flatten();
-        folders.filter(|folder| number(&folder.path()).is_some()).map(|folder| folder.path()).filter(bears).collect()
+        folders
+            .filter(|folder| number(&folder.path()).is_some())
+            .map(|folder| folder.path())
+            .filter(bears)
+            .collect()
     }
 
     /// Whether none of them can write any more: shells that wait for others hold the pipe, and do not count.

@@ -235,6 +235,39 @@ fn misbehaviours_are_named() {
     assert!(left.is_empty(), "{left:?}");
 }
 
+/// What a routine has started, in sessions of their own, is ended with it, whether or not it behaves. A shell that waits for it does not
+/// hide that it closed its output.
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_outlives_a_check() {
+    /// Seconds that nobody else sleeps.
+    const SLEEP: &str = "97531.25";
+    if !has_python() {
+        return;
+    }
+    let parted = format!(
+        "(os.fork() or (os.setsid(), os.fork() or os.execvp('sleep', ['sleep', '{SLEEP}']), os._exit(0)))"
+    );
+    let open = format!("{parted}; {OPEN}");
+    for (name, answer, code) in [("parts", ANSWER, 0), ("parts-and-hangs", "time.sleep(60)", 6)] {
+        let command = process(name, HELLO, &open, answer, CLOSE);
+        let mut arguments = brief("CARTESIAN", "--with", &command);
+        arguments.pop();
+        arguments.push("5");
+        pintle(&arguments).assert().code(code);
+        let all = std::process::Command::new("ps").args(["-eo", "args"]).output().unwrap().stdout;
+        let all = String::from_utf8_lossy(&all).to_string();
+        assert!(all.contains("ps -eo") && !all.contains(&format!("sleep {SLEEP}")), "{name}: {all}");
+    }
+    let command = process("closes-behind", HELLO, OPEN, "os.close(1); time.sleep(60)", CLOSE);
+    let behind = format!("true; {}; true", command.trim_start_matches("exec "));
+    let mut arguments = brief("CARTESIAN", "--with", &behind);
+    arguments.pop();
+    arguments.push("2");
+    let message = stderr(&pintle(&arguments).assert().code(6));
+    assert!(message.contains("closed its standard output"), "{message}");
+}
+
 /// What a routine declares of its conventions is undone; what it does not offer is not asked of it.
 #[test]
 fn conventions_are_undone() {

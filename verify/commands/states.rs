@@ -48,6 +48,17 @@ fn states_of_every_type_are_read_back() {
     assert!(rows > 31 * 9, "{rows}");
 }
 
+/// `--near` without a number asks for 50 states, each of two nodes.
+#[test]
+fn near_needs_no_number() {
+    let table = |near: &[&str]| {
+        stdout(&pintle(&[&["states", "REVOLUTE", "--count", "9"], near].concat()).assert().success())
+    };
+    let [plain, some, default] = [table(&[]), table(&["--near", "50"]), table(&["--near"])];
+    assert_eq!(some, default);
+    assert_eq!(some.lines().count() - plain.lines().count(), 2 * 50);
+}
+
 /// An angle goes on along a history, and not from one independent state to the next.
 #[test]
 fn histories_go_on_and_independent_states_do_not() {

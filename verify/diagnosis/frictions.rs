@@ -369,14 +369,11 @@ const ALL: &[Wrong] = &[
     ),
     (
         "SLIDE-PLANE",
-        "the coefficient times 1 + 1e-7",
-        &[PHI],
-        |_, given| {
-            let [p, _, normal, _] = given.criterion.map(Option::unwrap);
-            given.criterion[3] = Some((MU * (1.0 + 1e-7)).mul_add(-normal, p));
-        },
-        "other-coefficient",
-        "Φ",
+        "the tangent times 1 + 1e-7",
+        &[TANGENT],
+        |_, given| given.tangent.iter_mut().flatten().flatten().for_each(|x| *x *= 1.0 + 1e-7),
+        "factor",
+        "(1 + 1e-7)",
     ),
 ];
 

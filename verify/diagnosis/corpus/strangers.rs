@@ -1,11 +1,12 @@
 //! Routines of a reader who had not seen the causes: clamps, axes of the other node, factors next to 1, flows in other columns.
 
-use super::{ACC, DF, F, FORCE, RATE, Right, Wrong, each, one, part, put, row};
+use super::{ACC, DF, F, FORCE, RATE, Wrong, each, one, part, put, row};
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, add, apply, apply_transposed, column, cross, dot, product, scale, sub, transpose, transposed_product,
+    Matrix, add, apply, apply_transposed, column, cross, dot, product, scale, sub, transpose,
+    transposed_product,
 };
 use std::f64::consts::TAU;
 
@@ -20,7 +21,7 @@ fn continued(mine: f64, right: f64) -> f64 {
 
 /// The first Cardan angle by an arccosine, its sign put back.
 fn by_acos(q: &Matrix<f64>) -> f64 {
-    let angle = (q[2][2] / q[0][2].mul_add(-q[0][2], 1.0).sqrt()).clamp(-1.0, 1.0).acos();
+    let angle = (q[2][2] / q[1][2].hypot(q[2][2])).clamp(-1.0, 1.0).acos();
     if q[1][2] > 0.0 { -angle } else { angle }
 }
 
@@ -127,17 +128,19 @@ pub(super) const ALL: &[Wrong] = &[
     Wrong::new(
         ("FLOW-CONVERTER", "β_s beside a rotation"),
         &[DF],
-        |_, numbers| row(numbers, DF, 5, |row| {
-            row[12] += row[13];
-            row[13] = 0.0;
-        }),
+        |_, numbers| {
+            row(numbers, DF, 5, |row| {
+                row[12] += row[13];
+                row[13] = 0.0;
+            })
+        },
         (&["diagnosis::flow-column"], "∂ur3"),
     ),
     Wrong::new(
         ("SLIPRING", "flows of the nodes exchanged"),
         &[F, DF],
         |_, numbers| row(numbers, DF, 0, |row| row.swap(6, 13)),
-        (&["diagnosis::flow-column"], "∂u1"),
+        (&["diagnosis::sign-of-block"], "∂u1"),
     ),
     Wrong::new(
         ("SLIPRING", "the strain of the initial length: flows do not count"),
@@ -217,7 +220,7 @@ pub(super) const ALL: &[Wrong] = &[
                 one(numbers, ACC, (k, 0), |_| x);
             }
         },
-        (&["diagnosis::derivative"], "d²u1/dt²"),
+        (&["diagnosis::derivative-for-resolved"], "d²u1/dt²"),
     ),
     Wrong::new(
         ("ACCELEROMETER", "velocities along the axes of a"),
@@ -249,7 +252,7 @@ pub(super) const ALL: &[Wrong] = &[
             let (now, first) = (of(right.pair()), of(right.initial()));
             one(numbers, F, (0, 0), |_| now - first);
         },
-        (&["diagnosis::axes-of-b", "diagnosis::other-length"], "u1"),
+        (&["diagnosis::nodes-swapped", "diagnosis::other-length"], "u1"),
     ),
     Wrong::new(
         ("PROJECTION CARTESIAN", "the mean of the axes, not divided by its length"),
@@ -267,15 +270,10 @@ pub(super) const ALL: &[Wrong] = &[
         ("PROJECTION FLEXION-TORSION", "the sine of the flexion"),
         &[F],
         |right, numbers| {
-            let of = |pair: &Pair<f64>| {
-                let [a, b] = [&pair.a, &pair.b].map(|node| column(&node.triad, 2));
-                let mid = |i: usize| {
-                    let sum = add(column(&pair.a.triad, i), column(&pair.b.triad, i));
-                    scale(sum, 1.0 / norm(sum))
-                };
-                [0, 1].map(|i| dot(mid(i), cross(a, b)))
-            };
-            let (now, first) = (of(right.pair()), of(right.initial()));
+            let first = so3::component_flexions(&relative(right.initial()), None, 0.0);
+            let now = [0, 1].map(|i| right.of(F, 3 + i, 0) + first[i]);
+            let of = |[x, y]: [f64; 2]| [x, y].map(|part| part * x.hypot(y).sin() / x.hypot(y));
+            let (now, first) = (of(now), of(first));
             each(numbers, F, |k, _, x| if k < 5 { now[k - 3] - first[k - 3] } else { x });
         },
         (&["diagnosis::other-parameters"], "ur1"),
@@ -403,7 +401,7 @@ pub(super) const ALL: &[Wrong] = &[
                 });
             }
         },
-        (&["diagnosis::axis-for-gradient", "diagnosis::axes-of-b"], "ur2"),
+        (&["diagnosis::axis-for-gradient", "diagnosis::nodes-swapped"], "ur2"),
     ),
     Wrong::new(
         ("ROTATION-ACCELEROMETER", "angular accelerations of b alone"),
@@ -412,7 +410,7 @@ pub(super) const ALL: &[Wrong] = &[
             let [_, a] = right.rates();
             each(numbers, ACC, |k, _, _| dot(right.b(k - 3), part(&a, 10)));
         },
-        (&["diagnosis::rates-of-a"], "d²ur1/dt²"),
+        (&["diagnosis::rates-of-a-ignored"], "d²ur1/dt²"),
     ),
     Wrong::new(
         ("CARTESIAN", "global rows turned with A instead of back"),

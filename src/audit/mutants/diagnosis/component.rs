@@ -6,7 +6,9 @@ use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
-use crate::mutants::diagnosis::patterns::{differences, digits_lost, limited, single_precision, without_numbers};
+use crate::mutants::diagnosis::patterns::{
+    Beside, differences, digits_lost, limited, single_precision, without_numbers,
+};
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
@@ -51,7 +53,19 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     if let Some(few) = single_precision(&whole, &words) {
         return Some(few);
     }
-    if let Some(bound) = limited(&whole, &words).filter(|_| !is_derivative(quantity)) {
+    let numbers = |one: &&Symptoms<'_>| -> Vec<Beside> {
+        let of = |(k, i, want): (usize, usize, f64)| {
+            Some(Beside {
+                place: (k, i),
+                got: one.got.get(k, i)?,
+                want,
+                tolerance: one.bound.tolerance(quantity, k, i),
+            })
+        };
+        one.wanted().iter().filter_map(of).collect()
+    };
+    let numbers = || whole.iter().map(numbers).collect::<Vec<_>>();
+    if let Some(bound) = (!is_derivative(quantity)).then(|| limited(&numbers(), true, &words)).flatten() {
         return Some(bound);
     }
     let states = whole.iter().map(|symptoms| symptoms.at_state()).collect();
@@ -75,8 +89,15 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
 }
 
 /// Whether entries are derivatives, of which many are the same constant at every state.
-const fn is_derivative(quantity: Quantity) -> bool {
-    !matches!(quantity, Quantity::Value | Quantity::Rate | Quantity::Acceleration)
+pub(super) const fn is_derivative(quantity: Quantity) -> bool {
+    !matches!(
+        quantity,
+        Quantity::Value
+            | Quantity::Rate
+            | Quantity::Acceleration
+            | Quantity::FrictionCriterion
+            | Quantity::FrictionForce
+    )
 }
 
 /// The class of an entry.
@@ -267,6 +288,7 @@ impl Symptoms<'_> {
                     ("the row of l²", 2.0 * l),
                     ("the row of ln l", 1.0 / l),
                     ("the row of the strain (l − l₀)/l₀", 1.0 / first),
+                    ("the row of (l² − l₀²)/(2 l₀)", l / first),
                     ("the row of the strain (l² − l₀²)/(2 l₀²)", l / (first * first)),
                 ] {
                     let all = row.iter().map(|x| slope * x).enumerate();
@@ -537,7 +559,8 @@ fn flow_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
             found.push(Hypothesis::of_row(Cause::FlowColumn, k, changes).related(relation));
         };
         for to in (0..DOFS).filter(|to| *to != flow) {
-            let relation = format!("what is expected with the number of {} in the column {}", DOF[flow], DOF[to]);
+            let relation =
+                format!("what is expected with the number of {} in the column {}", DOF[flow], DOF[to]);
             if row[to] == 0.0 {
                 add(relation, vec![(flow, 0.0), (to, x)]);
             } else if row[to] != -x {
@@ -548,7 +571,10 @@ fn flow_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
         let other = DOFS - 1 + PSI_A - flow;
         if row[other] == 0.0 {
             for sign in [1.0, -1.0] {
-                add(format!("what is expected, and a number in the column {} too", DOF[other]), vec![(other, sign * x)]);
+                add(
+                    format!("what is expected, and a number in the column {} too", DOF[other]),
+                    vec![(other, sign * x)],
+                );
             }
         }
     }

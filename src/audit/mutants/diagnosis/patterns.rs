@@ -32,7 +32,7 @@ const LOST: f64 = 1e-4;
 const ROUNDINGS: f64 = 1e3;
 
 /// At so many states one bound is no chance.
-const SEVERAL: usize = 3;
+const SEVERAL: usize = 2;
 
 /// A special kind of states, and how far a state is from it.
 struct Special {
@@ -70,6 +70,11 @@ fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Specia
             "b has turned by π against a since the initial state",
             "a division by the sine",
             angle(&since) - PI,
+        ),
+        special(
+            "b has turned by nothing or by π since the initial state",
+            "acos of a trace, or a division by the angle or its sine",
+            angle(&since).min(PI - angle(&since)),
         ),
         special("e3a and e3b coincide", "acos(e3a·e3b), or 1 − cos of a small angle", bent),
         special("e3a and e3b are opposite", "acos(e3a·e3b)", bent - PI),
@@ -145,32 +150,35 @@ pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> 
     Some(told(Cause::NotANumber, sentence, &cells))
 }
 
-/// Numbers that stop at a bound: at several states all that is wrong of a component is one number, or its opposite, nearer to zero
-/// than what is expected; zero, where the sign that is expected is lost.
-pub(super) fn limited(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+/// A number beside what it must be.
+pub(super) struct Beside {
+    pub(super) place: Cell,
+    pub(super) got: f64,
+    pub(super) want: f64,
+    pub(super) tolerance: f64,
+}
+
+/// Numbers that stop at a bound: at several states all that is wrong in a place is one number, or its opposite. It is nearer to zero
+/// than what is expected; or zero, if that `may` be a bound, where what is expected has one sign.
+pub(super) fn limited(states: &[Vec<Beside>], may: bool, words: &dyn Words) -> Option<Diagnosis> {
     let mut bounds: BTreeMap<Cell, f64> = BTreeMap::new();
     let mut wants = BTreeMap::<Cell, [bool; 2]>::new();
-    for one in symptoms {
-        for (k, i, want) in one.want.entries(one.quantity).iter() {
-            let Some(got) = one.got.get(k, i) else { continue };
-            if (got - want).abs() <= one.bound.tolerance(one.quantity, k, i) {
-                continue;
-            }
-            let is_beyond = got.abs() < want.abs() && (got == 0.0 || got.signum() == want.signum());
-            if !is_beyond || bounds.insert((k, i), got.abs()).is_some_and(|known| known != got.abs()) {
-                return None;
-            }
-            wants.entry((k, i)).or_default()[usize::from(want > 0.0)] = true;
+    let all = states.iter().flatten();
+    for Beside { place, got, want, .. } in all.filter(|one| (one.got - one.want).abs() > one.tolerance) {
+        let is_beyond = got.abs() < want.abs() && (*got == 0.0 && may || got.signum() == want.signum());
+        if !is_beyond || bounds.insert(*place, got.abs()).is_some_and(|known| known != got.abs()) {
+            return None;
         }
+        wants.entry(*place).or_default()[usize::from(*want > 0.0)] = true;
     }
     // What is zero whatever is expected was not computed.
     let is_bound = |(place, bound): (&Cell, &f64)| *bound > 0.0 || wants.get(place) != Some(&[true; 2]);
-    if symptoms.len() < SEVERAL || !bounds.iter().all(is_bound) {
+    if bounds.is_empty() || states.len() < SEVERAL || !bounds.iter().all(is_bound) {
         return None;
     }
     let cells: BTreeSet<Cell> = bounds.keys().copied().collect();
     let named: BTreeSet<String> = bounds.values().map(|bound| short(*bound, 6)).collect();
-    let (place, count) = (place(&cells, words), symptoms.len());
+    let (place, count) = (place(&cells, words), states.len());
     let equals = if place.contains(", ") { "equal" } else { "equals" };
     let bounds = named.into_iter().collect::<Vec<_>>().join(", ");
     let (relation, meaning) = (Cause::Limited.relation(), Cause::Limited.meaning());

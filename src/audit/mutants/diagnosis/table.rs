@@ -1,8 +1,10 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Convention, ResultTable};
+use crate::judge::table::{Convention, Entry, ResultTable};
+use crate::mutants::diagnosis::component::is_derivative;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Datum, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::patterns::{Beside, limited};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use std::collections::BTreeSet;
 
@@ -16,6 +18,21 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     let table = *tables.first()?;
     let words = TableWords { table, width: table.width() };
     let is_finite = |table: &&&ResultTable| table.entries.iter().all(|entry| entry.got.is_finite());
+    let numbers = |table: &&ResultTable| -> Vec<Beside> {
+        let of = |(i, entry): (usize, &Entry)| Beside {
+            place: (i / words.width, i % words.width),
+            got: entry.got,
+            want: entry.target(entry.got).to_f64(),
+            tolerance: entry.tolerance(),
+        };
+        table.entries.iter().enumerate().map(of).collect()
+    };
+    if !is_derivative(table.quantity) && tables.iter().all(|table| is_finite(&table)) {
+        let numbers: Vec<Vec<Beside>> = tables.iter().map(numbers).collect();
+        if let Some(bound) = limited(&numbers, false, &words) {
+            return Some(bound);
+        }
+    }
     let states = tables.iter().filter(is_finite).map(|table| at_state(table)).collect();
     // One constant may put off a row, or all of it, wherever several states tell that it is one.
     let rows = (0..table.rows.len()).map(|row| (0..words.width).map(|j| (row, j)).collect());

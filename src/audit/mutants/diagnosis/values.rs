@@ -315,11 +315,26 @@ fn of_rotation(
             Measure::RotationVector(_) | Measure::RotationVectorAtB(_) | Measure::Misalignment(_)
         )
     });
+    // Which of the sequences are those of the components.
+    let own: &[usize] = match rotational.iter().flatten().next() {
+        Some(Measure::Cardan(_)) => &[0, 1],
+        Some(Measure::Euler(_)) => &[14],
+        _ => &[],
+    };
     for (of, of_first) in [(q, q0), (transpose(&q), transpose(&q0))] {
-        for (angles, initial) in sequences(&of).into_iter().zip(sequences(&of_first)) {
-            add_as(Cause::OtherOrder, "", angles, initial);
+        for (place, (angles, initial)) in sequences(&of).into_iter().zip(sequences(&of_first)).enumerate() {
+            let is_own = of == q && own.contains(&place);
+            if is_own {
+                add_as(Cause::TurnForgotten, "the principal angles of the rotation", angles, initial);
+            } else {
+                add_as(Cause::OtherOrder, "", angles, initial);
+            }
             for n in 0..3 {
-                add_as(Cause::OtherOrder, "", [angles[n]; 3], [initial[n]; 3]);
+                let mut alike = [angles[n]; 3];
+                if is_own {
+                    alike[n] = f64::NAN;
+                }
+                add_as(Cause::OtherOrder, "", alike, [initial[n]; 3]);
             }
         }
     }
@@ -398,6 +413,11 @@ fn of_rotation(
         }
         add_as(Cause::GlobalAxes, "", apply(&pair.a.triad, now), apply(&initial.a.triad, first));
         add_as(Cause::AxesOfB, "", apply(&transpose(&q), now), apply(&transpose(&q0), first));
+        let [now, first] = [apply(&pair.a.triad, now), apply(&initial.a.triad, first)];
+        for node in [&initial.a, &initial.b] {
+            let still = transpose(&node.triad);
+            add_as(Cause::InitialAxes, "", apply(&still, now), apply(&still, first));
+        }
     }
     found
 }

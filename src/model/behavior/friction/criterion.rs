@@ -473,7 +473,10 @@ impl Criterion {
                 let mut rest = terms.clone();
                 let term = rest.remove(i);
                 let name = term.load.formula(term.present).unwrap_or_default();
-                found.push((format!("{name} in F_C"), Self { pressing: Pressing::Terms(rest), ..self.clone() }));
+                found.push((
+                    format!("{name} in F_C"),
+                    Self { pressing: Pressing::Terms(rest), ..self.clone() },
+                ));
             }
             for (i, term) in terms.iter().enumerate() {
                 let Load::Norm(components) = term.load else { continue };
