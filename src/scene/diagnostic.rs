@@ -272,6 +272,7 @@ codes! {
     DiagnosisRateForAcceleration = "diagnosis::rate-for-acceleration": "A rate is formed with accelerations, or an acceleration with rates.";
     DiagnosisSymmetrised = "diagnosis::symmetrised": "A matrix that is not symmetric was made so, as half of the sum with its transpose.";
     DiagnosisSinglePrecision = "diagnosis::single-precision": "Every number fits 24 bits: it was computed, or written, in single precision.";
+    DiagnosisRounded = "diagnosis::rounded": "Every number has twelve decimal digits or fewer: it was rounded, or written with too few.";
     DiagnosisDifferences = "diagnosis::differences": "All derivatives are wrong in their last digits at every state: differences with a step, or constants with few digits.";
     DiagnosisNumberLeftOut = "diagnosis::number-left-out": "A friction criterion lacks the number of a factor, such as 1/L where β = 2/L presses.";
     DiagnosisMultiplied = "diagnosis::multiplied": "A friction criterion multiplies by a radius or length that must divide, such as m · R for m/R.";

@@ -1,6 +1,7 @@
 //! Somebody else's multi-point constraint: a function from a state to residuals and a Jacobian, judged like the product's own.
 
 use crate::candidate::tables::Tables;
+use crate::candidate::{FARTHEST, reach};
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::outcome::Report;
@@ -131,7 +132,7 @@ impl<'a> ConstraintCandidate<'a> {
 
     /// A drawn state, near a singular set if `near`.
     fn state(&self, name: String, i: usize, near: Option<usize>, draw: &mut Draw) -> MpcCase {
-        let length = self.length();
+        let length = self.length() * if near.is_some() { 1.0 } else { reach(i, FARTHEST) };
         let is_held = i.is_multiple_of(2);
         let is_special = near.is_none() && i % 6 == 5;
         let cubes = cube_orientations();

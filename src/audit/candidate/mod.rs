@@ -54,7 +54,7 @@ use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differ
 use crate::oracles::referee::Referee;
 use crate::oracles::truth::Truth;
 use crate::sampling::coverage::{Coverage, Lack};
-use crate::sampling::{SPECIAL, about_initial, along_initial, special_initial};
+use crate::sampling::{SPECIAL, about_initial_by, along_initial, special_initial};
 use crate::settings::Settings;
 use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
@@ -92,6 +92,14 @@ pub(in crate::candidate) const AT_ONCE: usize = 32;
 
 /// Of how many states wrong tables are kept, to say why they are.
 pub(in crate::candidate) const KEPT: usize = 16;
+
+/// So many times as far as usual nodes move at some states.
+pub(in crate::candidate) const FARTHEST: f64 = 50.0;
+
+/// By how much nodes move farther than usual, or less far, at a state: every fifth goes through orders of magnitude.
+pub(in crate::candidate) fn reach(i: usize, farthest: f64) -> f64 {
+    if i % 5 == 2 { [farthest, 1e-2, farthest.sqrt(), 1e-4][i / 5 % 4] } else { 1.0 }
+}
 
 /// A table that is wrong, and against whom.
 type WrongTable = (Against, ResultTable);
@@ -215,16 +223,11 @@ impl<'a> Candidate<'a> {
         if length > 0.0 { length } else { 1.0 }
     }
 
-    /// By how much nodes move farther than usual at a state: every fifth goes through orders of magnitude, as far as the domain reaches.
+    /// By how much nodes move farther than usual, or less far, at a state, within the reach of the domain.
     fn reach(&self, i: usize) -> f64 {
-        /// In what [`about_initial`] draws, which is up to 0.4 lengths apart.
-        const FARTHEST: f64 = 50.0;
-        if i % 5 != 2 {
-            return 1.0;
-        }
-        let domain = self.domain.reach().map_or(FARTHEST, |reach| 5.0 * reach / self.length());
-        let farthest = domain.max(FARTHEST);
-        [farthest, 0.03, farthest.sqrt(), 0.3][i / 5 % 4]
+        // Places are drawn up to 0.4 lengths apart.
+        let domain = self.domain.reach().map_or(0.0, |reach| 5.0 * reach / self.length());
+        reach(i, domain.max(FARTHEST))
     }
 
     /// How many states lie near singular sets.
@@ -272,8 +275,10 @@ impl<'a> Candidate<'a> {
             };
             let case = match case {
                 None if i < regular => {
-                    let case = about_initial(self.definition, i, length * self.reach(i), name, &mut draw);
-                    case.map(|case| Case { length, ..case })
+                    let mut about =
+                        |times: f64| about_initial_by(self.definition, i, (length, times), name.clone(), &mut draw);
+                    // Where the initial state is on a singular set, small motions do not leave it.
+                    about(self.reach(i)).or_else(|| about(1.0))
                 }
                 drawn => drawn,
             };

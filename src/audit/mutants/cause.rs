@@ -36,6 +36,7 @@ causes! {
     Limited = DiagnosisLimited, "one bound wherever more is expected", "clamped";
     DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
     SinglePrecision = DiagnosisSinglePrecision, "what is expected to 24 bits", "single precision";
+    Rounded = DiagnosisRounded, "what is expected to few decimal digits", "rounded, or written with too few digits";
     Differences = DiagnosisDifferences, "what is expected but for the last digits", "differences with a step, or constants with few digits";
     ComponentZero = DiagnosisComponentZero, "zero throughout", "not computed";
     SignLost = DiagnosisSignLost, "the magnitude of what is expected", "sign lost, as by acos or a norm";

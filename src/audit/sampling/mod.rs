@@ -10,7 +10,7 @@ mod region;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 
-pub(crate) use region::{rates, regions_drawn};
+pub(crate) use region::{about_initial_by, rates, regions_drawn};
 
 pub use domain::{Turning, about_1, about_3, aligned, is_in_table, needs_length, spin_axis, turning, types};
 pub use region::{

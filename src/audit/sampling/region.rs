@@ -395,9 +395,21 @@ pub fn about_initial(
     name: String,
     draw: &mut Draw,
 ) -> Option<Case> {
+    about_initial_by(definition, i, (length, 1.0), name, draw)
+}
+
+/// The same with motions so many times as large: displacements, flows and rates, and rotations where they are smaller.
+pub(crate) fn about_initial_by(
+    definition: &Definition,
+    i: usize,
+    (length, times): (f64, f64),
+    name: String,
+    draw: &mut Draw,
+) -> Option<Case> {
     const CLEAR: f64 = 0.01;
+    let reach = times * length;
     let turning = |draw: &mut Draw, most: f64| {
-        let size = draw.between(0.0, most);
+        let size = draw.between(0.0, most * times.min(1.0));
         let turn = scale(draw.direction(), size);
         if definition.planar { [0.0, 0.0, turn[2]] } else { turn }
     };
@@ -406,7 +418,7 @@ pub fn about_initial(
         // Beyond a right angle the arctangent of a quotient and the arcsine are other functions than the angle.
         let most = if i % 4 == 3 { 3.0 } else { 1.2 };
         let [mut common, spin] = if i == 0 { [still; 2] } else { [turning(draw, 3.0), turning(draw, most)] };
-        let mut motion = Motion::random(draw, length, spin);
+        let mut motion = Motion::random(draw, reach, spin);
         if i == 0 {
             (motion.displacement, motion.flow) = ([still; 2], [0.0; 2]);
         }
@@ -432,8 +444,8 @@ pub fn about_initial(
         }
         let mut path = Motion { common, ..motion }.path(&definition.initial);
         if let Some(end) = path.last_mut() {
-            end.state.velocity = rates(definition, length, draw);
-            end.state.acceleration = rates(definition, length, draw);
+            end.state.velocity = rates(definition, reach, draw);
+            end.state.acceleration = rates(definition, reach, draw);
         }
         let case = Case { name: name.clone(), definition: definition.clone(), start: None, path, length };
         if i == 0 || case.is_clear(0.0, CLEAR) {
@@ -444,10 +456,10 @@ pub fn about_initial(
 }
 
 /// How many states of [`special_initial`] there are.
-pub const SPECIAL: usize = 4 + BESIDE + 24;
+pub const SPECIAL: usize = 4 + BESIDE.len() + 24;
 
-/// How many of them are next to right angles.
-const BESIDE: usize = 8;
+/// How far some of them are from right angles (rad).
+const BESIDE: [f64; 8] = [1e-5, 1e-4, 1e-6, 1e-3, 1e-7, 1e-2, 1e-8, 1e-9];
 
 /// A state of special values, clear of the singular sets; `None` where the nodes cannot be brought there.
 ///
@@ -456,7 +468,7 @@ const BESIDE: usize = 8;
 /// | 0 | both nodes turned alike |
 /// | 1 | b moved alone |
 /// | 2, 3 | b turned to the axes of a; both along global axes |
-/// | 4 to 11 | 1e-2 to 1e-9 from such axes, where arccosines and arcsines lose digits: every other time parallel where the type allows it |
+/// | 4 to 11 | 1e-2 to 1e-9 from such axes, where arccosines and arcsines lose digits: parallel, or half a turn about e1a, if the type allows |
 /// | from 12 on | the axes of b at right angles to those of a |
 pub fn special_initial(
     definition: &Definition,
@@ -467,18 +479,19 @@ pub fn special_initial(
 ) -> Option<Case> {
     /// How often axes are drawn beside which a state is to be.
     const OFTEN: usize = 12;
-    let is_beside = (4..4 + BESIDE).contains(&n);
+    let is_beside = (4..4 + BESIDE.len()).contains(&n);
     let attempts = if is_beside { OFTEN } else { 1 };
     (0..attempts).find_map(|attempt| {
-        let is_parallel = attempt == 0 && n.is_multiple_of(2);
-        special(definition, (n, is_parallel), length, name, draw)
+        // No turn, and half of one about the first axis.
+        let cube = (attempt == 0).then_some(if n.is_multiple_of(2) { 0 } else { 2 });
+        special(definition, (n, cube), length, name, draw)
     })
 }
 
-/// The same, once; what is next to axes is next to parallel ones, or to any at right angles.
+/// The same, once; what is next to right angles is next to those of that cube, or of any.
 fn special(
     definition: &Definition,
-    (n, is_parallel): (usize, bool),
+    (n, cube): (usize, Option<usize>),
     length: f64,
     name: &str,
     draw: &mut Draw,
@@ -507,12 +520,12 @@ fn special(
             after.a.triad = vector::identity();
             Some(vector::identity())
         }
-        _ => Some(match (n - 4).checked_sub(BESIDE) {
-            Some(place) => *cubes.get(place)?,
-            None => product(
-                &cubes[if is_parallel { 0 } else { draw.below(cubes.len()) }],
-                &turn(scale(axis, 10.0_f64.powf(2.0 - n as f64))),
-            ),
+        _ => Some(match BESIDE.get(n - 4) {
+            Some(angle) => {
+                let cube = cube.unwrap_or_else(|| draw.below(cubes.len()));
+                product(cubes.get(cube)?, &turn(scale(axis, *angle)))
+            }
+            None => *cubes.get(n - 4 - BESIDE.len())?,
         }),
     };
     if let Some(relative) = relative {

@@ -7,7 +7,7 @@ use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::patterns::{
-    Beside, differences, digits_lost, limited, single_precision, without_numbers,
+    Beside, differences, digits_lost, limited, rounded, single_precision, without_numbers,
 };
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
@@ -84,7 +84,9 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     if found.is_whole() {
         return Some(found);
     }
-    let fewer = digits_lost(&whole, &words).or_else(|| differences(&whole, &words));
+    let fewer = digits_lost(&whole, &words)
+        .or_else(|| rounded(&whole, &words))
+        .or_else(|| differences(&whole, &words));
     Some(fewer.unwrap_or(found))
 }
 

@@ -505,7 +505,7 @@ impl Matching<'_> {
                     want = short(want, 2)
                 )
             }
-            _ => format!("{name} equals {:.10} × expected: {}", got / want, cause.meaning()),
+            _ => format!("{name} equals {} × expected: {}", factor_in_words(got / want), cause.meaning()),
         };
         Explained { cause, code: cause.code(), sentence, also: Vec::new() }
     }

@@ -261,6 +261,23 @@ fn errors(symptoms: &[&Symptoms<'_>]) -> Errors {
     found
 }
 
+/// Numbers of few decimal digits: chance gives one in ten thousand so few.
+pub(super) fn rounded(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    /// Digits, and the largest error of what is still called rounded.
+    const FEW: (usize, f64) = (12, 1e-2);
+    let errors = errors(symptoms);
+    let is_few = |one: &&Symptoms<'_>, x: f64, place: Cell| {
+        let written = format!("{x:e}");
+        let digits = written.split('e').next().unwrap_or_default().bytes().filter(u8::is_ascii_digit).count();
+        let want = one.want.entries(one.quantity).get(place.0, place.1).unwrap_or(x);
+        digits <= FEW.0 || (x - want).abs() <= one.bound.tolerance(one.quantity, place.0, place.1)
+    };
+    let are_few = |one: &&Symptoms<'_>| one.got.iter().all(|(k, i, x)| is_few(one, x, (k, i)));
+    let is_little = errors.largest.iter().all(|largest| *largest < FEW.1);
+    (errors.count > 2 && is_little && symptoms.iter().all(are_few))
+        .then(|| everywhere(Cause::Rounded, &errors, words))
+}
+
 fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
     let count = errors.largest.len();
     let states = if count == 1 { "state" } else { "states" };

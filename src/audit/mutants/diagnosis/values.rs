@@ -276,6 +276,10 @@ fn of_axes(
             add(cause, now - first);
         }
     }
+    for (by, sign) in [(pair.b.displacement, 1.0), (pair.a.displacement, -1.0)] {
+        add(Cause::MotionIgnored, sign * dot(a, by));
+        add(Cause::MotionIgnored, sign * dot(a0, by));
+    }
     for axis in [a, b] {
         add(Cause::InitialTurned, dot(axis, sub(d, d0)));
     }
