@@ -275,8 +275,9 @@ impl<'a> Candidate<'a> {
             };
             let case = match case {
                 None if i < regular => {
-                    let mut about =
-                        |times: f64| about_initial_by(self.definition, i, (length, times), name.clone(), &mut draw);
+                    let mut about = |times: f64| {
+                        about_initial_by(self.definition, i, (length, times), name.clone(), &mut draw)
+                    };
                     // Where the initial state is on a singular set, small motions do not leave it.
                     about(self.reach(i)).or_else(|| about(1.0))
                 }

@@ -31,8 +31,8 @@ const LOST: f64 = 1e-4;
 /// How many roundings, over the distance or its square, are still a loss of digits.
 const ROUNDINGS: f64 = 1e3;
 
-/// At so many states one bound is no chance.
-const SEVERAL: usize = 2;
+/// At so many states one bound is no chance; nor zero, where numbers of one sign are expected.
+const SEVERAL: [usize; 2] = [2, 6];
 
 /// A special kind of states, and how far a state is from it.
 struct Special {
@@ -162,18 +162,26 @@ pub(super) struct Beside {
 /// than what is expected; or zero, if that `may` be a bound, where what is expected has one sign.
 pub(super) fn limited(states: &[Vec<Beside>], may: bool, words: &dyn Words) -> Option<Diagnosis> {
     let mut bounds: BTreeMap<Cell, f64> = BTreeMap::new();
-    let mut wants = BTreeMap::<Cell, [bool; 2]>::new();
+    // At how many states something less, and something more, is expected.
+    let mut wants = BTreeMap::<Cell, [usize; 2]>::new();
     let all = states.iter().flatten();
     for Beside { place, got, want, .. } in all.filter(|one| (one.got - one.want).abs() > one.tolerance) {
         let is_beyond = got.abs() < want.abs() && (*got == 0.0 && may || got.signum() == want.signum());
         if !is_beyond || bounds.insert(*place, got.abs()).is_some_and(|known| known != got.abs()) {
             return None;
         }
-        wants.entry(*place).or_default()[usize::from(*want > 0.0)] = true;
+        wants.entry(*place).or_default()[usize::from(*want > 0.0)] += 1;
     }
     // What is zero whatever is expected was not computed.
-    let is_bound = |(place, bound): (&Cell, &f64)| *bound > 0.0 || wants.get(place) != Some(&[true; 2]);
-    if bounds.is_empty() || states.len() < SEVERAL || !bounds.iter().all(is_bound) {
+    let is_bound = |(place, bound): (&Cell, &f64)| {
+        let [less, more] = wants.get(place).copied().unwrap_or_default();
+        if *bound > 0.0 {
+            less + more >= SEVERAL[0]
+        } else {
+            less.min(more) == 0 && less + more >= SEVERAL[1]
+        }
+    };
+    if bounds.is_empty() || !bounds.iter().all(is_bound) {
         return None;
     }
     let cells: BTreeSet<Cell> = bounds.keys().copied().collect();
