@@ -71,7 +71,7 @@ fn errors_beyond_the_limit_are_counted() {
     assert_eq!((error.further().len() + 1, error.unsaid()), (MAX_ERRORS, 50 - MAX_ERRORS));
     // One of another code is told all the same.
     let other = "*ELEMENT, TYPE=CONN3D2\n1, 1, 2\n";
-    let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}{other}")).unwrap_err();
+    let error = Scene::parse("deck.inp", &format!("*NODE\n{lines}*MPC\nTIE, 1, 2\n{other}")).unwrap_err();
     let found = codes(&error);
     assert_eq!((found.len(), found.last().map(|one| one.0)), (MAX_ERRORS + 1, Some(Code::MissingSection)));
 }
