@@ -132,7 +132,9 @@ impl<'a> ConstraintCandidate<'a> {
 
     /// A drawn state, near a singular set if `near`.
     fn state(&self, name: String, i: usize, near: Option<usize>, draw: &mut Draw) -> MpcCase {
-        let length = self.length() * if near.is_some() { 1.0 } else { reach(i, FARTHEST) };
+        let length = self.length();
+        // Of one another alone: what both nodes move far is lost by rounding their places.
+        let far = length * if near.is_some() { 1.0 } else { reach(i, FARTHEST) };
         let is_held = i.is_multiple_of(2);
         let is_special = near.is_none() && i % 6 == 5;
         let cubes = cube_orientations();
@@ -163,7 +165,7 @@ impl<'a> ConstraintCandidate<'a> {
         });
         let arm = self.constraint.arm();
         let of_master = draw.vector(length);
-        let violated = if is_held { [0.0; 3] } else { draw.vector(0.5 * length) };
+        let violated = if is_held { [0.0; 3] } else { draw.vector(0.5 * far) };
         let apart = match self.constraint.kind().entry().translation {
             Translation::Equal => arm,
             Translation::Carried => apply(&master, arm),

@@ -86,6 +86,11 @@ impl FrictionSubject {
             let relation = "what is expected without the radius that divides a moment in P";
             others.push((Cause::NotNormalised, relation.into(), undivided));
         }
+        if let Internal::Constant(internal) = friction.criterion.internal {
+            let mut against = friction.clone();
+            against.criterion.internal = Internal::Constant(-internal);
+            others.push((Cause::Reversed, "what is expected with −F_C^int for F_C^int".into(), against));
+        }
         for (what, criterion) in friction.criterion.with_parts_left_out() {
             let relation = format!("what is expected without {what}");
             others.push((Cause::TermLeftOut, relation, Friction { criterion, ..friction.clone() }));

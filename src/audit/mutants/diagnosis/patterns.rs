@@ -164,34 +164,37 @@ pub(super) fn limited(states: &[Vec<Beside>], may: bool, words: &dyn Words) -> O
     let mut bounds: BTreeMap<Cell, f64> = BTreeMap::new();
     // At how many states something less, and something more, is expected.
     let mut wants = BTreeMap::<Cell, [usize; 2]>::new();
+    let mut others = BTreeSet::new();
     let all = states.iter().flatten();
     for Beside { place, got, want, .. } in all.filter(|one| (one.got - one.want).abs() > one.tolerance) {
         let is_beyond = got.abs() < want.abs() && (*got == 0.0 && may || got.signum() == want.signum());
         if !is_beyond || bounds.insert(*place, got.abs()).is_some_and(|known| known != got.abs()) {
-            return None;
+            others.insert(*place);
         }
         wants.entry(*place).or_default()[usize::from(*want > 0.0)] += 1;
     }
-    // What is zero whatever is expected was not computed.
-    let is_bound = |(place, bound): (&Cell, &f64)| {
+    bounds.retain(|place, bound| {
         let [less, more] = wants.get(place).copied().unwrap_or_default();
-        if *bound > 0.0 {
-            less + more >= SEVERAL[0]
-        } else {
-            less.min(more) == 0 && less + more >= SEVERAL[1]
-        }
-    };
-    if bounds.is_empty() || !bounds.iter().all(is_bound) {
+        // What is zero whatever is expected was not computed.
+        let is_zero = less.min(more) == 0 && less + more >= SEVERAL[1];
+        !others.contains(place) && if *bound > 0.0 { less + more >= SEVERAL[0] } else { is_zero }
+    });
+    // What is formed of a number that stops at a bound may be wrong besides; nothing else says that zero is one.
+    let is_alone = bounds.len() == wants.len();
+    if bounds.is_empty() || !is_alone && bounds.values().any(|bound| *bound <= 0.0) {
         return None;
     }
     let cells: BTreeSet<Cell> = bounds.keys().copied().collect();
     let named: BTreeSet<String> = bounds.values().map(|bound| short(*bound, 6)).collect();
-    let (place, count) = (place(&cells, words), states.len());
+    let count =
+        cells.iter().filter_map(|place| wants.get(place)).map(|[less, more]| less + more).max().unwrap_or(0);
+    let place = place(&cells, words);
     let equals = if place.contains(", ") { "equal" } else { "equals" };
     let bounds = named.into_iter().collect::<Vec<_>>().join(", ");
     let (relation, meaning) = (Cause::Limited.relation(), Cause::Limited.meaning());
     let sentence = format!("{place} {equals} {relation}, {bounds}: {meaning}, at {count} of {count} states");
-    Some(told(Cause::Limited, sentence, &cells))
+    let unexplained = wants.len() - cells.len();
+    Some(Diagnosis { unexplained, ..told(Cause::Limited, sentence, &cells) })
 }
 
 /// Numbers that are wrong by little, and more the nearer their states are to special ones.
