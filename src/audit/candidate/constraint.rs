@@ -134,7 +134,7 @@ impl<'a> ConstraintCandidate<'a> {
     fn state(&self, name: String, i: usize, near: Option<usize>, draw: &mut Draw) -> MpcCase {
         let length = self.length();
         // Of one another alone: what both nodes move far is lost by rounding their places.
-        let far = length * if near.is_some() { 1.0 } else { reach(i, FARTHEST) };
+        let far = length * if near.is_some() { 1.0 } else { reach(i / 2, FARTHEST) };
         let is_held = i.is_multiple_of(2);
         let is_special = near.is_none() && i % 6 == 5;
         let cubes = cube_orientations();
