@@ -108,9 +108,9 @@ pub(super) const ALL: &[Wrong] = &[
         (&["diagnosis::factor"], "∂u1"),
     ),
     Wrong::new(
-        ("HINGE", "π by 3.14159"),
+        ("HINGE", "π by 355/113"),
         &[F],
-        |_, numbers| one(numbers, F, (3, 0), |x| x.to_degrees() * 3.14159 / 180.0),
+        |_, numbers| one(numbers, F, (3, 0), |x| x.to_degrees() * (355.0 / 113.0) / 180.0),
         (&["diagnosis::factor"], "ur1"),
     ),
     Wrong::new(
