@@ -315,7 +315,7 @@ fn forces_that_are_refused_are_told() {
     let mut states = path();
     states.truncate(1);
     let given = states[0].forces.get_mut(&SLIDE).unwrap();
-    given.total[3] = None;
+    given.reaction[3] = given.total[3].map(|moment| moment + 1.0);
     let result = walk(&model, SLIDE, &["CTF", "CSF"], &states).remove(0);
     let told = |flag: &Flag| matches!(flag, Flag::ForcesRefused { .. });
     assert!(result.flags.iter().any(told), "{:?}", result.flags);

@@ -72,7 +72,6 @@ fn wrong_forces_are_refused_before_the_first_state() {
     let [deck, states] = scene("streamed-forces-2");
     for (name, row, part) in [
         ("unknown", "5,8,1,1,1,1,1,1\n", "there is no connector element 8"),
-        ("missing", "5,7,1,1,1,1,1,\n", "its force m3 is missing"),
         ("twice", "4,7,1,1,1,1,1,1\n", "element 7 occurs twice in one state"),
         ("beyond", "6,7,1,1,1,1,1,1\n", "forces of state 6: the states are 0 to 5"),
     ] {
