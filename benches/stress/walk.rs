@@ -229,7 +229,7 @@ impl Motion {
             }
             Winding::Rotation => {
                 let [x, y, z] = [3, 4, 5].map(|k| principal[k]);
-                let vector = [x, y, z].map(|x| x.unwrap_or_else(|| Wide::ZERO));
+                let vector = [x, y, z].map(|x| x.unwrap_or(Wide::ZERO));
                 let length = pintle_kinematics::scalar::elementary::norm(vector);
                 let along = vector::dot(vector, self.axis.map(Wide::from_f64));
                 let angle = if along.to_f64() < 0.0 { -angle } else { angle };

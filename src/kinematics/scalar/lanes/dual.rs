@@ -36,14 +36,14 @@ macro_rules! inlined_if {
 
 /// A loop that ends where it is tested, as the compiler would turn it: of ranges it is a third of the time that the kernels take to compile.
 macro_rules! counted {
-    ($i:ident < $end:expr, $body:block) => {{
+    ($i:ident <= $last:expr, $body:block) => {{
         let mut $i = 0;
         loop {
             $body
-            $i += 1;
-            if $i >= $end {
+            if $i >= $last {
                 break;
             }
+            $i += 1;
         }
     }};
 }
@@ -54,7 +54,7 @@ macro_rules! each_pair {
         if N <= 3 {
             unrolled!($i < N, { unrolled!($j < $i + 1; N, $body) });
         } else {
-            counted!($i < N, { counted!($j < $i + 1, $body) });
+            counted!($i <= N - 1, { counted!($j <= $i, $body) });
         }
     };
 }
@@ -66,7 +66,7 @@ macro_rules! first_order {
             $f
         };
         let mut first = const { [R::ZERO; N] };
-        counted!(i < N, {
+        counted!(i <= N - 1, {
             $(let $x = $x.first[i];)+
             first[i] = $f;
         });
@@ -82,7 +82,7 @@ macro_rules! second_order {
         };
         let mut first = const { [R::ZERO; N] };
         let mut second = const { [[R::ZERO; N]; N] };
-        counted!(i < N, {
+        counted!(i <= N - 1, {
             $(let $x = $x.first[i];)+
             first[i] = $f;
         });
@@ -141,7 +141,7 @@ impl<R: Real, const N: usize> Mul for FirstOrder<R, N> {
         inlined_if!(R::IS_INLINED, (a: FirstOrder<R, N> = self, b: FirstOrder<R, N> = other) -> FirstOrder<R, N> {
             let (x, y) = (a.value, b.value);
             let mut first = a.first;
-            counted!(i < N, {
+            counted!(i <= N - 1, {
                 first[i] = x.multiply_add(b.first[i], a.first[i] * y);
             });
             FirstOrder { value: x * y, first }
@@ -158,7 +158,7 @@ impl<R: Real, const N: usize> Mul for SecondOrder<R, N> {
             let (x, y) = (a.value, b.value);
             let (dx, dy) = (a.first, b.first);
             let (mut first, mut second) = (dx, a.second);
-            counted!(i < N, {
+            counted!(i <= N - 1, {
                 first[i] = x.multiply_add(dy[i], dx[i] * y);
             });
             each_pair!(i, j, {
@@ -214,7 +214,7 @@ impl<R: Real, const N: usize> Scalar for FirstOrder<R, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn multiply_add(self, y: Self, z: Self) -> Self {
         let mut first = z.first;
-        counted!(i < N, {
+        counted!(i <= N - 1, {
             first[i] = self.value.multiply_add(y.first[i], self.first[i].multiply_add(y.value, z.first[i]));
         });
         Self { value: self.value.multiply_add(y.value, z.value), first }
@@ -230,7 +230,7 @@ impl<R: Real, const N: usize> Scalar for FirstOrder<R, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lift(self, c: &crate::scalar::Series<R>) -> Self {
         let mut first = self.first;
-        counted!(i < N, {
+        counted!(i <= N - 1, {
             first[i] = self.first[i] * c[1];
         });
         Self { value: c[0], first }
@@ -304,7 +304,7 @@ impl<R: Real, const N: usize> Scalar for SecondOrder<R, N> {
         let twice = c[2] + c[2];
         let mut lifted = self;
         lifted.value = c[0];
-        counted!(i < N, {
+        counted!(i <= N - 1, {
             lifted.first[i] = self.first[i] * c[1];
         });
         each_pair!(i, j, {
