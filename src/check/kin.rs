@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// The variable that bears the mark.
 const VARIABLE: &str = "PINTLE_CHECKED";
@@ -19,30 +19,39 @@ pub(crate) struct Kin {
     mark: String,
     /// What they write to.
     output: Option<PathBuf>,
+    /// The shell that was started.
+    shell: u32,
 }
 
 impl Kin {
-    /// Gives a command a mark that no other has.
+    /// Gives a command a mark that no other has. It begins with that of this process, if a check started it.
     pub(crate) fn mark(command: &mut Command) -> Self {
         static COUNT: AtomicU64 = AtomicU64::new(0);
-        let mark = format!("{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let outer = std::env::var(VARIABLE).map(|outer| outer + "/").unwrap_or_default();
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let mark = format!("{outer}{}-{since}-{count}", std::process::id());
         command.env(VARIABLE, &mark);
-        Self { mark, output: None }
+        Self { mark, output: None, shell: 0 }
     }
 
-    /// They write to that pipe, by the number of the end that reads.
-    pub(crate) fn write_to(&mut self, descriptor: i32) {
-        self.output = fs::read_link(format!("/proc/self/fd/{descriptor}")).ok();
+    /// What that process starts writes to its pipe, by the number of the end that reads.
+    pub(crate) fn write_to(&mut self, descriptor: i32, shell: u32) {
+        (self.output, self.shell) = (fs::read_link(format!("/proc/self/fd/{descriptor}")).ok(), shell);
     }
 
     /// Those that there are.
     fn found(&self) -> Vec<PathBuf> {
         let bears = |folder: &PathBuf| {
             let environment = fs::read(folder.join("environ")).unwrap_or_default();
-            environment.split(|byte| *byte == 0).any(|entry| {
-                entry.strip_prefix(VARIABLE.as_bytes()).and_then(|rest| rest.strip_prefix(b"="))
-                    == Some(self.mark.as_bytes())
-            })
+            let marks = environment.split(|byte| *byte == 0).filter_map(|entry| {
+                entry
+                    .strip_prefix(VARIABLE.as_bytes())?
+                    .strip_prefix(b"=")?
+                    .strip_prefix(self.mark.as_bytes())
+            });
+            // Its own, or one that begins with it.
+            marks.into_iter().any(|rest| matches!(rest, [] | [b'/', ..]))
         };
         let folders = fs::read_dir("/proc").into_iter().flatten().flatten();
         folders
@@ -52,17 +61,19 @@ impl Kin {
             .collect()
     }
 
-    /// Whether none of them can write any more: shells that wait for others hold the pipe, and do not count.
+    /// Whether none of them can write any more: the shell that only waits for others holds the pipe, and does not count.
     pub(crate) fn is_mute(&self) -> bool {
-        let (Some(output), found) = (&self.output, self.found()) else { return false };
-        let parents: Vec<Option<u32>> = found.iter().map(|folder| parent(folder)).collect();
-        let waits = |folder: &&PathBuf| parents.contains(&number(folder));
+        let Some(output) = &self.output else { return false };
+        let waits = |folder: &PathBuf| {
+            let line = fs::read(folder.join("cmdline")).unwrap_or_default();
+            number(folder) == Some(self.shell) && line.starts_with(b"sh\0-c\0")
+        };
         let holds = |folder: &PathBuf| {
             let open = fs::read_dir(folder.join("fd")).into_iter().flatten().flatten();
             open.filter_map(|end| fs::read_link(end.path()).ok()).any(|target| target == *output)
         };
-        let last: Vec<&PathBuf> = found.iter().filter(|folder| !waits(folder)).collect();
-        !last.is_empty() && !last.into_iter().any(holds)
+        let others: Vec<PathBuf> = self.found().into_iter().filter(|folder| !waits(folder)).collect();
+        !others.is_empty() && !others.iter().any(holds)
     }
 
     /// Ends them all, those too that are started meanwhile.
@@ -84,10 +95,4 @@ impl Kin {
 /// The number of a process, from its folder.
 fn number(folder: &Path) -> Option<u32> {
     folder.file_name()?.to_str()?.parse().ok()
-}
-
-/// The parent of a process: the second field after its name, which stands in parentheses.
-fn parent(folder: &Path) -> Option<u32> {
-    let text = fs::read_to_string(folder.join("stat")).ok()?;
-    text.rsplit_once(')')?.1.split_whitespace().nth(1)?.parse().ok()
 }

@@ -291,7 +291,7 @@ impl Process {
         let (to, lines) = sync_channel(WAITING);
         if let Some(output) = child.stdout.take() {
             #[cfg(unix)]
-            kin.write_to(std::os::fd::AsRawFd::as_raw_fd(&output));
+            kin.write_to(std::os::fd::AsRawFd::as_raw_fd(&output), child.id());
             thread::spawn(move || read(output, &to));
         }
         let input = child.stdin.take();

@@ -626,8 +626,8 @@ impl<S: Scalar> ContinuousLog<S> {
 /// Cardan angles (α, β, γ) of `R = Rx(α) Ry(β) Rz(γ)`, α and γ in (−π, π], β in [−π/2, π/2]. Errors are 1 / 2 / 3 u where the
 /// entries of R are exact, to within 1e−16 of the lock β = ±π/2.
 ///
-/// Manual, connection type CARDAN: α = −tan⁻¹(R₂₃/R₃₃), β = sin⁻¹ R₁₃, γ = −tan⁻¹(R₁₂/R₁₁), here each as an arctangent of two
-/// arguments. `0 − x` keeps +0 from becoming −0, so that half a turn is +π.
+/// Manual, connection type CARDAN: α = −tan⁻¹(R₂₃/R₃₃), β = sin⁻¹ R₁₃, γ = −tan⁻¹(R₁₂/R₁₁). Here each is an arctangent of two arguments.
+/// `0 − x` keeps +0 from becoming −0, so that half a turn is +π.
 #[inline(always)]
 pub fn cardan<S: Scalar>(r: &Matrix<S>) -> [S; 3] {
     [cardan_first(r), cardan_second(r), cardan_third(r)]

@@ -595,12 +595,6 @@ impl Diagnostic {
         self
     }
 
-    /// The same as a warning, without those that it carries.
-    pub(crate) fn excused(mut self) -> Self {
-        self.0.severity = Severity::Warning;
-        self
-    }
-
     /// The same in other words.
     pub(crate) fn reworded(mut self, words: &dyn Fn(&str) -> String) -> Self {
         let parts = &mut self.0;
@@ -771,7 +765,7 @@ impl Diagnostic {
                     Window { index, from: middle.saturating_sub(WINDOW / 2), bytes: Vec::new() }
                 })
                 .collect();
-            let Some(length) = pass_line(&mut source, &mut windows) else { return };
+            let Some([shown, length]) = pass_line(&mut source, &mut windows) else { return };
             for window in windows {
                 let parts = &mut diagnostics[window.index].0;
                 let excerpt = parts.excerpt.get_or_insert_with(|| Excerpt {
@@ -782,7 +776,7 @@ impl Diagnostic {
                     bytes: Vec::new(),
                 });
                 let is_marked = parts.span.line() == number;
-                excerpt.add(&window, length, is_marked.then(|| parts.span.start().saturating_sub(start)));
+                excerpt.add(&window, shown, is_marked.then(|| parts.span.start().saturating_sub(start)));
             }
             start += length;
         }
@@ -804,15 +798,22 @@ struct Window {
     bytes: Vec<u8>,
 }
 
-/// Reads one line, fills the windows, and gives its length; nothing at the end of the file. A line of any length needs no memory.
-fn pass_line(source: &mut impl BufRead, windows: &mut [Window]) -> Option<u64> {
+/// Whether a line that came to CR ends with LF later: at once, after another CR, or because the file ends here.
+pub(crate) fn ends_with_line_feed(rest: &[u8]) -> bool {
+    matches!(rest, [] | [b'\n', ..] | [b'\r', b'\n', ..])
+}
+
+/// Reads one line, fills the windows, and gives its length to its first end, and to the last; nothing at the end of the file. A line of any
+/// length needs no memory.
+fn pass_line(source: &mut impl BufRead, windows: &mut [Window]) -> Option<[u64; 2]> {
     let mut length = 0;
     loop {
         let chunk = source.fill_buf().ok()?;
         if chunk.is_empty() {
-            return (length > 0).then_some(length);
+            return (length > 0).then_some([length; 2]);
         }
-        let end = chunk.iter().position(|&byte| byte == b'\n').map(|end| end + 1);
+        let end = chunk.iter().position(|byte| b"\r\n".contains(byte)).map(|end| end + 1);
+        let is_open = end.is_some_and(|end| chunk[end - 1] == b'\r');
         let part = &chunk[..end.unwrap_or(chunk.len())];
         for window in &mut *windows {
             let inside = |place: u64| {
@@ -825,7 +826,19 @@ fn pass_line(source: &mut impl BufRead, windows: &mut [Window]) -> Option<u64> {
         length += taken as u64;
         source.consume(taken);
         if end.is_some() {
-            return Some(length);
+            let mut more = 0;
+            if is_open {
+                let rest = source.fill_buf().ok()?;
+                more = if !ends_with_line_feed(rest) {
+                    0
+                } else if rest.first() == Some(&b'\r') {
+                    2
+                } else {
+                    rest.len().min(1)
+                };
+                source.consume(more);
+            }
+            return Some([length, length + more as u64]);
         }
     }
 }

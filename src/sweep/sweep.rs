@@ -33,9 +33,11 @@ const TURNED: u64 = 16;
 /// How many roundings may be left of a row along rotations, of all that is added up.
 ///
 /// In θ_a = fl(fl(g × D) − h) the products are rounded twice and the difference once. The sum θ_a + θ_b + D × g rounds its products once,
-/// their difference once and the first sum once: 4 of |θ| + |D| |g|. A row without θ_a, of a distance, has g = A Aᵀ D/|D|: two sums of
-/// three products, a root and a quotient, 8 of |D| |g|, which is counted twice; with the check's own 2 that is 6. Triads are rotations to
-/// within 2 roundings more. Along translations nothing may be left, for x_a is the opposite of x_b.
+/// their difference once and the first sum once: 4 of |θ| + |D| |g|.
+///
+/// A row without θ_a, of a distance, has g = A Aᵀ D/|D|. Two sums of three products, a root and a quotient are 8 of |D| |g|, which is counted
+/// twice; with the check's own 2 that is 6. Triads are rotations to within 2 roundings more. Along translations nothing may be left, for x_a
+/// is the opposite of x_b.
 pub const RIGID: f64 = 8.0;
 
 /// By how many roundings of the audit's scale values and rows may change when both nodes are turned as one.

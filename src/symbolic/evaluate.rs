@@ -14,7 +14,7 @@ impl Graph {
 
     /// The same, with the nodes that `roots` need ([`Graph::reachable`]) known.
     pub fn evaluate_along<R: Real<Mask = bool>>(&self, needed: &[Id], roots: &[Id], inputs: &[R]) -> Vec<R> {
-        let zero = R::integer(0);
+        let zero = R::ZERO;
         let mut values = vec![zero; self.len()];
         for id in needed {
             let of = |x: Id| values.get(x.place()).copied().unwrap_or(zero);
@@ -30,17 +30,17 @@ impl Graph {
         match self.node(id) {
             Node::Constant(number) => constant(*number),
             Node::Pi => R::pi(),
-            Node::Input(number) => inputs.get(*number as usize).copied().unwrap_or(R::integer(0)),
+            Node::Input(number) => inputs.get(*number as usize).copied().unwrap_or(R::ZERO),
             Node::Add(x, y) => of(*x) + of(*y),
             Node::Multiply(x, y) => of(*x) * of(*y),
             Node::Divide(x, y) => of(*x) / of(*y),
             Node::Negate(x) => -of(*x),
-            Node::Unsigned(x) => R::integer(0) + of(*x),
+            Node::Unsigned(x) => R::ZERO + of(*x),
             Node::Reciprocal(x) => of(*x).reciprocal_or_zero(),
             Node::SquareRoot(x) => of(*x).square_root(),
             Node::Magnitude(x) => of(*x).magnitude(),
             Node::Sign(x) => {
-                let (x, zero, one) = (of(*x), R::integer(0), R::integer(1));
+                let (x, zero, one) = (of(*x), R::ZERO, R::integer(1));
                 if zero.less(x) {
                     one
                 } else if x.less(zero) {
@@ -61,7 +61,7 @@ impl Graph {
                 let row = |i: usize| [of(r[i]), of(r[i + 1]), of(r[i + 2])];
                 let q = R::quaternion_of(&[row(0), row(3), row(6)]);
                 let value = q[usize::from(*part) % 4];
-                if q[0].less(R::integer(0)) { -value } else { value }
+                if q[0].less(R::ZERO) { -value } else { value }
             }
             Node::CosineOfRoot(n, s) => exp_coefficient(*n as usize, of(*s)).0,
             Node::SineOfRoot(n, s) => exp_coefficient(*n as usize, of(*s)).1,
@@ -88,7 +88,7 @@ fn constant<R: Real>(number: Number) -> R {
 /// |v|, by the norms of arrays: of any length with zeros behind.
 fn norm<R: Real>(v: &[Id], of: &impl Fn(Id) -> R) -> R {
     fn of_array<R: Real, const N: usize>(v: &[Id], of: &impl Fn(Id) -> R) -> R {
-        let mut all = [R::integer(0); N];
+        let mut all = [R::ZERO; N];
         for (place, id) in all.iter_mut().zip(v) {
             *place = of(*id);
         }
@@ -128,7 +128,7 @@ fn root_series<R: Real>(n: usize, b: i32, s: R) -> R {
         // The coefficient of sⁿ: (−1/16)ⁿ / (n! (b/2)_n).
         term = term / R::integer(-8 * (m + 1) * (b + 2 * m));
     }
-    let mut sum = R::integer(0);
+    let mut sum = R::ZERO;
     for m in 0..TERMS {
         sum = sum + term;
         term = term * s / R::integer(-8 * (m + 1) * (b + 2 * (m + n)));
@@ -141,7 +141,7 @@ fn log_coefficient<R: Real<Mask = bool>>(n: usize, c: R) -> R {
     if n <= MAX_ORDER {
         return R::log_series(c, n)[n];
     }
-    if R::integer(0).less(c) {
+    if R::ZERO.less(c) {
         // 2 (−½)ⁿ n!/(3/2)_n ₂F₁(n + 1, n + 1; n + 3/2; (1 − c)/2), whose terms have one sign.
         let y = (R::integer(1) - c) * R::ratio(1, 2);
         let n = n as i32;
@@ -149,7 +149,7 @@ fn log_coefficient<R: Real<Mask = bool>>(n: usize, c: R) -> R {
         for m in 0..n {
             term = term * R::integer(-(m + 1)) / R::integer(3 + 2 * m);
         }
-        let mut sum = R::integer(0);
+        let mut sum = R::ZERO;
         for m in 0..300 + 4 * n {
             sum = sum + term;
             term = term * y * R::integer(2 * (n + 1 + m)) * R::integer(n + 1 + m)

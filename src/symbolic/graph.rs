@@ -191,9 +191,9 @@ impl Graph {
         self.nodes.len()
     }
 
-    /// Whether there is none.
+    /// Whether there is none but 0.
     pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
+        self.nodes.len() < 2
     }
 
     pub(super) fn intern(&mut self, node: Node) -> Id {

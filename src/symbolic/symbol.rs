@@ -237,7 +237,7 @@ impl Scalar for Symbol {
     }
 
     fn nilpotent(self) -> Self {
-        Self::integer(0)
+        Self::ZERO
     }
 
     fn with_real(self, value: Self) -> Self {
@@ -287,7 +287,7 @@ impl Real for Symbol {
 
     fn with_sign_of(self, sign: Self) -> Self {
         let magnitude = self.magnitude();
-        Self::choose(sign.less(Self::integer(0)), || -magnitude, || magnitude)
+        Self::choose(sign.less(Self::ZERO), || -magnitude, || magnitude)
     }
 
     fn reciprocal_or_zero(self) -> Self {
@@ -349,7 +349,7 @@ impl Real for Symbol {
 
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>) {
         let series = |node: fn(u32, Id) -> Node| {
-            let mut series = [Self::integer(0); MAX_ORDER + 1];
+            let mut series = [Self::ZERO; MAX_ORDER + 1];
             for (n, coefficient) in series.iter_mut().enumerate().take(order + 1) {
                 *coefficient = Self::function(node(n as u32, s.0));
             }
@@ -359,7 +359,7 @@ impl Real for Symbol {
     }
 
     fn log_series(c: Self, order: usize) -> Series<Self> {
-        let mut series = [Self::integer(0); MAX_ORDER + 1];
+        let mut series = [Self::ZERO; MAX_ORDER + 1];
         for (n, coefficient) in series.iter_mut().enumerate().take(order + 1) {
             *coefficient = Self::function(Node::Logarithm(n as u32, c.0));
         }

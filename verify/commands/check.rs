@@ -240,24 +240,29 @@ fn misbehaviours_are_named() {
 #[cfg(target_os = "linux")]
 #[test]
 fn nothing_outlives_a_check() {
-    /// Seconds that nobody else sleeps.
-    const SLEEP: &str = "97531.25";
     if !has_python() {
         return;
     }
+    // Seconds that no other run of this test sleeps. The routine goes on when the sleeper is there.
+    let sleep = format!("97531.{}", std::process::id());
     let parted = format!(
-        "(os.fork() or (os.setsid(), os.fork() or os.execvp('sleep', ['sleep', '{SLEEP}']), os._exit(0)))"
+        "(os.fork() or (os.setsid(), os.fork() or os.execvp('sleep', ['sleep', '{sleep}']), os._exit(0))); \
+         import subprocess, pathlib; is_there = lambda: b'sleep {sleep}' in subprocess.run(['ps', '-eo', 'args'], capture_output=True).stdout; \
+         any(is_there() or time.sleep(0.05) for _ in range(100)); pathlib.Path(os.environ['SEEN']).write_text(str(is_there()))"
     );
+    let seen = Path::new(env!("CARGO_TARGET_TMPDIR")).join("seen");
     let open = format!("{parted}; {OPEN}");
     for (name, answer, code) in [("parts", ANSWER, 0), ("parts-and-hangs", "time.sleep(60)", 6)] {
         let command = process(name, HELLO, &open, answer, CLOSE);
         let mut arguments = brief("CARTESIAN", "--with", &command);
         arguments.pop();
         arguments.push("5");
-        pintle(&arguments).assert().code(code);
+        let _ = fs::remove_file(&seen);
+        pintle(&arguments).env("SEEN", &seen).assert().code(code);
+        assert_eq!(fs::read_to_string(&seen).unwrap(), "True", "{name}: the sleeper began");
         let all = std::process::Command::new("ps").args(["-eo", "args"]).output().unwrap().stdout;
         let all = String::from_utf8_lossy(&all).to_string();
-        assert!(all.contains("ps -eo") && !all.contains(&format!("sleep {SLEEP}")), "{name}: {all}");
+        assert!(all.contains("ps -eo") && !all.contains(&format!("sleep {sleep}")), "{name}: {all}");
     }
     let command = process("closes-behind", HELLO, OPEN, "os.close(1); time.sleep(60)", CLOSE);
     let behind = format!("true; {}; true", command.trim_start_matches("exec "));
@@ -266,6 +271,14 @@ fn nothing_outlives_a_check() {
     arguments.push("2");
     let message = stderr(&pintle(&arguments).assert().code(6));
     assert!(message.contains("closed its standard output"), "{message}");
+    // One that waits for a program of its own has not: it is slow.
+    let waits = "import subprocess; subprocess.run(['sleep', '60'], stdout=subprocess.DEVNULL)";
+    let command = process("waits", HELLO, OPEN, waits, CLOSE);
+    let mut arguments = brief("CARTESIAN", "--with", &command);
+    arguments.pop();
+    arguments.push("2");
+    let message = stderr(&pintle(&arguments).assert().code(6));
+    assert!(!message.contains("closed its standard output") && message.contains("2 s"), "{message}");
 }
 
 /// What a routine declares of its conventions is undone; what it does not offer is not asked of it.

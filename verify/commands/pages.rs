@@ -49,12 +49,17 @@ fn python() -> PathBuf {
     if made.exists() { made } else { "python3".into() }
 }
 
-/// Whether a page's compilers are there.
+/// Whether a page's compilers are there, and JAX.
 fn can_run(page: &str) -> bool {
     let lacks = |program: &str| {
         page.contains(&format!("$ {program} ")) && Command::new(program).arg("--version").output().is_err()
     };
+    let lacks_jax = || {
+        let imported = Command::new(python()).args(["-c", "import jax"]).output();
+        page.contains("import jax") && !imported.is_ok_and(|imported| imported.status.success())
+    };
     let lacking = ["cc", "gfortran"].into_iter().find(|program| lacks(program));
+    let lacking = lacking.or_else(|| lacks_jax().then_some("jax"));
     if let Some(program) = lacking {
         assert!(env::var_os("CI").is_none(), "CI has no {program}");
         eprintln!("SKIPPED: a page needs {program}, which is not installed");
@@ -77,6 +82,12 @@ fn run(command: &str, folder: &Path) -> Output {
         other => panic!("the pages run pintle, python3, cat and compilers, not {other}"),
     };
     command.args(arguments).current_dir(folder).env_remove("COLUMNS").env("NO_COLOR", "1");
+    // `python3` is that of the environment of the tests for the programs that a check starts, too.
+    if let Some(folder) = python().parent().filter(|folder| folder.is_absolute()) {
+        let others = env::var_os("PATH").unwrap_or_default();
+        let folders = std::iter::once(folder.to_path_buf()).chain(env::split_paths(&others));
+        command.env("PATH", env::join_paths(folders).expect("a path"));
+    }
     let mut output = command.output().expect("it runs");
     if let Some(file) = file {
         fs::write(folder.join(file), std::mem::take(&mut output.stdout)).expect("a file");

@@ -65,8 +65,9 @@ fn is_near(got: f64, expected: f64, scale: f64) -> bool {
     (got - expected).abs() <= FRICTION_HISTORY * scale
 }
 
-/// P = |f1|, F_C = |m1|/R_r + √(f2² + f3²) + 2 √(m2² + m3²)/L with R_r = 0.05, L = 0.1, F_C^int = 10, μ = 0.1; elastic stick up to
-/// 1e-4 of the mean length of the crank (0.2) and the rod (0.6), for the guide itself has none. Worked out apart from the program.
+/// P = |f1|, F_C = |m1|/R_r + √(f2² + f3²) + 2 √(m2² + m3²)/L. The data are R_r = 0.05, L = 0.1, F_C^int = 10, μ = 0.1.
+///
+/// Stick is elastic up to 1e-4 of the mean length of crank (0.2) and rod (0.6), for the guide has none. Worked out apart from the program.
 #[test]
 fn the_slider_sticks_and_slips() {
     let model = slider_crank();

@@ -253,6 +253,17 @@ fn what_is_left_out_is_named() {
         ("*RIGID BODY, NSET=N, REF NODE=1, ROT NODE=2", "RIGID BODY"),
         ("*FASTENER", "FASTENER"),
         ("*STEP\n*STATIC\n0.1, 1.\n*EQUATION, REMOVE\n2\n*END STEP", "EQUATION"),
+        // An edge has no area.
+        (
+            "*ELEMENT, TYPE=CPS8, ELSET=FLAT\n9, 1, 2, 3, 4, 1, 2, 3, 4\n*SURFACE, NAME=SKIN\nFLAT, S1\n\
+             *COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*DISTRIBUTING",
+            "COUPLING",
+        ),
+        (
+            "*ELEMENT, TYPE=S8R, ELSET=FLAT\n9, 1, 2, 3, 4, 1, 2, 3, 4\n*SURFACE, NAME=SKIN\nFLAT, E2\n\
+             *COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=SKIN\n*DISTRIBUTING",
+            "COUPLING",
+        ),
     ];
     for (text, keyword) in left_out {
         let scene = read(&format!("{nodes}{surfaces}{text}\n"));
@@ -304,6 +315,9 @@ fn faces_weigh_a_mean_by_their_areas() {
         assert!((found - weight).abs() < 1e-15, "node {node}: {found}, not {weight}");
     }
     assert!(scene.skipped.constraints.is_empty() && !scene.skipped.keywords.contains_key("SURFACE"));
+    // A face has its area once, whatever sets and sides name it.
+    let twice = read(&nodes.replace("SKIN, SPOS\n", "SKIN, SPOS\nSKIN, SNEG\n1, SPOS\n"));
+    assert_eq!(twice.coupling_nodes(&twice.couplings[0]), found);
     // What is written weighs the same.
     let again = read(&scene.write(Format::Deck).unwrap().text);
     assert_eq!(again.coupling_nodes(&again.couplings[0]), found);

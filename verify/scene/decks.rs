@@ -85,11 +85,22 @@ fn what_bears_on_a_connector_is_not_skipped() {
         "*AMPLITUDE, NAME=A, USER\n*STEP\n*CLOAD, AMPLITUDE=A\n1, 1, 2.\n*END STEP\n",
         "*STEP\n*BOUNDARY, AMPLITDE=A\n2, 1\n*END STEP\n",
         "*NSET, NSET=N\n1\n*NMAP, NSET=N\n",
+        // A mass or a spring is solved with the connectors.
+        "*NODE\n11, 5., 0., 0.\n*ELEMENT, TYPE=MASS, ELSET=M\n31, 11\n*MASS, ELSET=M\n<m>\n",
+        "*NODE\n11, 5., 0., 0.\n*ELEMENT, TYPE=SPRING1, ELSET=S\n31, 11\n*SPRING, ELSET=S\n1\n<k>\n",
+        "*NODE\n11, 5., 0., 0.\n*ELEMENT, TYPE=MASS, ELSET=M\n31, 11\n*MASS, ELSET=M\n1.\n*STEP\n*CLOAD\n11, 1, <f>\n*END STEP\n",
+        // Nodes that nothing but a coupling or a body names.
+        "*NODE\n11, 5., 0., 0.\n*SURFACE, TYPE=NODE, NAME=S\n2,\n*COUPLING, CONSTRAINT NAME=C, REF NODE=11, SURFACE=S\n*KINEMATIC\n*STEP\n*CLOAD\n11, 1, <f>\n*END STEP\n",
+        "*NODE, NSET=B\n11, 5., 0., 0.\n*NODE\n12, 5., 0., 0.\n*RIGID BODY, REF NODE=12, PIN NSET=B\n*STEP\n*CLOAD\n12, 1, <f>\n*END STEP\n",
+        // What gravity is cannot be told.
+        "*AMPLITUDE, NAME=A\n0., <a>\n*STEP\n*DLOAD, AMPLITUDE=A\n, GRAV, 9.81, 0., 0., -1.\n*END STEP\n",
+        "*STEP\n*DLOAD, AMPLITUDE=<a>\n, GRAV, 9.81, 0., 0., -1.\n*END STEP\n",
+        "*STEP, AMPLITUDE=<a>\n*CLOAD\n1, 1, 2.\n*END STEP\n",
     ];
     for lines in cases {
         let error = Scene::parse("deck.inp", &format!("{HINGE}{lines}")).expect_err(lines);
         let codes = [Code::UnsupportedKeyword, Code::UnknownAmplitude, Code::UnknownParameter];
-        let of_lines = [Code::MalformedNumber, Code::SurplusData];
+        let of_lines = [Code::MalformedNumber, Code::SurplusData, Code::BadParameterValue];
         assert!(codes.contains(&error.code()) || of_lines.contains(&error.code()), "{lines}: {error}");
         assert!(error.further().is_empty(), "{lines}: {:?}", error.further());
     }
@@ -134,12 +145,12 @@ fn faults_that_bear_on_no_connector_refuse_nothing() {
         "*INITIAL CONDITIONS, TYPE=VELOCITY\nFAR, 1, <v>\n",
         "*NODE\n21, <x>\n",
         "*ORIENTATION, NAME=Q\n<x>, 0., 1.\n*TRANSFORM, NSET=FAR\n<x>, 0., 1.\n",
-        "*ELEMENT, TYPE=MASS, ELSET=M\n31, 11\n*MASS, ELSET=M\n<m>\n",
-        "*ELEMENT, TYPE=SPRINGA, ELSET=S\n31, 11, 12\n*SPRING, ELSET=S\n\n<k>\n",
         "*EQUATION\n2\n11, 0, 1., 12, 0, -1.\n",
         "*STEP,\n*STATIC\n*END STEP,\n",
         "*ELEMENT, TYPE=C3D8, PARENT=3\n5, 11, 12\n*NODE, FLAVOUR=SWEET\n41\n",
         "*\n*MATERIAL, NAME=M\n",
+        "*NSET, NSET=Q, GENERATE\n11, <n>\n",
+        "*NSET, NSET=Q\n11, 1.5\nNONE,\n*ELSET, ELSET=FEW\n<e>, 1.5\nNONE,\n",
     ];
     for lines in cases {
         let scene = read(&format!("{HINGE}{far}{lines}"));
@@ -156,12 +167,17 @@ fn faults_that_bear_on_no_connector_refuse_nothing() {
         ">**\n*STEP\n*BOUNDARY\n98, 1\nGHOST, 2\n*END STEP\n",
         "*NSET, NSET=N, INSTANCE=PART-1\n11\n*END ASSEMBLY\n",
         "*PART, NAME=P\n*NODE\n1\n*END PART\n",
-        "*NSET, NSET=Q, GENERATE\n11, <n>\n",
     ];
     for lines in alone {
         assert!(!read(lines).warnings.is_empty(), "{lines}");
         let error = Scene::parse("deck.inp", &format!("{lines}*MPC\n")).expect_err("a constraint is meant");
         assert!(error.file() == "deck.inp", "{error}");
+    }
+    for used in ["*NSET, NSET=Q\n1, 1.5\n", "*NSET, NSET=Q\n1\nNONE,\n", "*NSET, NSET=Q, GENERATE\n1, <n>\n"]
+    {
+        let lines = format!("{HINGE}{far}{used}*BOUNDARY\nQ, 1, 1\n");
+        let error = Scene::parse("deck.inp", &lines).expect_err("a set of a node of the hinge");
+        assert_eq!(error.further().len(), 0, "{used}: {error}");
     }
     // Lines without any keyword are no deck, and a file that is not there may have connectors.
     for lines in ["1, 2., 3.\n", "*NODE\n1\n*INCLUDE, INPUT=none.inp\n"] {
@@ -472,6 +488,54 @@ fn columns_are_in_any_case_and_forces_in_any_order_with_gaps() {
         let given = &states[0].forces[&Label::from(101)];
         assert_eq!(given.total, [Some(2.5), None, None, None, None, None], "{text}");
     }
+}
+
+/// Files of the old Macintosh end lines with CR alone: blank lines count, and an error shows the line that it names.
+#[test]
+fn lines_that_end_with_cr_are_counted_and_shown() {
+    let text = format!("** a\n\n\n{HINGE}\n*CONNECTOR MOTION\nE, 9, 1.\n");
+    let lines: Vec<&str> = text.lines().collect();
+    let line = lines.iter().position(|line| *line == "E, 9, 1.").unwrap() + 1;
+    for end in ["\n", "\r\n", "\r"] {
+        let written = text.replace('\n', end);
+        let error = Scene::parse("deck.inp", &written).expect_err("a component that is none");
+        assert_eq!(error.span().line() as usize, line, "{end:?}: {error}");
+        let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cr");
+        std::fs::create_dir_all(&folder).unwrap();
+        let deck = folder.join("deck.inp");
+        std::fs::write(&deck, &written).unwrap();
+        let shown = std::process::Command::new(env!("CARGO_BIN_EXE_pintle")).arg("eval").arg(&deck).output();
+        let shown = String::from_utf8(shown.unwrap().stderr).unwrap();
+        assert!(
+            shown.contains(&format!("deck.inp:{line}")) && shown.contains("E, 9, 1."),
+            "{end:?}: {shown}"
+        );
+        assert!(
+            shown.contains("│ *CONNECTOR MOTION\n") && shown.contains("│ E, 9, 1.\n"),
+            "{end:?}: {shown}"
+        );
+    }
+}
+
+/// Gaps in the forces of a constraint: each component that lacks says of each output that it is not known.
+#[test]
+fn gaps_in_forces_of_a_constraint_are_named() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("gaps-of-mpc");
+    std::fs::create_dir_all(&folder).unwrap();
+    let (deck, forces) = (folder.join("deck.inp"), folder.join("forces.csv"));
+    std::fs::write(&deck, "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*MPC\nBEAM, 1, 2\n").unwrap();
+    std::fs::write(&forces, "element,f1,f2,f3,m1,m2,m3\n1-2,1.5,,2.,0.5,,0.\n").unwrap();
+    let flags = |outputs: &str| {
+        let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_pintle"));
+        run.arg("eval").arg(&deck).arg("--forces").arg(&forces);
+        let output = run.args(["--outputs", outputs, "--format", "json"]).output().unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let state = &document["scenes"][0]["states"][0];
+        let found = state["mpcs"][0]["flags"].to_string();
+        ["f2", "m2", "f1"].map(|k| found.matches(&format!("\"component\":\"{k}\"")).count())
+    };
+    assert_eq!(flags("NF"), [1, 1, 0]);
+    assert_eq!(flags("NF,CU"), [1, 1, 0]);
 }
 
 /// Gaps in the forces of a connector: what is given is used, and a sum of what is not given is not known.

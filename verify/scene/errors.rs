@@ -103,7 +103,7 @@ fn what_is_alike_is_told_once() {
             "loads",
             format!("{hinges}*STEP\n*CLOAD\n{loads}*END STEP\n"),
             "deck::malformed-number",
-            "8 more times: line ",
+            "loads.inp:1006, ",
         ),
     ];
     for (name, lines, code, more) in cases {

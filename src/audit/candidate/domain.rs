@@ -264,8 +264,9 @@ mod tests {
     use crate::{Candidate, Settings};
     use pintle_kinematics::draw::Draw;
 
-    /// Every state of every path lies within, in less than half a turn from the one before, and no turn goes on beyond the ranges; how many
-    /// states, histories, and cases of those that are drawn everywhere there are.
+    /// Every state of every path lies within, in less than half a turn from the one before. No turn goes on beyond the ranges.
+    ///
+    /// It gives how many states, histories, and cases of those that are drawn everywhere there are.
     fn asked_within(definition: &Definition, domain: &Domain) -> [usize; 4] {
         let settings = Settings { states: 60, near_singular_states: 20, ..Settings::default() };
         let candidate = Candidate::new("within", definition).settings(settings).histories(10);

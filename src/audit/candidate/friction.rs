@@ -78,14 +78,16 @@ impl<'a> FrictionCandidate<'a> {
                 let (mut point, mut forces, mut position) = (six(3.0), six(3.0), six(0.8));
                 let mut displacement = six(1.0);
                 let mut stored = six(1.0);
-                let size = [(3, 0.01), (8, 100.0)].into_iter().find(|(place, _)| i % 10 == *place);
+                // Places in cycles of ten and twelve, each cycle one further: they meet every place of shorter ones.
+                let (of_ten, of_twelve) = ((i + i / 10) % 10, (i + i / 12) % 12);
+                let size = [(3, 0.01), (8, 100.0)].into_iter().find(|(place, _)| of_ten == *place);
                 let size = size.map_or(1.0, |(_, size)| size);
                 for k in 0..6 {
                     point[k] *= unit(k) * size;
                     forces[k] *= size;
-                    position[k] *= size;
+                    position[k] *= if k < 3 { size } else { 1.0 };
                 }
-                let still = match i % 12 {
+                let still = match of_twelve {
                     5 | 11 => 1,
                     2 | 9 => radii.len(),
                     _ => 0,
@@ -94,7 +96,7 @@ impl<'a> FrictionCandidate<'a> {
                     (point[*k], displacement[*k], stored[*k]) = (0.0, 0.0, 0.0);
                 }
                 let presses = |k: usize| radii.iter().all(|(of, _)| *of != k);
-                let resting = match i % 12 {
+                let resting = match of_twelve {
                     4 => 0..6,
                     7 => 0..3,
                     10 => 3..6,

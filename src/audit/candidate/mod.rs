@@ -96,9 +96,10 @@ pub(in crate::candidate) const KEPT: usize = 16;
 /// So many times as far as usual nodes move at some states.
 pub(in crate::candidate) const FARTHEST: f64 = 50.0;
 
-/// By how much nodes move farther than usual, or less far, at a state: every fifth goes through orders of magnitude.
+/// By how much nodes move farther than usual, or less far, at a state: every fifth goes through orders of magnitude, which fall on any
+/// place of a cycle of four.
 pub(in crate::candidate) fn reach(i: usize, farthest: f64) -> f64 {
-    if i % 5 == 2 { [farthest, 1e-2, farthest.sqrt(), 1e-4][i / 5 % 4] } else { 1.0 }
+    if i % 5 == 2 { [farthest, 1e-2, farthest.sqrt(), 1e-4][(i / 5 + i / 20) % 4] } else { 1.0 }
 }
 
 /// A table that is wrong, and against whom.

@@ -165,6 +165,11 @@ impl Cause {
         }
     }
 
+    /// Whether it is one number, which an entry tells and the others confirm.
+    pub(super) const fn is_constant(self) -> bool {
+        matches!(self, Self::Factor | Self::Offset | Self::Scaled | Self::Limited)
+    }
+
     /// Whether it says something of single entries only, or that numbers are off by one constant: any other cause says more.
     pub(super) const fn says_little(self) -> bool {
         self.is_of_an_entry()

@@ -468,8 +468,8 @@ const BESIDE: [f64; 8] = [1e-5, 1e-4, 1e-6, 1e-3, 1e-7, 1e-2, 1e-8, 1e-9];
 /// | 0 | both nodes turned alike |
 /// | 1 | b moved alone |
 /// | 2, 3 | b turned to the axes of a; both along global axes |
-/// | 4 to 11 | 1e-2 to 1e-9 from such axes, where arccosines and arcsines lose digits: parallel, or half a turn about e1a, if the type allows |
-/// | from 12 on | the axes of b at right angles to those of a |
+/// | 4, 6 … 18 | 1e-2 to 1e-9 from such axes, where arccosines and arcsines lose digits: parallel, or half a turn about e1a, if the type allows |
+/// | 5, 7 … 19, from 20 on | the axes of b at right angles to those of a |
 pub fn special_initial(
     definition: &Definition,
     n: usize,
@@ -479,13 +479,20 @@ pub fn special_initial(
 ) -> Option<Case> {
     /// How often axes are drawn beside which a state is to be.
     const OFTEN: usize = 12;
-    let is_beside = (4..4 + BESIDE.len()).contains(&n);
-    let attempts = if is_beside { OFTEN } else { 1 };
+    let attempts = if beside(n).is_ok() { OFTEN } else { 1 };
     (0..attempts).find_map(|attempt| {
         // No turn, and half of one about the first axis.
-        let cube = (attempt == 0).then_some(if n.is_multiple_of(2) { 0 } else { 2 });
+        let cube = (attempt == 0).then_some(if n.is_multiple_of(4) { 0 } else { 2 });
         special(definition, (n, cube), length, name, draw)
     })
+}
+
+/// From the fourth on: how far state n is from right angles, or which of the right ones it is.
+fn beside(n: usize) -> Result<f64, usize> {
+    let n = n.checked_sub(4).ok_or(0_usize)?;
+    let before = n.div_ceil(2).min(BESIDE.len());
+    let angle = BESIDE.get(n / 2).filter(|_| n.is_multiple_of(2));
+    angle.copied().ok_or(n - before)
 }
 
 /// The same, once; what is next to right angles is next to those of that cube, or of any.
@@ -520,12 +527,12 @@ fn special(
             after.a.triad = vector::identity();
             Some(vector::identity())
         }
-        _ => Some(match BESIDE.get(n - 4) {
-            Some(angle) => {
+        _ => Some(match beside(n) {
+            Ok(angle) => {
                 let cube = cube.unwrap_or_else(|| draw.below(cubes.len()));
-                product(cubes.get(cube)?, &turn(scale(axis, *angle)))
+                product(cubes.get(cube)?, &turn(scale(axis, angle)))
             }
-            None => *cubes.get(n - 4 - BESIDE.len())?,
+            Err(cube) => *cubes.get(cube)?,
         }),
     };
     if let Some(relative) = relative {

@@ -1,7 +1,7 @@
 //! Values and rows of one connector, and nothing else: what an element routine asks for at every iteration.
 //!
-//! Which measures there are is found once, when the connector is made: each row belongs to a formula that is compiled for its
-//! measures alone ([`crate::measure::formula`]), so that a call does no more than run these one after another.
+//! Which measures there are is found once, when the connector is made. Each row belongs to a formula that is compiled for its
+//! measures alone ([`crate::measure::formula`]). A call runs these one after another.
 
 use crate::connector::{Branch, Components, Connector, Kind, Mask, NodalRow, Row};
 use crate::measure::formula::{Formula, Pass, Task, alone, cover};

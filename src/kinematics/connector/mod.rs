@@ -1,9 +1,9 @@
 //! One connector: positions, displacements, rates, residuals, rows, second derivatives, and what its history decides.
 //!
-//! A [`Connector`] is a connection type with its section data and initial state. It is evaluated at a [`State`] with the
-//! [`Branch`] that the previous states left (turn counts, the sheet of the rotation vector, accumulated one-forms), computes
-//! what a [`Request`] names and nothing else, and gives back the branch to commit. A branch is committed by keeping it:
-//! [`Connector::advance`] never changes the one it starts from.
+//! A [`Connector`] is a connection type with its section data and initial state. It is evaluated at a [`State`] with the [`Branch`] that
+//! the previous states left: turn counts, the sheet of the rotation vector, accumulated one-forms. It computes what a [`Request`] names
+//! and nothing else, and gives back the branch to commit. A branch is committed by keeping it: [`Connector::advance`] never changes the
+//! one it starts from.
 
 mod branch;
 mod compact;

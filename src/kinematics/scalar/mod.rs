@@ -371,8 +371,10 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
         u
     }
 
-    /// (v / |v|², |v|) of direction cosines: what other lengths need to neither overflow nor underflow may be left out, so that v / |v|² is too small, never
-    /// infinite, where all are nearer to 0 than 1e−150. (0, 0) at v = 0.
+    /// (v / |v|², |v|) of direction cosines; (0, 0) at v = 0.
+    ///
+    /// What other lengths need to neither overflow nor underflow may be left out. Where all are nearer to 0 than 1e−150, v / |v|² is then too
+    /// small, never infinite.
     #[inline(always)]
     fn inverted_cosines<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
         (Self::inverted(v), Self::direction_and_norm(v).1)

@@ -331,7 +331,7 @@ pub fn gravity(scene: &Scene, schedule: &Schedule) -> Result<Vec<(Option<Target>
     let steps = scene.steps.iter().filter(|step| takes_time(step)).take(schedule.steps.len());
     for (number, step) in steps.enumerate() {
         let mut given = InStep::default();
-        let loads = step.distributed_loads.iter().filter(|load| load.label == "GRAV");
+        let loads = step.distributed_loads.iter().filter(|load| load.is_gravity());
         for load in loads.filter(|load| !load.applied.imaginary) {
             let target = load.target.as_ref().map(|target| target.value.clone());
             let span = load.target.as_ref().map_or(step.span, |target| target.span);

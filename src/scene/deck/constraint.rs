@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::grammar;
 use crate::label::labelled::{LabelMap, LabelSet};
 use crate::label::{Instance, Label};
-use crate::lexer::{Keyword, Value};
+use crate::lexer::{Keyword, Value, begun};
 use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::model::{Scene, SkippedConstraint, Target};
 use crate::span::{Span, Spanned};
@@ -96,12 +96,6 @@ impl Raw {
 
     /// The node sets, and the element sets, that are named.
     pub(super) fn sets(&self) -> [Vec<&str>; 2] {
-        fn set(target: &Spanned<Target>) -> Option<&str> {
-            match &target.value {
-                Target::Set(name) => Some(name),
-                Target::Label(_) => None,
-            }
-        }
         fn all<'a>(names: impl Iterator<Item = &'a Spanned<String>>) -> impl Iterator<Item = &'a str> {
             names.map(|name| name.value.as_str())
         }
@@ -116,7 +110,18 @@ impl Raw {
         let targets = targets.chain(self.couplings.iter().map(|coupling| &coupling.reference));
         let of_bodies = self.bodies.iter().flat_map(|body| body.pin_set.iter().chain(&body.tie_set));
         let elements = self.bodies.iter().filter_map(|body| body.element_set.as_ref());
-        [targets.filter_map(set).chain(all(of_bodies)).collect(), all(elements).collect()]
+        [
+            targets.filter_map(|target| target.value.set()).chain(all(of_bodies)).collect(),
+            all(elements).collect(),
+        ]
+    }
+
+    /// The element sets of faces that a coupling or a tie uses.
+    pub(super) fn sets_of_faces(&self) -> impl Iterator<Item = &str> {
+        let ties = self.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]);
+        let used = self.couplings.iter().map(|coupling| &coupling.surface).chain(ties);
+        let faces = used.filter_map(|name| self.surfaces.get(&name.value)).flat_map(|raw| &raw.faces);
+        faces.filter_map(|(target, _)| target.value.set())
     }
 
     /// Takes those of a part, for an instance of it.
@@ -227,7 +232,9 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 pub(super) fn surface(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let name = keyword.need_name("NAME")?;
     let of_type = keyword.get("TYPE").map(|value| crate::label::normal(value.text()));
-    let kind = match of_type.as_deref() {
+    // Shortened or not.
+    let of_type = of_type.as_deref().map(|word| begun(word, &["NODE", "ELEMENT"]).unwrap_or(word));
+    let kind = match of_type {
         _ if keyword.has("COMBINE") || keyword.has("CROP") => SurfaceKind::Unread,
         Some("NODE") => SurfaceKind::Nodes,
         Some("ELEMENT") | None => SurfaceKind::Faces,
@@ -501,9 +508,10 @@ pub(super) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
             Err(Diagnostic::error(Code::UnknownSurface, name.span, message, "not defined").help(remedy))
         }
     };
+    let means = raw.couplings.iter().filter(|one| matches!(one.kind, Some(CouplingKind::Distributing(_))));
+    let weighing: HashSet<&str> = means.map(|one| one.surface.value.as_str()).collect();
     for (name, surface) in &raw.surfaces {
-        let is_mean = |coupling: &RawCoupling| matches!(coupling.kind, Some(CouplingKind::Distributing(_)));
-        let weighs = raw.couplings.iter().any(|one| is_mean(one) && one.surface.value == *name);
+        let weighs = weighing.contains(name.as_str());
         let of_faces =
             if surface.kind == SurfaceKind::Faces { face_nodes(deck, surface, weighs) } else { None };
         if let Some(members) = of_faces {
@@ -570,6 +578,8 @@ fn face_nodes(
 ) -> Option<Vec<(Spanned<Target>, Option<f64>)>> {
     let mut known: LabelMap<usize> = LabelMap::default();
     let mut found: Vec<(Spanned<Target>, Option<f64>)> = Vec::new();
+    // A surface has a face once, whatever names it; both sides of a shell are one.
+    let mut seen = HashSet::new();
     for (target, face) in &surface.faces {
         let ranges = match &target.value {
             Target::Label(label) => vec![(*label, label.number(), 1)],
@@ -583,10 +593,14 @@ fn face_nodes(
         };
         let from = found.len();
         for element in ranges.into_iter().flat_map(|range| deck.other_elements.within(range)) {
-            let nodes = element?.face(face)?;
+            let element = element?;
+            let nodes = element.face(face)?;
+            if !seen.insert((element.label, if face == "SNEG" { "SPOS" } else { face })) {
+                continue;
+            }
             let place = |node: &Label| Some(deck.scene.nodes.get(node)?.coordinates);
             let corners = nodes.iter().map(place).collect::<Option<Vec<_>>>()?;
-            let shares = if weighs { faces::shares(&corners) } else { None };
+            let shares = if weighs && !element.is_edge(face) { faces::shares(&corners) } else { None };
             for (index, node) in nodes.into_iter().enumerate() {
                 let place = *known.entry(node).or_insert(found.len());
                 if place == found.len() {
@@ -677,10 +691,6 @@ fn body(deck: &mut Deck<'_>, body: RawBody) -> Result<()> {
 /// The nodes of what is read: of elements and constraints, and those that are held or driven.
 fn used_nodes(scene: &Scene) -> LabelSet {
     let mut used = unread::bearing(scene);
-    used.extend(scene.rigid_bodies.iter().map(|body| body.reference));
-    used.extend(
-        scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]).flatten(),
-    );
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
     for boundary in boundaries {
         match &boundary.target.value {

@@ -68,7 +68,7 @@ fn hides(code: Code) -> bool {
     use Code::*;
     let is_absent =
         matches!(code, IncludeUnreadable | IncludeCycle | UnknownPart | MissingKeywords | UnsupportedKeyword);
-    is_fatal(code) || is_absent || matches!(code, NotUtf8)
+    is_fatal(code) || is_absent || matches!(code, NotUtf8 | UnclosedQuote | EmptyKeyword)
 }
 
 /// Whether lines of any kind are missing after such an error.

@@ -95,7 +95,7 @@ pub(super) struct OtherElements(HashMap<Option<Instance>, Others>);
 pub(super) struct Element<'a> {
     type_name: &'a str,
     nodes: &'a [u64],
-    instance: Option<Instance>,
+    pub(super) label: Label,
 }
 
 impl OtherElements {
@@ -171,7 +171,7 @@ impl OtherElements {
         let known = &self.0.get(&label.instance())?.connectivity;
         let (of_type, first, last) = *known.elements.get(&label.number())?;
         let (type_name, nodes) = (known.types.get(of_type)?, known.nodes.get(first..last)?);
-        Some(Element { type_name, nodes, instance: label.instance() })
+        Some(Element { type_name, nodes, label })
     }
 
     /// Those of a range, each once; none for one whose nodes are not known.
@@ -207,8 +207,10 @@ impl OtherElements {
     }
 }
 
-/// How much of the area of a face falls to each of its corners: the integrals of their shape functions. None for an edge, and for a face of
-/// second order, whose integrals at the corners are not positive.
+/// How much of the area of a face falls to each of its corners (length²): A_i = ∫ N_i dA, the tributary areas of nodes. None for a face of second
+/// order, whose integrals at the corners are not positive.
+///
+/// By three nodes A_i = |(b − a) × (c − a)|/6. By four it is Gauss quadrature of 2 × 2 points, exact for a plane face.
 pub(super) fn shares(corners: &[[f64; 3]]) -> Option<Vec<f64>> {
     let area = |one: [f64; 3], other: [f64; 3]| norm(cross(one, other));
     match *corners {
@@ -242,7 +244,7 @@ const BRICK: &[[usize; 2]] =
 impl Element<'_> {
     /// Its nodes.
     pub(super) fn nodes(&self) -> impl Iterator<Item = Label> {
-        self.nodes.iter().map(|number| Label::of(self.instance, *number))
+        self.nodes.iter().map(|number| Label::of(self.label.instance(), *number))
     }
 
     /// The nodes of a face by its identifier: S1 … of solids and of elements in a plane, SPOS and SNEG, E1 … of shells. Numbers
@@ -273,11 +275,16 @@ impl Element<'_> {
         Some(self.labels(edge, edges, corners.len()))
     }
 
+    /// Whether a face is an edge: that of an element in a plane, or E1 … of a shell.
+    pub(super) fn is_edge(&self, face: &str) -> bool {
+        self.shape().is_some_and(|shape| shape != Shape::Solid) && !["SPOS", "SNEG"].contains(&face)
+    }
+
     /// The nodes with these numbers, and those in the middle of edges between them.
     fn labels(&self, corners: &[usize], edges: &[[usize; 2]], count: usize) -> Vec<Label> {
         let inner = edges.iter().enumerate().filter(|(_, ends)| ends.iter().all(|end| corners.contains(end)));
         let places = corners.iter().map(|corner| corner - 1).chain(inner.map(|(place, _)| count + place));
-        places.filter_map(|place| Some(Label::of(self.instance, *self.nodes.get(place)?))).collect()
+        places.filter_map(|place| Some(Label::of(self.label.instance(), *self.nodes.get(place)?))).collect()
     }
 
     fn shape(&self) -> Option<Shape> {

@@ -7,12 +7,13 @@ use crate::deck::mesh::{any_degree_of_freedom, is_mechanical};
 use crate::deck::{Deck, misplaced, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, nearest, suggest};
 use crate::label::normal;
-use crate::lexer::{Item, Keyword};
+use crate::lexer::{Item, Keyword, begun};
 use crate::model::{
     Amplitude, AmplitudeDefinition, Application, Boundary, ConcentratedLoad, ConditionKind, ConnectorLoad,
     ConnectorMotion, DistributedLoad, InitialVelocity, MotionType, Operation, OutputRequest, Procedure,
-    Solver, Step, Times,
+    Solver, Step, Target, Times,
 };
+use crate::span::Spanned;
 use indexmap::IndexMap;
 
 /// How a keyword applies its conditions. OP=NEW is noted for the step, for a keyword without data lines is how all of a kind are removed.
@@ -115,9 +116,20 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         deck.count_skipped(keyword, lines);
         return Ok(());
     }
+    let mut moved = None;
+    let read = boundaries(deck, keyword, &mut moved);
+    moved.into_iter().for_each(|(targets, warning)| deck.unread.warn_of(targets, warning));
+    read
+}
+
+/// The lines of `*BOUNDARY`, and what they move before the first step, with a warning.
+fn boundaries(
+    deck: &mut Deck<'_>,
+    keyword: &Keyword,
+    moved: &mut Option<(Vec<Spanned<Target>>, Diagnostic)>,
+) -> Result<()> {
     let kind = motion_type(keyword)?;
     let applied = application(deck, keyword, ConditionKind::Boundary)?;
-    let mut moved = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let target = target(&items.need("the node or node set")?, "the node number")?;
@@ -157,13 +169,7 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
                     .help("write: node, first, last degree of freedom, magnitude"));
             }
             let value = items.maybe();
-            if let Some(value) = value {
-                magnitude = value.number()?;
-                if magnitude != 0.0 && deck.step.is_none() {
-                    let (targets, _) = moved.get_or_insert_with(|| (Vec::new(), nonzero(value)));
-                    targets.push(target.clone());
-                }
-            }
+            magnitude = value.map_or(Ok(0.0), |value| value.number())?;
             items.end("a node or node set, the first and last degree of freedom and a magnitude")?;
             let (held, others): (Vec<u8>, Vec<u8>) = (from..=to).partition(|dof| is_mechanical(*dof));
             let others = match others[..] {
@@ -177,6 +183,10 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             if held.is_empty() {
                 continue;
             }
+            if let Some(value) = value.filter(|_| magnitude != 0.0 && deck.step.is_none()) {
+                let (targets, _) = moved.get_or_insert_with(|| (Vec::new(), nonzero(value)));
+                targets.push(target.clone());
+            }
             held
         };
         let boundary = Boundary { target, degrees_of_freedom, magnitude, kind, applied: applied.clone() };
@@ -185,13 +195,13 @@ pub(super) fn boundary(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             None => deck.scene.boundaries.push(boundary),
         }
     }
-    moved.into_iter().for_each(|(targets, warning)| deck.unread.warn_of(targets, warning));
     Ok(())
 }
 
 /// Velocities; initial conditions of other types are skipped.
 pub(super) fn initial_conditions(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
-    let is_velocity = keyword.get("TYPE").is_some_and(|value| normal(value.text()) == "VELOCITY");
+    let of_type = keyword.get("TYPE").map(|value| normal(value.text()));
+    let is_velocity = of_type.is_some_and(|of_type| begun(&of_type, &["VELOCITY"]).is_some());
     if !is_velocity {
         let lines = deck.lexer.skip()?;
         deck.count_skipped(keyword, lines);
@@ -271,8 +281,9 @@ fn not_in_deck(deck: &mut Deck<'_>, keyword: &Keyword) -> Option<String> {
         return Some("USER".to_owned());
     }
     let definition = keyword.get("DEFINITION").map(|value| normal(value.text()));
-    let other =
-        definition.filter(|word| nearest(word, AmplitudeDefinition::SPELLINGS.iter().copied()).is_none());
+    let known = AmplitudeDefinition::SPELLINGS;
+    let other = definition
+        .filter(|word| begun(word, known).is_none() && nearest(word, known.iter().copied()).is_none());
     if let Some(word) = other {
         return Some(format!("DEFINITION={word}"));
     }

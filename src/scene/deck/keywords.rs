@@ -832,9 +832,10 @@ pub(super) fn find(name: &str) -> Option<&'static Rule> {
     RULES.iter().find(same)
 }
 
-/// The one keyword that begins so, of five letters at least.
+/// The one keyword that begins so, of five letters at least. Requests of output are not meant.
 pub(super) fn begun(name: &str) -> Option<&'static str> {
-    let mut all = RULES.iter().map(|rule| rule.name).filter(|known| known.starts_with(name));
+    let all = RULES.iter().filter(|rule| rule.parameters.is_some()).map(|rule| rule.name);
+    let mut all = all.filter(|known| known.starts_with(name));
     let found = all.next().filter(|_| name.len() > 4)?;
     all.next().is_none().then_some(found)
 }
@@ -1017,12 +1018,15 @@ impl Rule {
             keyword.complete(&names);
         }
         if self.strange == Strange::Skipped && !self.bears() {
-            let is_word = |name: &str| {
+            // What is kept says something of connectors, but for the number of increments; a word may be a name.
+            let matters = |name: &str| {
                 let known = self.parameters.into_iter().flatten().find(|known| known.name == name);
-                known.is_some_and(|known| matches!(known.takes, Name | Text))
+                known.is_some_and(|known| {
+                    matches!(known.takes, Name | Text) || (known.kept && known.name != "INC")
+                })
             };
             let is_open = |given: &KeywordParameter| {
-                !is_word(&given.name) && given.value.as_ref().is_some_and(Value::is_parameter)
+                !matters(&given.name) && given.value.as_ref().is_some_and(Value::is_parameter)
             };
             let left: Vec<_> = keyword.parameters.extract_if(.., |given| is_open(given)).collect();
             strange.extend(left.into_iter().map(|given| given.name));

@@ -27,12 +27,19 @@ pub(super) fn heading(deck: &mut Deck<'_>, _: &Keyword) -> Result<()> {
 }
 
 pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let mut beyond = None;
+    let read = nodes(deck, keyword, &mut beyond);
+    beyond.into_iter().for_each(|warning| deck.warn(warning));
+    read
+}
+
+/// The lines of `*NODE`, and a warning of the first that has more than coordinates.
+fn nodes(deck: &mut Deck<'_>, keyword: &Keyword, beyond: &mut Option<Diagnostic>) -> Result<()> {
     let set = keyword.name_of("NSET")?;
     let system = keyword.word("SYSTEM", &["R", "C", "S"])?.unwrap_or("R");
     let axes = deck.system;
     let mut members =
         set.map(|name| deck.node_sets.entry(name.value).or_insert_with(|| SetBuilder::new(name.span)));
-    let mut beyond = None;
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let label = items.need("the node number")?.label_number("the node number")?;
@@ -50,7 +57,7 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         if beyond.is_none() && beyond_coordinates(&line, normal) {
             let [x, y, z] = coordinates;
             let message = format!("node {label} is at ({x}, {y}, {z}), and its line goes on");
-            beyond = Some(
+            *beyond = Some(
                 Diagnostic::warning(Code::ItemsAfterCoordinates, line.span, message, "more than three coordinates")
                     .help("write decimal points, not decimal commas; what follows the coordinates is the normal at the node, of length 1"),
             );
@@ -82,7 +89,6 @@ pub(super) fn node(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             members.push_defined(label, line.span);
         }
     }
-    beyond.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
 }
 

@@ -22,7 +22,7 @@ pub(crate) mod write;
 
 use crate::behavior::Behavior;
 use crate::choice::Choice;
-use crate::diagnostic::{Code, Diagnostic, Result, nearest};
+use crate::diagnostic::{Code, Diagnostic, Result, Severity, nearest};
 use crate::document;
 use crate::document::Format;
 use crate::document::form::Document;
@@ -176,8 +176,13 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
     }
     // Without a connector or a constraint no error bears on one.
     if deck.may_excuse() {
-        let errors = std::mem::take(&mut deck.errors).into_first().map(|first| first.apart().0);
-        errors.into_iter().flatten().for_each(|error| deck.warn(error.excused()));
+        if let Some(first) = std::mem::take(&mut deck.errors).into_first() {
+            let (mut errors, unsaid) = first.apart();
+            if let Some(last) = errors.pop() {
+                errors.push(last.with_unsaid(unsaid));
+            }
+            errors.into_iter().for_each(|error| deck.excuse(error));
+        }
     }
     let is_judged = is_judged && deck.errors.leaves_references();
     let Deck { lexer, mut scene, warnings, errors, .. } = deck;
@@ -294,6 +299,11 @@ impl Deck<'_> {
         self.has_keywords && !self.unread.any_bears && self.errors.are_excusable()
     }
 
+    /// Warns of an error that refuses nothing.
+    fn excuse(&mut self, error: Diagnostic) {
+        self.warn(error.of_severity(Severity::Warning));
+    }
+
     fn warn(&mut self, diagnostic: Diagnostic) {
         let code = diagnostic.code();
         let known = self.warned.entry(code).or_insert((self.warnings.len(), 0));
@@ -327,7 +337,8 @@ impl Deck<'_> {
         for parameter in rule.passed_over(&keyword).map(str::to_owned).chain(strange.iter().cloned()) {
             self.scene.skipped.count(format!("*{}, {parameter}", rule.name), keyword.span.line());
         }
-        for (given, near) in strange.iter().filter_map(|given| Some((given, rule.meant(given)?))) {
+        let meant = strange.iter().filter_map(|given| Some((given, rule.meant(given)?)));
+        for (given, near) in meant.filter(|(given, near)| given != near) {
             let message = format!("{given} of *{} is skipped", rule.name);
             let label = "not a parameter that is read";
             let warning = Diagnostic::warning(Code::MisspeltKeyword, keyword.span, message, label);
@@ -360,7 +371,7 @@ impl Deck<'_> {
             let goes_on = !is_last && keywords::reads_by_line(rule.name);
             let bears = if is_fatal { None } else { unread::bears(self, rule.name, keyword, &error) };
             match bears {
-                Some(bears) => self.unread.fault(bears, error),
+                Some(bears) => unread::note(self, bears, error),
                 None if goes_on => {
                     self.errors.add(error);
                     self.errors.spoil(rule.name);

@@ -50,7 +50,7 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     let mut errors = std::mem::take(&mut deck.errors);
     let excused = actuation(deck, &bearing, &mut errors);
     deck.errors = errors;
-    excused.into_iter().for_each(|error| deck.warn(error.excused()));
+    excused.into_iter().for_each(|error| deck.excuse(error));
 }
 
 fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
@@ -97,6 +97,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
     };
     let mut warn = |warning| warnings.push(warning);
     let (needed_nodes, needed_elements) = needed_sets(deck);
+    let (named_nodes, named_elements) = named_sets(deck, &needed_nodes, &needed_elements);
     let hint = undefined(Kind::Element);
     let elements = Known {
         member: &element,
@@ -105,6 +106,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         sorted: OnceCell::new(),
         other: &deck.other_elements,
         needed: &|name| needed_elements.contains(name),
+        named: &|name| named_elements.contains(name),
     };
     let element_sets = sets::resolve(
         Kind::Element,
@@ -142,6 +144,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         sorted: OnceCell::new(),
         other: &OtherElements::default(),
         needed: &|name| needed_nodes.contains(name),
+        named: &|name| named_nodes.contains(name),
     };
     let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn, errors)?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
@@ -149,14 +152,13 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
     Ok(())
 }
 
+/// The set that a target names.
+fn set(target: &Spanned<Target>) -> Option<&str> {
+    target.value.set()
+}
+
 /// The node sets, and the element sets, of which what is evaluated takes the members.
 fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
-    fn set(target: &Spanned<Target>) -> Option<&str> {
-        match &target.value {
-            Target::Set(name) => Some(name),
-            Target::Label(_) => None,
-        }
-    }
     let Scene { transforms, steps, connector_sections, masses, rotary_inertias, .. } = &deck.scene;
     let nodes = deck.mpcs.iter().flat_map(|mpc| &mpc.items).filter_map(set);
     let nodes = nodes.chain(transforms.iter().map(|transform| transform.node_set.value.as_str()));
@@ -175,6 +177,28 @@ fn needed_sets<'a>(deck: &'a Deck<'_>) -> (HashSet<&'a str>, HashSet<&'a str>) {
     let elements = elements.chain(bodies);
     let of_nodes = nodes.iter().filter_map(|name| deck.node_sets.get(*name));
     let elements = elements.chain(of_nodes.flat_map(|builder| builder.element_sets()));
+    let elements = sets::closure(&deck.element_sets, elements);
+    (nodes, elements)
+}
+
+/// The node sets, and the element sets, that anything which is read names: these `needed`, and those that something acts on.
+fn named_sets<'a>(
+    deck: &'a Deck<'_>,
+    needed_nodes: &HashSet<&'a str>,
+    needed_elements: &HashSet<&'a str>,
+) -> (HashSet<&'a str>, HashSet<&'a str>) {
+    let Scene { steps, boundaries, initial_velocities, .. } = &deck.scene;
+    let held = steps.iter().flat_map(|step| &step.boundaries).chain(boundaries).map(|held| &held.target);
+    let loaded = steps.iter().flat_map(|step| &step.concentrated_loads).map(|load| &load.target);
+    let moved = initial_velocities.iter().map(|moved| &moved.target);
+    let nodes = held.chain(loaded).chain(moved).chain(deck.unread.targets()).filter_map(set);
+    let nodes = nodes.chain(deck.unread.node_sets()).chain(needed_nodes.iter().copied());
+    let nodes = sets::closure(&deck.node_sets, nodes);
+    let drawn = steps.iter().flat_map(|step| &step.distributed_loads).filter_map(|load| load.target.as_ref());
+    let of_nodes = nodes.iter().filter_map(|name| deck.node_sets.get(*name));
+    let elements = drawn.filter_map(set).chain(of_nodes.flat_map(|builder| builder.element_sets()));
+    let elements = elements.chain(deck.unread.element_sets()).chain(deck.constraints.sets_of_faces());
+    let elements = elements.chain(needed_elements.iter().copied());
     let elements = sets::closure(&deck.element_sets, elements);
     (nodes, elements)
 }
@@ -527,17 +551,23 @@ fn actuation(deck: &Deck<'_>, bearing: &LabelSet, errors: &mut Errors) -> Vec<Di
     }
     let boundaries = scene.boundaries.iter().chain(scene.steps.iter().flat_map(|step| &step.boundaries));
     // Of what acts on nodes that are known, and on none of a connector, the amplitude does not matter.
+    let is_unread =
+        |target: &Target| matches!(target, Target::Label(label) if deck.unread.nodes.contains(label));
     let mut on_nodes = |target: &Spanned<Target>, applied: &Application, errors: &mut Errors| {
-        let known = errors.value(known_node_target(scene, target));
-        let error = amplitude(&applied.amplitude).err();
+        let known = match known_node_target(scene, target) {
+            // What follows from a line that refuses nothing refuses nothing.
+            Err(error) if is_unread(&target.value) => return excused.push(error),
+            known => errors.value(known),
+        };
+        let Some(error) = amplitude(&applied.amplitude).err() else { return };
         let bears = known.is_none() || unread::acts_on(scene, &target.value, bearing);
-        if bears { error.into_iter().for_each(|error| errors.add(error)) } else { excused.extend(error) }
+        if bears { errors.add(error) } else { excused.push(error) }
     };
     for boundary in boundaries {
         on_nodes(&boundary.target, &boundary.applied, errors);
     }
     for velocity in &scene.initial_velocities {
-        errors.value(known_node_target(scene, &velocity.target));
+        on_nodes(&velocity.target, &Application::default(), errors);
     }
     for step in &scene.steps {
         for load in &step.connector_loads {
@@ -550,28 +580,20 @@ fn actuation(deck: &Deck<'_>, bearing: &LabelSet, errors: &mut Errors) -> Vec<Di
     }
     for step in &scene.steps {
         for load in &step.distributed_loads {
-            // Gravity acts on the masses of connectors' nodes; no other load of elements does.
-            let errors: &mut dyn FnMut(Diagnostic) = if load.label == "GRAV" {
-                &mut |error| errors.add(error)
-            } else {
-                &mut |error| excused.push(error)
-            };
-            amplitude(&load.applied.amplitude).err().into_iter().for_each(&mut *errors);
-            match &load.target {
+            let elements = match &load.target {
                 Some(Spanned { value: Target::Set(name), span }) => {
-                    let found = element_set(scene, &Spanned::new(name.clone(), *span));
-                    found.err().into_iter().for_each(errors);
+                    element_set(scene, &Spanned::new(name.clone(), *span)).err()
                 }
                 Some(Spanned { value: Target::Label(label), span }) => {
                     let known = scene.connectors.contains_key(label)
                         || scene.point_elements.contains_key(label)
                         || deck.other_elements.contains(*label);
-                    if !known {
-                        errors(unknown(Kind::Element, *label, *span));
-                    }
+                    (!known).then(|| unknown(Kind::Element, *label, *span))
                 }
-                None => {}
-            }
+                None => None,
+            };
+            let found = amplitude(&load.applied.amplitude).err().into_iter().chain(elements);
+            if load.is_gravity() { found.for_each(|error| errors.add(error)) } else { excused.extend(found) }
         }
         for request in &step.outputs {
             excused.extend(request.element_set.iter().filter_map(|name| element_set(scene, name).err()));

@@ -75,6 +75,7 @@ fn members_now(
                 found.extend(numbers.filter(|number| is_there(*number)));
             }
             Some(Entry::Range { .. }) => {}
+            Some(Entry::Fault(error)) => return Err((**error).clone()),
             Some(Entry::Set(inner)) => {
                 if let Some((_, _, inner)) =
                     builders.get_full(&inner.value).filter(|(place, ..)| seen.insert(*place))
@@ -112,6 +113,14 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// The keyword that lists members.
+    fn keyword(self) -> &'static str {
+        match self {
+            Self::Node => "NSET",
+            Self::Element => "ELSET",
+        }
+    }
+
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Node => "node",
@@ -161,6 +170,8 @@ enum Entry {
     Set(Spanned<String>),
     /// The nodes of an element set.
     NodesOf(Spanned<String>),
+    /// A line that cannot be read.
+    Fault(Box<Diagnostic>),
 }
 
 impl SetBuilder {
@@ -219,7 +230,7 @@ impl SetBuilder {
     pub(super) fn inner(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().filter_map(|entry| match entry {
             Entry::Set(name) => Some(name.value.as_str()),
-            Entry::Range { .. } | Entry::NodesOf(_) => None,
+            Entry::Range { .. } | Entry::NodesOf(_) | Entry::Fault(_) => None,
         })
     }
 
@@ -227,12 +238,25 @@ impl SetBuilder {
     pub(super) fn element_sets(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().filter_map(|entry| match entry {
             Entry::NodesOf(name) => Some(name.value.as_str()),
-            Entry::Range { .. } | Entry::Set(_) => None,
+            Entry::Range { .. } | Entry::Set(_) | Entry::Fault(_) => None,
         })
     }
 
     pub(super) fn push_nodes_of(&mut self, name: Spanned<String>) {
         self.entries.push(Entry::NodesOf(name));
+    }
+
+    /// Its lines that cannot be read.
+    fn faults(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.entries.iter().filter_map(|entry| match entry {
+            Entry::Fault(error) => Some(&**error),
+            _ => None,
+        })
+    }
+
+    /// A line that cannot be read, which matters to what uses the set.
+    pub(super) fn push_fault(&mut self, error: Diagnostic) {
+        self.entries.push(Entry::Fault(Box::new(error)));
     }
 
     /// The set of a part as one of its instance.
@@ -243,6 +267,7 @@ impl SetBuilder {
                     instance.get_or_insert(within);
                 }
                 Entry::Set(name) | Entry::NodesOf(name) => name.value = within.scoped(&name.value),
+                Entry::Fault(_) => {}
             }
         }
         self
@@ -269,6 +294,8 @@ pub(super) struct Known<'a> {
     pub(super) other: &'a OtherElements,
     /// Whether a set of that name is evaluated: only then it may list nothing that is not there.
     pub(super) needed: &'a dyn Fn(&str) -> bool,
+    /// Whether anything that is read names it: only then a line of it that cannot be read may list what matters.
+    pub(super) named: &'a dyn Fn(&str) -> bool,
 }
 
 impl Known<'_> {
@@ -303,7 +330,22 @@ pub(super) fn resolve(
 ) -> Result<IndexMap<String, Set>> {
     let mut done: Vec<Option<Set>> = vec![None; builders.len()];
     let (mut total, mut listed) = (0, 0);
-    for place in order(kind, builders, errors) {
+    // A set that nothing names refuses nothing but a circle.
+    let mut tell = |name: &str, error: Diagnostic| {
+        if error.code() == Code::SetCycle || (known.named)(name) {
+            errors.add(error);
+        } else {
+            warn(error.of_severity(Severity::Warning));
+        }
+    };
+    let places = order(kind, builders, &mut tell);
+    for (name, builder) in builders {
+        builder.faults().for_each(|error| tell(name, error.clone()));
+    }
+    if builders.iter().any(|(name, builder)| (known.named)(name) && builder.faults().next().is_some()) {
+        errors.spoil(kind.keyword());
+    }
+    for place in places {
         let Some((name, builder)) = builders.get_index(place) else { continue };
         let mut set = Set { span: builder.span, ..Set::default() };
         let mut room = FEW_RANGES;
@@ -343,6 +385,7 @@ pub(super) fn resolve(
                         );
                     }
                 }
+                Entry::Fault(_) => {}
                 &Entry::Range { instance, first, last, step, generated, span } => {
                     let range = (Label::of(instance, first), last, step, generated);
                     match expand(kind, range, span, known, hint, &mut set, warn) {
@@ -463,7 +506,11 @@ pub(super) fn closure<'a>(
 }
 
 /// An order in which every set comes after those that it names.
-fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>, errors: &mut Errors) -> Vec<usize> {
+fn order(
+    kind: Kind,
+    builders: &IndexMap<String, SetBuilder>,
+    tell: &mut dyn FnMut(&str, Diagnostic),
+) -> Vec<usize> {
     let mut order = Vec::with_capacity(builders.len());
     let mut mark = vec![Mark::New; builders.len()];
     for root in 0..builders.len() {
@@ -473,23 +520,24 @@ fn order(kind: Kind, builders: &IndexMap<String, SetBuilder>, errors: &mut Error
                 continue;
             }
             mark[place] = Mark::Open;
-            let Some((_, builder)) = builders.get_index(place) else { continue };
+            let Some((own, builder)) = builders.get_index(place) else { continue };
             let inner = builder.entries.iter().enumerate().skip(entry);
             let inner = inner.filter_map(|(at, entry)| match entry {
                 Entry::Set(name) => Some((at, name)),
-                Entry::Range { .. } | Entry::NodesOf(_) => None,
+                Entry::Range { .. } | Entry::NodesOf(_) | Entry::Fault(_) => None,
             });
             let mut next = None;
             for (at, name) in inner {
                 let Some(child) = builders.get_index_of(&name.value) else {
-                    errors.add(unknown_set(kind, name, builders.keys().map(String::as_str)));
+                    tell(own, unknown_set(kind, name, builders.keys().map(String::as_str)));
                     continue;
                 };
                 match mark[child] {
                     Mark::Done => {}
                     Mark::Open => {
                         let message = format!("{} set {} contains itself", kind.name(), name.value);
-                        errors.add(
+                        tell(
+                            own,
                             Diagnostic::error(Code::SetCycle, name.span, message, "closes the circle")
                                 .help("remove this name from the set"),
                         );

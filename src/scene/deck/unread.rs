@@ -1,7 +1,9 @@
-//! What bears on a connector or constraint only where one uses it: it is skipped and counted elsewhere, and an error there.
+//! What bears on a connector or constraint only where one uses it: it is skipped and counted elsewhere. There it is an error, or the warning
+//! `deck::not-followed` where only what acts on it is not read.
 
 use crate::deck::errors::Errors;
 use crate::deck::lookup::target;
+use crate::deck::sets::Kind;
 use crate::deck::{Deck, constraint};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
@@ -32,6 +34,8 @@ pub(super) struct Unread {
     pub(super) redefined: Vec<Redefined>,
     /// The model is in another deck.
     pub(super) is_elsewhere: bool,
+    /// Nodes whose lines cannot be read, and that no connector or constraint has.
+    pub(super) nodes: LabelSet,
 }
 
 /// Lines of one keyword that name nodes.
@@ -66,6 +70,8 @@ pub(super) enum Bears {
     NodeSet(String),
     /// What uses an orientation.
     Orientation(String),
+    /// What uses a set.
+    Set(Kind, String),
 }
 
 /// What an error of a keyword bears on, if that can be told; the faulty line was read last.
@@ -95,6 +101,8 @@ pub(super) fn bears(deck: &mut Deck<'_>, rule: &str, keyword: &Keyword, error: &
             (!is_gravity).then_some(Bears::Nothing)
         }
         "MASS" | "ROTARY INERTIA" | "SPRING" | "DASHPOT" => set("ELSET").map(Bears::Elements),
+        "NSET" => set("NSET").map(|name| Bears::Set(Kind::Node, name)),
+        "ELSET" => set("ELSET").map(|name| Bears::Set(Kind::Element, name)),
         "TRANSFORM" => set("NSET").map(Bears::NodeSet),
         "ORIENTATION" => set("NAME").map(Bears::Orientation),
         _ => None,
@@ -133,9 +141,54 @@ impl Unread {
         self.warnings.push((Some(targets), warning));
     }
 
+    /// What it acts on, or would.
+    pub(super) fn targets(&self) -> impl Iterator<Item = &Spanned<Target>> {
+        let lines = self.lines.iter().flat_map(|line| &line.targets);
+        let warned = self.warnings.iter().filter_map(|(targets, _)| targets.as_ref()).flatten();
+        let faults = self.faults.iter().filter_map(|(bears, _)| match bears {
+            Bears::Nodes(target) => Some(target),
+            _ => None,
+        });
+        lines.chain(warned).chain(faults)
+    }
+
+    /// The node sets of lines that cannot be read.
+    pub(super) fn node_sets(&self) -> impl Iterator<Item = &str> {
+        self.faults.iter().filter_map(|(bears, _)| match bears {
+            Bears::NodeSet(name) => Some(name.as_str()),
+            _ => None,
+        })
+    }
+
+    /// The element sets of lines that cannot be read, and of what is removed or added.
+    pub(super) fn element_sets(&self) -> impl Iterator<Item = &str> {
+        let faults = self.faults.iter().filter_map(|(bears, _)| match bears {
+            Bears::Elements(name) => Some(name.as_str()),
+            _ => None,
+        });
+        let changed = self.changes.iter().flat_map(|change| &change.targets);
+        faults.chain(changed.filter_map(|target| target.value.set()))
+    }
+
     /// Notes a line that cannot be read.
     pub(super) fn fault(&mut self, bears: Bears, error: Diagnostic) {
         self.faults.push((bears, error));
+    }
+}
+
+/// So many lines that cannot be read are kept until it is known what they bear on.
+const MOST_FAULTS: usize = 10_000;
+
+/// Notes a line that cannot be read with what it bears on: a set keeps its own.
+pub(super) fn note(deck: &mut Deck<'_>, bears: Bears, error: Diagnostic) {
+    let builders = match bears {
+        Bears::Set(Kind::Node, _) => &mut deck.node_sets,
+        _ => &mut deck.element_sets,
+    };
+    match &bears {
+        Bears::Set(_, name) if let Some(set) = builders.get_mut(name) => set.push_fault(error),
+        _ if deck.unread.faults.len() < MOST_FAULTS => deck.unread.fault(bears, error),
+        _ => deck.errors.add(error),
     }
 }
 
@@ -151,8 +204,7 @@ pub(super) fn judge_definitions(deck: &mut Deck<'_>, errors: &mut Errors) {
     let is_used = |bears: &Bears| matches!(bears, Bears::Orientation(name) if used.contains(name.as_str()));
     // Which nodes a set of a constraint has cannot be told while one of them is not known.
     let has_sets = !deck.mpcs.is_empty() || !deck.constraints.is_empty();
-    let points = scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]);
-    let ends: LabelSet = ends(scene).chain(points.flatten()).collect();
+    let ends: LabelSet = ends(scene).chain(points(scene)).collect();
     let is_end = |bears: &Bears| match bears {
         Bears::Nodes(Spanned { value: Target::Label(label), .. }) => {
             !scene.nodes.contains_key(label) && (has_sets || ends.contains(label))
@@ -283,10 +335,22 @@ pub(super) fn acts_on(scene: &Scene, target: &Target, bearing: &LabelSet) -> boo
     named(scene, target, |label| bearing.contains(label)).is_some()
 }
 
-/// The nodes of connectors and constraints.
+/// The nodes of connectors and constraints, their reference nodes too, and of what stands beside them: masses, springs and dashpots.
 pub(super) fn bearing(scene: &Scene) -> LabelSet {
     let of_mpcs = scene.mpcs.iter().flat_map(|mpc| &mpc.nodes).copied();
-    ends(scene).chain(of_mpcs).chain(constraint::nodes(scene)).collect()
+    let references = scene.rigid_bodies.iter().map(|body| body.reference);
+    let references = references.chain(scene.couplings.iter().map(|coupling| coupling.reference));
+    ends(scene)
+        .chain(of_mpcs)
+        .chain(constraint::nodes(scene))
+        .chain(references)
+        .chain(points(scene))
+        .collect()
+}
+
+/// The nodes of masses, springs and dashpots.
+fn points(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
+    scene.point_elements.values().flat_map(|element| [Some(element.node), element.second]).flatten()
 }
 
 pub(super) fn ends(scene: &Scene) -> impl Iterator<Item = Label> + '_ {
@@ -300,7 +364,7 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     (deck.unread.is_elsewhere, deck.unread.any_bears) = (is_elsewhere, any_bears);
     for (bears, error) in faults {
         let found = match &bears {
-            Bears::Nothing | Bears::Orientation(_) => false,
+            Bears::Nothing | Bears::Orientation(_) | Bears::Set(..) => false,
             Bears::Nodes(target) => {
                 let is_known = match &target.value {
                     // A node that is used has been judged with the definitions.
@@ -309,19 +373,25 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
                 };
                 !is_known || acts_on(&deck.scene, &target.value, bearing)
             }
-            Bears::NodeSet(name) => acts_on(&deck.scene, &Target::Set(name.clone()), bearing),
-            Bears::Elements(name) => {
-                let elements = deck.scene.element_sets.get(name).into_iter().flat_map(|set| &set.labels);
-                let points = elements.filter_map(|label| deck.scene.point_elements.get(label));
-                let mut nodes = points.flat_map(|point| [Some(point.node), point.second]).flatten();
-                nodes.any(|node| bearing.contains(&node))
+            Bears::NodeSet(name) => {
+                !deck.scene.node_sets.contains_key(name)
+                    || acts_on(&deck.scene, &Target::Set(name.clone()), bearing)
             }
+            // All masses, springs and dashpots bear.
+            Bears::Elements(name) => deck.scene.element_sets.get(name).is_none_or(|set| {
+                set.labels.iter().any(|label| deck.scene.point_elements.contains_key(label))
+            }),
         };
         if found {
             deck.errors.add(error);
         } else {
+            if let Bears::Nodes(Spanned { value: Target::Label(label), .. }) = bears
+                && !deck.scene.nodes.contains_key(&label)
+            {
+                deck.unread.nodes.insert(label);
+            }
             deck.scene.skipped.count("lines that cannot be read".to_owned(), error.span().line());
-            deck.warn(error.excused());
+            deck.excuse(error);
         }
     }
     for node in redefined {
@@ -481,13 +551,15 @@ fn drop_unread(deck: &mut Deck<'_>, amplitudes: &IndexMap<String, (Span, Why)>, 
         step.boundaries.retain(|held| !goes(&held.applied, "*BOUNDARY", Some(&held.target.value)));
         step.concentrated_loads.retain(|load| !goes(&load.applied, "*CLOAD", Some(&load.target.value)));
         let nowhere = Target::Set(String::new());
-        step.distributed_loads.retain(|load| !goes(&load.applied, "*DLOAD", Some(&nowhere)));
+        step.distributed_loads.retain(|load| {
+            !goes(&load.applied, "*DLOAD", if load.is_gravity() { None } else { Some(&nowhere) })
+        });
     }
     let is_used = |fault: &Diagnostic| errors.iter().any(|error| error.span() == fault.span());
     let unused = amplitudes.values().filter_map(|(_, why)| match why {
-        Why::Faulty(error) if !is_used(error) => Some(error.clone().excused()),
+        Why::Faulty(error) if !is_used(error) => Some(error.clone()),
         _ => None,
     });
-    unused.for_each(|warning| deck.warn(warning));
+    unused.for_each(|error| deck.excuse(error));
     errors.into_iter().for_each(|error| deck.errors.add(error));
 }

@@ -170,7 +170,7 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
     error.map_or(Ok(()), Err)?;
     name.clone_into(&mut scene.name);
     scene.axisymmetric = document.axisymmetric;
-    // Nothing of a document is passed over; the deck it stands for may name procedures without data.
+    // What a document passes over stands in its warnings; the deck it stands for may name procedures without data.
     scene.skipped = Skipped::default();
     for node in &document.rotating_nodes {
         let label = node.value.to_string().parse::<Label>().ok();

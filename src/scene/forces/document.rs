@@ -195,8 +195,7 @@ impl<'de> Visitor<'de> for JsonElement<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ElementForces, A::Error> {
         let mut forces = ElementForces { sign: self.sign, ..ElementForces::default() };
         while let Some(key) = map.next_key::<String>()? {
-            // null is a gap.
-            let Some(value) = map.next_value::<Option<f64>>()? else { continue };
+            let value = map.next_value::<Option<f64>>()?;
             self.context.value(forces.set(&key, value))?;
         }
         Ok(forces)

@@ -141,7 +141,7 @@ const KEYS: [&str; 3] = ["state", "time", "element"];
 
 impl ElementForces {
     /// Sets a force by name.
-    fn set(&mut self, name: &str, value: f64) -> Result<(), Fault> {
+    fn set(&mut self, name: &str, value: Option<f64>) -> Result<(), Fault> {
         let Some((_, given)) = NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) else {
             let message = format!("there is no force {name:?}");
             return Err(Fault::new(
@@ -154,7 +154,8 @@ impl ElementForces {
             Given::Total(k) => &mut self.total[k],
             Given::Reaction(k) => &mut self.reaction[k],
         };
-        if slot.replace(value).is_some() {
+        // None is a gap.
+        if value.is_some_and(|value| slot.replace(value).is_some()) {
             let message = format!("{name} is given twice");
             return Err(Fault::new(
                 Code::StatesRepeatedColumn,
@@ -198,7 +199,7 @@ pub(super) fn of_scene(given: GivenForces, scene: &Scene, faults: &mut Faults) -
     for (element, named) in given {
         let mut forces = ElementForces { span: element.span, ..ElementForces::default() };
         for (name, value) in named {
-            if let Err(fault) = forces.set(&name.value, value.value) {
+            if let Err(fault) = forces.set(&name.value, Some(value.value)) {
                 faults.add(fault.at(name.span, "this force"));
             }
         }

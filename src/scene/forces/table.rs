@@ -69,7 +69,7 @@ pub(super) fn groups(source: Source<'_>, scene: &Scene, sign: ForceSign, take: &
         for (name, _) in &NAMES {
             if let Some(value) = row.number(name)? {
                 is_given = true;
-                forces.set(name, value).map_err(|fault| fault.at(row.place(name), "this column"))?;
+                forces.set(name, Some(value)).map_err(|fault| fault.at(row.place(name), "this column"))?;
             }
         }
         let owner = Owner::named(element, scene);

@@ -7,7 +7,7 @@ mod item;
 mod parameter;
 mod value;
 
-use crate::diagnostic::{Code, Diagnostic, Result};
+use crate::diagnostic::{Code, Diagnostic, Result, ends_with_line_feed};
 use crate::include;
 use crate::include::{Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES};
 use crate::span::Span;
@@ -16,7 +16,7 @@ use std::io::{BufRead, Read};
 
 pub(crate) use item::{Data, Item, Items, Places};
 pub(crate) use parameter::Parameters;
-pub(crate) use value::{NotANumber, Value, parse_number};
+pub(crate) use value::{NotANumber, Value, begun, parse_number};
 
 /// The longest line that is read, in bytes.
 pub const MAX_LINE: usize = 65_535;
@@ -66,9 +66,12 @@ impl Frame<'_> {
             let limit = (MAX_LINE as u64 + 1).saturating_sub(buffer.len() as u64);
             Read::take(&mut self.input, limit).read_until(b'\n', buffer)?;
         }
-        let ends = |two: &[u8]| matches!(two, [b'\r', next] if !b"\r\n".contains(next));
-        if let Some(end) = buffer.windows(2).position(ends) {
-            self.rest.extend(buffer.drain(end + 1..));
+        let mut from = 0;
+        while let Some(at) = buffer.get(from..).and_then(|rest| rest.iter().position(|byte| *byte == b'\r')) {
+            from += at + 1;
+            if !buffer.get(from..).is_none_or(ends_with_line_feed) {
+                self.rest.extend(buffer.drain(from..));
+            }
         }
         Ok(buffer.len())
     }

@@ -182,6 +182,13 @@ pub(super) fn component(text: &str, span: Span) -> Result<u8> {
     })
 }
 
+/// The one of some words that is written, or of which the beginning is: values of parameters may be shortened as their names are.
+pub(crate) fn begun<'a>(written: &str, words: &[&'a str]) -> Option<&'a str> {
+    let mut all = words.iter().filter(|word| word.starts_with(written));
+    let found = all.next().filter(|_| written.len() > 2)?;
+    all.next().is_none().then_some(*found)
+}
+
 pub(super) fn word(
     text: &str,
     span: Span,
@@ -190,13 +197,9 @@ pub(super) fn word(
     words: &[&'static str],
 ) -> Result<&'static str> {
     let written = normal(text);
-    // Values of parameters may be shortened as their names are.
-    let begun = || {
-        let mut all = words.iter().filter(|word| word.starts_with(&written));
-        let found = all.next().filter(|_| code == Code::BadParameterValue && written.len() > 2);
-        found.filter(|_| all.next().is_none())
-    };
-    words.iter().find(|&&word| word == written).or_else(begun).copied().ok_or_else(|| {
+    let is_parameter = code == Code::BadParameterValue;
+    let known = words.iter().copied().find(|word| *word == written);
+    known.or_else(|| begun(&written, words).filter(|_| is_parameter)).ok_or_else(|| {
         let remedy =
             suggest(&written, words.iter().copied(), || format!("{what} is one of {}", words.join(", ")));
         Diagnostic::error(code, span, format!("{what} cannot be `{text}`"), "not one of those allowed")

@@ -448,6 +448,16 @@ pub enum Target {
     Set(String),
 }
 
+impl Target {
+    /// The name of the set.
+    pub fn set(&self) -> Option<&str> {
+        match self {
+            Self::Set(name) => Some(name),
+            Self::Label(_) => None,
+        }
+    }
+}
+
 /// How a motion or load is applied.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Application {
@@ -545,6 +555,13 @@ pub struct DistributedLoad {
     pub values: Vec<Option<f64>>,
     /// How it is applied.
     pub applied: Application,
+}
+
+impl DistributedLoad {
+    /// Whether it is gravity: no other load of elements acts on connectors, through masses.
+    pub fn is_gravity(&self) -> bool {
+        self.label == "GRAV"
+    }
 }
 
 /// Abaqus/Standard or Abaqus/Explicit.

@@ -7,6 +7,8 @@ use crate::number::{Number, larger};
 pub(crate) struct Dense<R> {
     size: usize,
     width: usize,
+    /// The words of a row of `filled`.
+    words: usize,
     entries: Vec<R>,
     /// Which entries of each row may differ from zero: a bit for each column.
     filled: Vec<u64>,
@@ -25,8 +27,8 @@ impl<R: Number> Dense<R> {
     /// Zero, of `size` unknowns and `sides` right-hand sides.
     pub(crate) fn new(size: usize, sides: usize) -> Self {
         let width = size + sides;
-        let filled = vec![0; size * width.div_ceil(BITS)];
-        Self { size, width, entries: vec![R::ZERO; size * width], filled }
+        let words = width.div_ceil(BITS);
+        Self { size, width, words, entries: vec![R::ZERO; size * width], filled: vec![0; size * words] }
     }
 
     /// Adds to an entry; columns from `size` on are right-hand sides.
@@ -35,13 +37,13 @@ impl<R: Number> Dense<R> {
             && !amount.is_nothing()
         {
             *entry = *entry + amount;
-            self.filled[row * self.width.div_ceil(BITS) + column / BITS] |= 1 << (column % BITS);
+            self.filled[row * self.words + column / BITS] |= 1 << (column % BITS);
         }
     }
 
     /// The solutions, one for each right-hand side: elimination with partial pivoting of rows divided by their largest entry.
     pub(crate) fn solve(mut self) -> Result<Vec<Vec<R>>, NoPivot> {
-        let (n, w, words) = (self.size, self.width, self.width.div_ceil(BITS));
+        let (n, w, words) = (self.size, self.width, self.words);
         let (a, filled) = (&mut self.entries, &mut self.filled);
         let has = |filled: &[u64], row: usize, column: usize| {
             filled[row * words + column / BITS] >> (column % BITS) & 1 == 1
@@ -151,5 +153,39 @@ mod tests {
             }
         }
         assert_eq!(matrix.solve().unwrap_err().column, 2);
+    }
+    /// Unknowns in chains, as bodies are joined, and one that all are joined to: rows of several words, which fill in.
+    #[test]
+    fn what_fills_in_is_eliminated() {
+        let n = 150;
+        let x = |j: usize| 1.0 + (j * j % 17) as f64;
+        let mut matrix: Dense<f64> = Dense::new(n, 2);
+        let mut put = |i: usize, j: usize, entry: f64| {
+            matrix.add(i, j, entry);
+            matrix.add(i, n, entry * x(j));
+            matrix.add(i, n + 1, -entry * x(n - 1 - j));
+        };
+        for i in 0..n {
+            // The largest entries stand beside the diagonal: every pivot is another row.
+            put(i, (i + 1) % n, 5.0 + (i % 3) as f64);
+            put(i, i, 1.0);
+            put(i, (i + n - 7) % n, 0.5);
+            put(i, n - 70, if i % 2 == 0 { 0.25 } else { -0.25 });
+        }
+        let found = matrix.solve().unwrap();
+        let mut compared = 0;
+        for (j, (one, other)) in found[0].iter().zip(&found[1]).enumerate() {
+            assert!((one - x(j)).abs() < 1e-11 * x(j), "{j}: {one}, not {}", x(j));
+            assert!((other + x(n - 1 - j)).abs() < 1e-11 * x(j), "{j}: {other}");
+            compared += 2;
+        }
+        assert_eq!(compared, 2 * n);
+    }
+
+    #[test]
+    fn no_number_is_no_pivot() {
+        let mut matrix: Dense<f64> = Dense::new(70, 1);
+        (0..70).for_each(|i| matrix.add(i, i, if i == 66 { f64::NAN } else { 1.0 }));
+        assert_eq!(matrix.solve().unwrap_err().column, 66);
     }
 }

@@ -253,8 +253,9 @@ impl<R: Number> Run<'_, R> {
         found.state.sums[WORKS + s] - self.state.sums[WORKS + s]
     }
 
-    /// What rounding leaves of a slip between two states (length, or rad by the radius of a component): [`SLIP_ROUNDINGS`] of the positions,
-    /// or of the unit that they are solved in, and of the sum that the slip is added to.
+    /// What rounding leaves of a slip between two states (length, or rad by the radius of a component).
+    ///
+    /// It is [`SLIP_ROUNDINGS`] of the positions or of the unit that they are solved in, and of the sum that the slip is added to.
     fn slip_noise(&self, at: &Assembled<R>, s: usize) -> R {
         let slider = &self.mechanism.sliders[s];
         let position = &at.joints[slider.joint].position;

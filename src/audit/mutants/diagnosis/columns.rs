@@ -132,12 +132,17 @@ impl Operation {
             None => along(&changed, velocity),
             Some(acceleration) => along(&changed, acceleration) + twice(&self.on_both(matrix), velocity),
         };
-        let cause = match self.cause {
-            Cause::RotationTakenAsLocal | Cause::RotationTurnedTwice => Cause::BodyRates,
-            Cause::NodeLeftOut if changed[..XB].iter().all(|x| *x == 0.0) => Cause::RatesOfAIgnored,
-            cause => cause,
-        };
-        Some(Hypothesis { cause, ..self.hypothesis(k, vec![(0, x)]) })
+        let made = self.hypothesis(k, vec![(0, x)]);
+        // What its columns equal says nothing of a rate of another cause.
+        Some(match self.cause {
+            Cause::RotationTakenAsLocal | Cause::RotationTurnedTwice => {
+                Hypothesis { cause: Cause::BodyRates, relation: None, ..made }
+            }
+            Cause::NodeLeftOut if changed[..XB].iter().all(|x| *x == 0.0) => {
+                Hypothesis { cause: Cause::RatesOfAIgnored, relation: None, ..made }
+            }
+            _ => made,
+        })
     }
 }
 
@@ -162,46 +167,36 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
     let total = [total(&a, &initial.a.triad), total(&b, &initial.b.triad)];
     let mut found = Vec::new();
     // Rotations along the axes of the nodes: of one node, of both, by its own triad or the other's.
-    for (cause, [of_a, of_b], [both_a, both_b, a_at_b, b_at_a, crossed]) in [
-        (
-            Cause::RotationTakenAsLocal,
-            [back_a, back_b],
-            [
-                "Aᵀ × expected, of b too",
-                "Bᵀ × expected, of a too",
-                "Aᵀ × expected, the axes of a for those of b",
-                "Bᵀ × expected, the axes of b for those of a",
-                "Bᵀ and Aᵀ × expected, the axes of each other",
-            ],
-        ),
-        (
-            Cause::RotationTurnedTwice,
-            [a, b],
-            [
-                "A × expected, of b too",
-                "B × expected, of a too",
-                "A × expected, at b",
-                "B × expected, at a",
-                "B and A × expected, the triads of each other",
-            ],
-        ),
+    let local = Cause::RotationTakenAsLocal;
+    let twice = Cause::RotationTurnedTwice;
+    for (cause, at, triad, relation) in [
+        (local, THETA_A, back_a, None),
+        (local, THETA_B, back_b, None),
+        (local, THETA_B, back_a, Some("Aᵀ × expected, the axes of a for those of b")),
+        (local, THETA_A, back_b, Some("Bᵀ × expected, the axes of b for those of a")),
+        (twice, THETA_A, a, None),
+        (twice, THETA_B, b, None),
+        (twice, THETA_B, a, Some("A × expected, at b")),
+        (twice, THETA_A, b, Some("B × expected, at a")),
     ] {
-        found.push(Operation::new(cause, move |row| turned(row, THETA_A, &of_a)).known());
-        found.push(Operation::new(cause, move |row| turned(row, THETA_B, &of_b)).known());
-        found.push(Operation::new(cause, move |row| turned(row, THETA_B, &of_a)).related(a_at_b));
-        found.push(Operation::new(cause, move |row| turned(row, THETA_A, &of_b)).related(b_at_a));
-        for ([x, y], relation) in [
-            ([of_a, of_b], None),
-            ([of_a, of_a], Some(both_a)),
-            ([of_b, of_b], Some(both_b)),
-            ([of_b, of_a], Some(crossed)),
-        ] {
-            let change = move |row: &mut [f64]| {
-                turned(row, THETA_A, &x);
-                turned(row, THETA_B, &y);
-            };
-            found.push(Operation { relation, ..Operation::new(cause, change) });
-        }
+        let made = Operation::new(cause, move |row| turned(row, at, &triad));
+        found.push(if relation.is_none() { made.known() } else { Operation { relation, ..made } });
+    }
+    for (cause, [x, y], relation) in [
+        (local, [back_a, back_b], None),
+        (local, [back_a, back_a], Some("Aᵀ × expected, of b too")),
+        (local, [back_b, back_b], Some("Bᵀ × expected, of a too")),
+        (local, [back_b, back_a], Some("Bᵀ and Aᵀ × expected, the axes of each other")),
+        (twice, [a, b], None),
+        (twice, [a, a], Some("A × expected, of b too")),
+        (twice, [b, b], Some("B × expected, of a too")),
+        (twice, [b, a], Some("B and A × expected, the triads of each other")),
+    ] {
+        let change = move |row: &mut [f64]| {
+            turned(row, THETA_A, &x);
+            turned(row, THETA_B, &y);
+        };
+        found.push(Operation { relation, ..Operation::new(cause, change) });
     }
     for (relation, x, y) in [
         ("Aᵀ × expected", back_a, back_a),

@@ -7,7 +7,7 @@ use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::patterns::{
-    Beside, differences, digits_lost, limited, rounded, single_precision, without_numbers,
+    differences, digits_lost, rounded, single_precision, without_numbers,
 };
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
@@ -53,21 +53,6 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     if let Some(few) = single_precision(&whole, &words) {
         return Some(few);
     }
-    let numbers = |one: &&Symptoms<'_>| -> Vec<Beside> {
-        let of = |(k, i, want): (usize, usize, f64)| {
-            Some(Beside {
-                place: (k, i),
-                got: one.got.get(k, i)?,
-                want,
-                tolerance: one.bound.tolerance(quantity, k, i),
-            })
-        };
-        one.wanted().iter().filter_map(of).collect()
-    };
-    let numbers = || whole.iter().map(numbers).collect::<Vec<_>>();
-    if let Some(bound) = (!is_derivative(quantity)).then(|| limited(&numbers(), true, &words)).flatten() {
-        return Some(bound);
-    }
     let states = whole.iter().map(|symptoms| symptoms.at_state()).collect();
     let mut regions: BTreeSet<Vec<Cell>> = BTreeSet::new();
     for (k, row) in symptoms.iter().flat_map(|one| one.wanted().0.iter().enumerate()) {
@@ -79,7 +64,9 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
         }
     }
     let has_offsets = quantity == Quantity::Value;
-    let matching = Matching { states, regions: regions.into_iter().collect(), has_offsets, words: &words };
+    let has_bounds = !is_derivative(quantity);
+    let regions = regions.into_iter().collect();
+    let matching = Matching { states, regions, has_offsets, has_bounds, words: &words };
     let found = matching.diagnosis()?;
     if found.is_whole() {
         return Some(found);
@@ -486,15 +473,15 @@ impl Symptoms<'_> {
                 let global = [0, 1, 2].map(|n| f64::from(u8::from(n == i)));
                 let [a, b] = triads.map(|triad| column(triad, i));
                 let still = [&initial.a, &initial.b].map(|node| column(&node.triad, i));
-                for (cause, e) in [
-                    (Cause::AxesOfA, a),
-                    (Cause::GlobalAxes, global),
-                    (Cause::InitialAxes, still[0]),
-                    (Cause::InitialAxes, still[1]),
-                ] {
-                    is(cause, along(&e, &sub(of_b, of_a)));
+                let relative = sub(of_b, of_a);
+                for (cause, e) in
+                    [(Cause::AxesOfA, a), (Cause::GlobalAxes, global), (Cause::InitialAxes, still[0])]
+                {
+                    is(cause, along(&e, &relative));
                 }
                 is(Cause::RatesOfAIgnored, along(&b, &of_b));
+                let of_b = Hypothesis::one(Cause::InitialAxes, (k, 0), along(&still[1], &relative));
+                found.push(of_b.related(INITIAL_AXES_OF_B));
             }
             let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
             let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
@@ -506,6 +493,9 @@ impl Symptoms<'_> {
         found
     }
 }
+
+/// What is given along the axes that b has at first.
+pub(super) const INITIAL_AXES_OF_B: &str = "what is expected along the initial axes of b";
 
 /// Which axis of b nodal rates are resolved along, and where these stand.
 const fn resolved_at(measure: Measure) -> Option<(usize, usize)> {
@@ -566,8 +556,17 @@ fn flow_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
             if row[to] == 0.0 {
                 add(relation, vec![(flow, 0.0), (to, x)]);
             } else if row[to] != -x {
-                add(relation.clone(), vec![(flow, row[to]), (to, x)]);
-                add(format!("{relation} too"), vec![(flow, 0.0), (to, row[to] + x)]);
+                add(
+                    format!("what is expected with the numbers of {} and {} exchanged", DOF[flow], DOF[to]),
+                    vec![(flow, row[to]), (to, x)],
+                );
+                add(
+                    format!(
+                        "what is expected with the number of {} added to the column {}",
+                        DOF[flow], DOF[to]
+                    ),
+                    vec![(flow, 0.0), (to, row[to] + x)],
+                );
             }
         }
         let other = DOFS - 1 + PSI_A - flow;

@@ -77,6 +77,8 @@ pub(super) struct Matching<'a> {
     pub(super) regions: Vec<Vec<Cell>>,
     /// Whether a constant may be added to each cell, too.
     pub(super) has_offsets: bool,
+    /// Whether a number may stop at a bound: derivatives are the same constant at many states.
+    pub(super) has_bounds: bool,
     pub(super) words: &'a dyn Words,
 }
 
@@ -292,6 +294,7 @@ impl Matching<'_> {
             let best = wrongs.iter().filter_map(clear).max_by(|x, y| x.0.total_cmp(&y.0));
             // What must be zero has no factor.
             let factor = best.map_or(f64::NAN, |best| best.1);
+            // `make` makes the number given of the one expected.
             let mut add = |cause: Cause, relation: String, make: &dyn Fn(f64) -> f64| {
                 let mut by_state = ByState::new();
                 let mut count = 0;
@@ -322,10 +325,7 @@ impl Matching<'_> {
                 }
             };
             // Nothing, and the opposite, are causes of their own; and what is off in the last digits is off by no constant.
-            if factor.is_finite()
-                && factor.abs() > 1e-12
-                && [1.0, -1.0].iter().all(|one| (factor - one).abs() > 1e-12)
-            {
+            if factor.is_finite() && factor.abs() > 1e-12 && (factor.abs() - 1.0).abs() > 1e-12 {
                 let cause = if is_entry { Cause::Scaled } else { Cause::Factor };
                 let relation = format!("{} × expected", factor_in_words(factor));
                 add(cause, relation, &|want| factor * want);
@@ -343,7 +343,66 @@ impl Matching<'_> {
                     add(Cause::Offset, relation, &|want| want + offset);
                 }
             }
+            if let [place] = region[..]
+                && let Some(bounds) = self.bounds(place, wrong).filter(|_| self.has_bounds && is_entry)
+            {
+                let relation = format!("{}, {}", Cause::Limited.relation(), bounds_in_words(bounds));
+                add(Cause::Limited, relation, &|want| {
+                    let bound = bounds[usize::from(want > 0.0)].filter(|bound| bound.abs() < want.abs());
+                    bound.unwrap_or(want)
+                });
+            }
         }
+    }
+
+    /// The bounds at which a number stops, the lower and the upper one. On each side all that is wrong is one number, nearer to zero than what
+    /// is expected, whatever that is; and nothing is right beyond it. Zero is a bound where the other side is right: else nothing was computed.
+    fn bounds(&self, place: Cell, wrong: &[Wrongs]) -> Option<[Option<f64>; 2]> {
+        /// At so many states one bound is no chance; nor zero.
+        const SEVERAL: [usize; 2] = [2, 6];
+        #[derive(Default)]
+        struct Side {
+            bound: Option<f64>,
+            /// How many are wrong, and from what size to what.
+            wrong: usize,
+            expected: Option<[f64; 2]>,
+            /// How many are right, and up to what size.
+            right: usize,
+            largest: f64,
+        }
+        let mut sides: [Side; 2] = Default::default();
+        for (state, wrong) in self.states.iter().zip(wrong) {
+            let Some((datum, got)) = state.data.get(&place).and_then(|datum| Some((datum, datum.got?)))
+            else {
+                continue;
+            };
+            let (side, size) = (&mut sides[usize::from(datum.want > 0.0)], datum.want.abs());
+            if !wrong.contains_key(&place) {
+                side.right += usize::from(size > datum.tolerance);
+                side.largest = side.largest.max(size - datum.tolerance);
+                continue;
+            }
+            let is_between = got.abs() < size && (got == 0.0 || (got > 0.0) == (datum.want > 0.0));
+            if !is_between || side.bound.replace(got).is_some_and(|known| known != got) {
+                return None;
+            }
+            side.wrong += 1;
+            let [least, most] = side.expected.unwrap_or([size; 2]);
+            side.expected = Some([least.min(size), most.max(size)]);
+        }
+        let of = |side: usize| {
+            let Side { bound: Some(bound), expected: Some([least, most]), largest, .. } = sides[side] else {
+                return Some(());
+            };
+            // What varies by rounding alone does not vary.
+            let varies = most - least > NOTHING * most;
+            let is_bound = bound != 0.0 || sides[1 - side].right >= SEVERAL[0];
+            (varies && is_bound && largest <= bound.abs()).then_some(())
+        };
+        (of(0)?, of(1)?);
+        let is_zero = sides.iter().any(|side| side.bound == Some(0.0));
+        let count = sides.iter().map(|side| side.wrong).sum::<usize>();
+        (count >= SEVERAL[usize::from(is_zero)]).then(|| sides.map(|side| side.bound))
     }
 
     /// The mistake that explains most of what is wrong, which is then explained.
@@ -378,7 +437,7 @@ impl Matching<'_> {
                 times = times.max(explains.times);
             }
             // What a constant is, one entry told.
-            if matches!(cause, Cause::Factor | Cause::Offset | Cause::Scaled) {
+            if cause.is_constant() {
                 bits -= most;
             }
             (bits, states, times)
@@ -387,7 +446,7 @@ impl Matching<'_> {
         for (key, by_state) in found {
             let (bits, states, times) = rank(key.0, by_state);
             // A constant is none that holds at a few of many states; and what stands at a has its opposite at b.
-            let is_constant = matches!(key.0, Cause::Factor | Cause::Offset | Cause::Scaled);
+            let is_constant = key.0.is_constant();
             let least = if is_constant { NEARLY_ALL } else { RARELY };
             if bits >= enough && (self.states.len() == 1 || states[0] as f64 >= least * open as f64) {
                 ranks.push(Rank { cause: key.0, relation: &key.1, by_state, bits, states, times });
@@ -434,9 +493,7 @@ impl Matching<'_> {
             wrong[*n].retain(|place, _| !explains.entries.contains_key(place));
         }
         let relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
-        let equals = if place.contains(", ") { "equal" } else { "equals" };
-        let at = self.at(chosen.states[0], open);
-        let sentence = format!("{place} {equals} {relation}: {}{at}", cause.meaning());
+        let sentence = equation(&place, &relation, cause, &self.at(chosen.states[0], open));
         Some(Explained { cause, code: cause.code(), sentence, also })
     }
 
@@ -447,7 +504,7 @@ impl Matching<'_> {
 
     /// At so many of the states, in words.
     pub(super) fn at_states(states: usize, open: usize) -> String {
-        format!(", at {states} of {open} states")
+        format!(", at {states} of {open} {}", if open == 1 { "state" } else { "states" })
     }
 
     /// What the numbers equal, with the triads in question.
@@ -511,11 +568,29 @@ impl Matching<'_> {
     }
 }
 
-/// A factor; what is next to 1 by how much it is off.
+/// What numbers equal, and what that means.
+pub(super) fn equation(place: &str, relation: &str, cause: Cause, at: &str) -> String {
+    let equals = if place.contains(", ") { "equal" } else { "equals" };
+    format!("{place} {equals} {relation}: {}{at}", cause.meaning())
+}
+
+/// A factor; what is next to ±1 by how much it is off.
 fn factor_in_words(factor: f64) -> String {
-    let off = factor - 1.0;
-    let sign = if off < 0.0 { '−' } else { '+' };
-    if off.abs() < 1e-4 { format!("(1 {sign} {})", short(off.abs(), 3)) } else { short(factor, 6) }
+    let off = factor.abs() - 1.0;
+    let (sign, off_by) = (if off < 0.0 { '−' } else { '+' }, short(off.abs(), 3));
+    match off.abs() < 1e-4 {
+        true if factor < 0.0 => format!("−(1 {sign} {off_by})"),
+        true => format!("(1 {sign} {off_by})"),
+        false => short(factor, 6),
+    }
+}
+
+/// A lower and an upper bound, of which one may lack: `±0.8`.
+fn bounds_in_words(bounds: [Option<f64>; 2]) -> String {
+    match bounds {
+        [Some(lower), Some(upper)] if lower == -upper && upper > 0.0 => format!("±{}", short(upper, 6)),
+        _ => bounds.into_iter().flatten().map(|bound| short(bound, 6)).collect::<Vec<_>>().join(" and "),
+    }
 }
 
 /// Columns in words, runs of one name with increasing numbers together: `θa1..3`, `xb2`.

@@ -3,7 +3,7 @@
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::mutants::diagnosis::component::Symptoms;
-use crate::mutants::diagnosis::matching::{Cell, Words};
+use crate::mutants::diagnosis::matching::{Cell, Matching, Words, equation};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::measure::Unit;
@@ -12,8 +12,7 @@ use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, column, dot, product, transpose, transposed_product};
-use pintle_scene::grammar::number as short;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 /// So near to a special state (rad, or lengths of the connector) that numbers are lost there.
@@ -30,9 +29,6 @@ const LOST: f64 = 1e-4;
 
 /// How many roundings, over the distance or its square, are still a loss of digits.
 const ROUNDINGS: f64 = 1e3;
-
-/// At so many states one bound is no chance; nor zero, where numbers of one sign are expected.
-const SEVERAL: [usize; 2] = [2, 6];
 
 /// A special kind of states, and how far a state is from it.
 struct Special {
@@ -141,60 +137,9 @@ pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> 
     let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
     let at = common(&states, NEAR)?;
     let Special { at, formula, .. } = states.first()?.get(at)?;
-    let count = states.len();
-    let (place, states) = (place(&cells, words), if count == 1 { "state" } else { "states" });
-    let sentence = format!(
-        "{place} is no number where {at}, at {count} of {count} {states}: {formula}; {}",
-        Cause::NotANumber.meaning()
-    );
+    let (place, of) = (place(&cells, words), Matching::at_states(states.len(), states.len()));
+    let sentence = format!("{place} is no number where {at}{of}: {formula}; {}", Cause::NotANumber.meaning());
     Some(told(Cause::NotANumber, sentence, &cells))
-}
-
-/// A number beside what it must be.
-pub(super) struct Beside {
-    pub(super) place: Cell,
-    pub(super) got: f64,
-    pub(super) want: f64,
-    pub(super) tolerance: f64,
-}
-
-/// Numbers that stop at a bound: at several states all that is wrong in a place is one number, or its opposite. It is nearer to zero
-/// than what is expected; or zero, if that `may` be a bound, where what is expected has one sign.
-pub(super) fn limited(states: &[Vec<Beside>], may: bool, words: &dyn Words) -> Option<Diagnosis> {
-    let mut bounds: BTreeMap<Cell, f64> = BTreeMap::new();
-    // At how many states something less, and something more, is expected.
-    let mut wants = BTreeMap::<Cell, [usize; 2]>::new();
-    let mut others = BTreeSet::new();
-    let all = states.iter().flatten();
-    for Beside { place, got, want, .. } in all.filter(|one| (one.got - one.want).abs() > one.tolerance) {
-        let is_beyond = got.abs() < want.abs() && (*got == 0.0 && may || got.signum() == want.signum());
-        if !is_beyond || bounds.insert(*place, got.abs()).is_some_and(|known| known != got.abs()) {
-            others.insert(*place);
-        }
-        wants.entry(*place).or_default()[usize::from(*want > 0.0)] += 1;
-    }
-    bounds.retain(|place, bound| {
-        let [less, more] = wants.get(place).copied().unwrap_or_default();
-        // What is zero whatever is expected was not computed.
-        let is_zero = less.min(more) == 0 && less + more >= SEVERAL[1];
-        !others.contains(place) && if *bound > 0.0 { less + more >= SEVERAL[0] } else { is_zero }
-    });
-    // What is formed of a number that stops at a bound may be wrong besides; nothing else says that zero is one.
-    let is_alone = bounds.len() == wants.len();
-    if bounds.is_empty() || !is_alone && bounds.values().any(|bound| *bound <= 0.0) {
-        return None;
-    }
-    let cells: BTreeSet<Cell> = bounds.keys().copied().collect();
-    let named: BTreeSet<String> = bounds.values().map(|bound| short(*bound, 6)).collect();
-    let count =
-        cells.iter().filter_map(|place| wants.get(place)).map(|[less, more]| less + more).max().unwrap_or(0);
-    let place = place(&cells, words);
-    let equals = if place.contains(", ") { "equal" } else { "equals" };
-    let bounds = named.into_iter().collect::<Vec<_>>().join(", ");
-    let (relation, meaning) = (Cause::Limited.relation(), Cause::Limited.meaning());
-    let sentence = format!("{place} {equals} {relation}, {bounds}: {meaning}, at {count} of {count} states");
-    let unexplained = wants.len() - cells.len();
-    Some(Diagnosis { unexplained, ..told(Cause::Limited, sentence, &cells) })
 }
 
 /// Numbers that are wrong by little, and more the nearer their states are to special ones.
@@ -239,11 +184,8 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
     let nearest = (0..kinds).filter_map(|n| Some((n, is_lost(n)?))).min_by(|x, y| x.1.total_cmp(&y.1));
     let (n, _) = nearest?;
     let Special { at, formula, .. } = states.first()?.get(n)?;
-    let (place, states) = (place(&cells, words), if count == 1 { "state" } else { "states" });
-    let sentence = format!(
-        "{place} loses digits where {at}, at {count} of {count} {states}: {formula}; {}",
-        Cause::DigitsLost.meaning()
-    );
+    let (place, of) = (place(&cells, words), Matching::at_states(count, count));
+    let sentence = format!("{place} loses digits where {at}{of}: {formula}; {}", Cause::DigitsLost.meaning());
     Some(told(Cause::DigitsLost, sentence, &cells))
 }
 
@@ -276,43 +218,43 @@ fn errors(symptoms: &[&Symptoms<'_>]) -> Errors {
 pub(super) fn rounded(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
     /// Digits, and the largest error of what is still called rounded.
     const FEW: (usize, f64) = (12, 1e-2);
-    let errors = errors(symptoms);
-    let is_few = |one: &&Symptoms<'_>, x: f64, place: Cell| {
+    let is_few = |x: f64| {
         let written = format!("{x:e}");
         let digits = written.split('e').next().unwrap_or_default().bytes().filter(u8::is_ascii_digit).count();
-        let want = one.want.entries(one.quantity).get(place.0, place.1).unwrap_or(x);
-        digits <= FEW.0 || (x - want).abs() <= one.bound.tolerance(one.quantity, place.0, place.1)
+        digits <= FEW.0
     };
-    let are_few = |one: &&Symptoms<'_>| one.got.iter().all(|(k, i, x)| is_few(one, x, (k, i)));
-    let is_little = errors.largest.iter().all(|largest| *largest < FEW.1);
-    (errors.count > 2 && is_little && symptoms.iter().all(are_few))
-        .then(|| everywhere(Cause::Rounded, &errors, words))
-}
-
-fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
-    let count = errors.largest.len();
-    let states = if count == 1 { "state" } else { "states" };
-    let place = place(&errors.cells, words);
-    let equals = if place.contains(", ") { "equal" } else { "equals" };
-    let (relation, meaning) = (cause.relation(), cause.meaning());
-    let sentence = format!("{place} {equals} {relation}: {meaning}, at {count} of {count} {states}");
-    told(cause, sentence, &errors.cells)
+    short_numbers((Cause::Rounded, FEW.1), is_few, symptoms, words)
 }
 
 /// Numbers of 24 bits: chance gives one in 2²⁹ so few.
 pub(super) fn single_precision(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
+    #[expect(clippy::cast_possible_truncation, reason = "that is what is looked for")]
+    let is_single = |x: f64| x == f64::from(x as f32);
+    short_numbers((Cause::SinglePrecision, LOST), is_single, symptoms, words)
+}
+
+/// Numbers that are all short or right, and wrong by less than some part of their conditioned scales.
+fn short_numbers(
+    (cause, most): (Cause, f64),
+    is_short: impl Fn(f64) -> bool,
+    symptoms: &[&Symptoms<'_>],
+    words: &dyn Words,
+) -> Option<Diagnosis> {
     let errors = errors(symptoms);
-    let is_single = |one: &&Symptoms<'_>, x: f64, place: Cell| {
-        #[expect(clippy::cast_possible_truncation, reason = "that is what is looked for")]
-        let single = f64::from(x as f32);
-        let tolerance = one.bound.tolerance(one.quantity, place.0, place.1);
-        x == single
-            || (x - one.want.entries(one.quantity).get(place.0, place.1).unwrap_or(x)).abs() <= tolerance
+    let is_meant = |one: &Symptoms<'_>, (k, i, x): (usize, usize, f64)| {
+        let want = one.want.entries(one.quantity).get(k, i).unwrap_or(x);
+        is_short(x) || (x - want).abs() <= one.bound.tolerance(one.quantity, k, i)
     };
-    let are_single = |one: &&Symptoms<'_>| one.got.iter().all(|(k, i, x)| is_single(one, x, (k, i)));
-    let is_little = errors.largest.iter().all(|largest| *largest < LOST);
-    (errors.count > 2 && is_little && symptoms.iter().all(are_single))
-        .then(|| everywhere(Cause::SinglePrecision, &errors, words))
+    let is_little = errors.largest.iter().all(|largest| *largest < most);
+    let all = symptoms.iter().all(|one| one.got.iter().all(|number| is_meant(one, number)));
+    (errors.count > 2 && is_little && all).then(|| everywhere(cause, &errors, words))
+}
+
+fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
+    let count = errors.largest.len();
+    let place = place(&errors.cells, words);
+    let at = Matching::at_states(count, count);
+    told(cause, equation(&place, cause.relation(), cause, &at), &errors.cells)
 }
 
 /// Derivatives that are right to fewer digits at every state: differences.

@@ -1,10 +1,11 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Convention, Entry, ResultTable};
+use crate::judge::table::{Convention, ResultTable};
 use crate::mutants::diagnosis::component::is_derivative;
-use crate::mutants::diagnosis::matching::{AtState, Cell, Datum, Hypothesis, Matching, Words, ranges};
-use crate::mutants::diagnosis::patterns::{Beside, limited};
+use crate::mutants::diagnosis::matching::{
+    AtState, Cell, Datum, Hypothesis, Matching, Words, equation, ranges,
+};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use std::collections::BTreeSet;
 
@@ -18,21 +19,6 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     let table = *tables.first()?;
     let words = TableWords { table, width: table.width() };
     let is_finite = |table: &&&ResultTable| table.entries.iter().all(|entry| entry.got.is_finite());
-    let numbers = |table: &&ResultTable| -> Vec<Beside> {
-        let of = |(i, entry): (usize, &Entry)| Beside {
-            place: (i / words.width, i % words.width),
-            got: entry.got,
-            want: entry.target(entry.got).to_f64(),
-            tolerance: entry.tolerance(),
-        };
-        table.entries.iter().enumerate().map(of).collect()
-    };
-    if !is_derivative(table.quantity) && tables.iter().all(|table| is_finite(&table)) {
-        let numbers: Vec<Vec<Beside>> = tables.iter().map(numbers).collect();
-        if let Some(bound) = limited(&numbers, false, &words) {
-            return Some(bound);
-        }
-    }
     let states = tables.iter().filter(is_finite).map(|table| at_state(table)).collect();
     // One constant may put off a row, or all of it, wherever several states tell that it is one.
     let rows = (0..table.rows.len()).map(|row| (0..words.width).map(|j| (row, j)).collect());
@@ -41,7 +27,8 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
         regions.push(regions.concat());
     }
     let has_offsets = tables.len() > 1 && table.quantity == Quantity::Value;
-    let matching = Matching { states, regions, has_offsets, words: &words };
+    let has_bounds = tables.len() > 1 && !is_derivative(table.quantity);
+    let matching = Matching { states, regions, has_offsets, has_bounds, words: &words };
     let found = matching.diagnosis();
     let lost: Vec<_> = tables.iter().filter(|table| !is_finite(table)).collect();
     if lost.is_empty() {
@@ -54,9 +41,8 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     };
     let region: BTreeSet<Cell> = lost.iter().flat_map(of_table).collect();
     let place = words.region(&region);
-    let equals = if place.contains(", ") { "equal" } else { "equals" };
     let (cause, at) = (Cause::NotANumber, Matching::at_states(lost.len(), tables.len()));
-    let sentence = format!("{place} {equals} {}: {}{at}", cause.relation(), cause.meaning());
+    let sentence = equation(&place, cause.relation(), cause, &at);
     found.causes.push(Explained { cause, code: cause.code(), sentence, also: Vec::new() });
     Some(found)
 }

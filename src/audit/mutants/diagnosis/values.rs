@@ -4,6 +4,7 @@ use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::columns::along;
+use crate::mutants::diagnosis::component::INITIAL_AXES_OF_B;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces;
 use pintle_kinematics::connector::{Components, Output, Request};
@@ -21,6 +22,10 @@ fn positions(case: &Case) -> Components<f64> {
     let asked = Request::new(&[Output::CP], [true; 6], 0);
     case.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
 }
+
+/// Which of the [`sequences`] is about e1, e2, e3, as Cardan angles are; and about e3, e1, e3, as Euler angles.
+const OF_CARDAN: [usize; 2] = [0, 1];
+const OF_EULER: [usize; 1] = [14];
 
 /// The angles of every sequence of three axes, in the order of the rotations and in that of the axes.
 fn sequences(r: &Matrix<f64>) -> Vec<[f64; 3]> {
@@ -321,8 +326,8 @@ fn of_rotation(
     });
     // Which of the sequences are those of the components.
     let own: &[usize] = match rotational.iter().flatten().next() {
-        Some(Measure::Cardan(_)) => &[0, 1],
-        Some(Measure::Euler(_)) => &[14],
+        Some(Measure::Cardan(_)) => &OF_CARDAN,
+        Some(Measure::Euler(_)) => &OF_EULER,
         _ => &[],
     };
     for (of, of_first) in [(q, q0), (transpose(&q), transpose(&q0))] {
@@ -418,9 +423,9 @@ fn of_rotation(
         add_as(Cause::GlobalAxes, "", apply(&pair.a.triad, now), apply(&initial.a.triad, first));
         add_as(Cause::AxesOfB, "", apply(&transpose(&q), now), apply(&transpose(&q0), first));
         let [now, first] = [apply(&pair.a.triad, now), apply(&initial.a.triad, first)];
-        for node in [&initial.a, &initial.b] {
+        for (node, relation) in [(&initial.a, ""), (&initial.b, INITIAL_AXES_OF_B)] {
             let still = transpose(&node.triad);
-            add_as(Cause::InitialAxes, "", apply(&still, now), apply(&still, first));
+            add_as(Cause::InitialAxes, relation, apply(&still, now), apply(&still, first));
         }
     }
     found

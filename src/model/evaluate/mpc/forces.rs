@@ -5,7 +5,7 @@ use crate::behavior::{PRINTED, Unknown};
 use crate::evaluate::mpc::{HingeMoments, MpcElement};
 use num_dual::Dual2_64;
 use pintle_kinematics::catalog::FORCE;
-use pintle_kinematics::connector::{Flag, Output, Request};
+use pintle_kinematics::connector::{Components, Flag, Output, Request};
 use pintle_kinematics::mpc::force::DofMatrix;
 use pintle_kinematics::mpc::{DOFS, Dofs, Evaluation, FLOW, Kind, PHI, ROWS, Rows, State, XS, force};
 use pintle_scene::{Code, ElementForces, ForceSign};
@@ -100,20 +100,19 @@ pub(in crate::evaluate) fn order(request: &Request) -> u8 {
     request.outputs().map(needs).max().unwrap_or(0)
 }
 
-/// The six forces and moments that a constraint puts on its first node, as given, or the name of one that is not.
+/// The forces and moments that a constraint puts on its first node, as given: zero where it transmits none, none where none is given.
 ///
 /// # Errors
 /// One that it does not transmit and is not zero: code, message, remedy.
 pub(in crate::evaluate) fn given_forces(
     element: &MpcElement,
     given: &ElementForces,
-) -> Result<Result<Dofs<f64>, &'static str>, (Code, String, String)> {
+) -> Result<Components<f64>, (Code, String, String)> {
     let transmits = transmitted(element.constraint.kind());
     let list: Vec<&str> = (0..6).filter(|k| transmits[*k]).map(|k| FORCE[k]).collect();
     let list = list.join(", ");
     let sign = if given.sign == ForceSign::ConstraintsOnB { -1.0 } else { 1.0 };
-    let mut forces = [0.0; DOFS];
-    let mut missing = None;
+    let mut forces = [Some(0.0); 6];
     for k in 0..6 {
         let value = given.total[k].or(given.reaction[k]);
         match value {
@@ -122,11 +121,20 @@ pub(in crate::evaluate) fn given_forces(
                 let remedy = format!("leave it out, or write 0; it transmits {list}");
                 return Err((Code::ForcesAbsentComponent, message, remedy));
             }
-            None if transmits[k] => missing = missing.or(Some(FORCE[k])),
-            _ => forces[XS + k] = sign * value.unwrap_or(0.0),
+            _ if transmits[k] => forces[k] = value.map(|value| sign * value),
+            _ => {}
         }
     }
-    Ok(missing.map_or(Ok(forces), Err))
+    Ok(forces)
+}
+
+/// Forces and moments as those of the first node; none where one is not given.
+pub(in crate::evaluate) fn on_first_node(forces: Components<f64>) -> Option<Dofs<f64>> {
+    let mut of_node = [0.0; DOFS];
+    for (place, force) in of_node.iter_mut().skip(XS).zip(forces) {
+        *place = force?;
+    }
+    Some(of_node)
 }
 
 /// Which of f1 … m3 a kind transmits.

@@ -5,8 +5,11 @@ pub(super) mod forces;
 use crate::behavior::drive::{Drives, Schedule, on_angles};
 use crate::behavior::ground::Ground;
 use crate::behavior::{Conditions, Unknown};
-use crate::evaluate::mpc::forces::{Hinge, MpcForces, MpcSlopes, NOT_GIVEN, given_forces, on_hinges, order};
+use crate::evaluate::mpc::forces::{
+    Hinge, MpcForces, MpcSlopes, NOT_GIVEN, given_forces, on_first_node, on_hinges, order,
+};
 use crate::evaluate::sequence::nodes::{Moved, ambiguous_turns};
+use pintle_kinematics::catalog::FORCE;
 use pintle_kinematics::connector::{Flag, Output, Request, Tally, Turns};
 use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Evaluation, Kind, Margins, PHI, State, Turning};
 use pintle_kinematics::scalar::Real;
@@ -354,13 +357,23 @@ impl MpcElement {
         };
         let (given, refused) = match given {
             Some(Err((code, ..))) => (None, Some(Flag::refused(code.as_str()))),
-            Some(Ok(Ok(given))) => (Some(given), None),
-            Some(Ok(Err(component))) => {
-                (None, Some(Flag::NotKnown { component, quantity: Output::NF.name(), why: NOT_GIVEN }))
-            }
+            Some(Ok(given)) => (Some(given), None),
             None => (None, None),
         };
-        let given = given.filter(|_| request.outputs().any(asks_for_forces));
+        let of_forces: Vec<Output> = request.outputs().filter(|output| asks_for_forces(*output)).collect();
+        let given = given.filter(|_| !of_forces.is_empty());
+        // Whatever is asked of forces takes all of them.
+        let missing = given.into_iter().flat_map(|given| (0..6).filter(move |k| given[*k].is_none()));
+        let of_forces = &of_forces;
+        let unknown = missing.flat_map(|k| {
+            let flag = move |output: &Output| Flag::NotKnown {
+                component: FORCE[k],
+                quantity: output.name(),
+                why: NOT_GIVEN,
+            };
+            of_forces.iter().map(flag)
+        });
+        let given = given.and_then(on_first_node);
         let needed = given.map(|_| {
             let mut needed = request.clone();
             needed.order = request.order.max(order(request));
@@ -374,7 +387,7 @@ impl MpcElement {
         {
             flags.extend(ambiguous_turns([("S", slave), ("M", master)]));
         }
-        flags.extend(refused);
+        flags.extend(refused.into_iter().chain(unknown));
         let margins = constraint.margins(&state, &evaluation);
         let misalignment = constraint.misalignment(&state);
         let moments = [0, 1].map(|i| {

@@ -57,7 +57,7 @@ pub(in crate::evaluate) struct Orientation {
     quaternion: Quaternion<f64>,
     /// The total rotation vector: as given, or that of a quaternion continued from the state before.
     vector: Vector<f64>,
-    /// Whether the quaternion is exp of the vector, and not its negative.
+    /// The quaternion is exp of the vector; else it may be the negative of that.
     is_of_vector: bool,
     flow: f64,
 }

@@ -4,7 +4,7 @@ mod budget;
 mod page;
 
 use super::eval::{Source, nothing, read, source};
-use super::tell::complain;
+use super::tell::{complain, show_diagnostic};
 use super::{ConditionOptions, Failure, Files, Sign, page_width};
 pub(crate) use budget::Bar;
 use budget::{say_budget, seconds};
@@ -247,18 +247,19 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
     };
     let mut plans = Vec::new();
     for (source, Loaded { scene, model, .. }) in
-        sources.iter().zip(&loaded).filter(|(_, loaded)| !loaded.is_refused)
+        sources.iter().zip(&loaded).filter(|(_, loaded)| loaded.errors.is_empty())
     {
         let plan = Plan::compile(model, &selection, Request::nothing(0))
             .map_err(|error| Failure::Usage(error.to_string()))?;
         if plan.is_empty() {
             // Without a report they are told here.
+            loaded.iter().flat_map(|loaded| &loaded.errors).for_each(show_diagnostic);
             source.warn(scene, &model.warnings, |warning| levels.of_diagnostic(warning));
             return Err(nothing(scene));
         }
         plans.push(plan);
     }
-    let sound: Vec<&Loaded> = loaded.iter().filter(|loaded| !loaded.is_refused).collect();
+    let sound: Vec<&Loaded> = loaded.iter().filter(|loaded| loaded.errors.is_empty()).collect();
     let targets: Vec<Target<'_>> = sound
         .iter()
         .zip(&plans)
@@ -287,7 +288,7 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
     };
     report.models = models;
     if !arguments.model_only {
-        let of_sound = report.models.iter_mut().zip(&loaded).filter(|(_, loaded)| !loaded.is_refused);
+        let of_sound = report.models.iter_mut().zip(&loaded).filter(|(_, loaded)| loaded.errors.is_empty());
         for ((found, _), target) in of_sound.zip(&targets).filter(|(_, target)| target.states.is_empty()) {
             let share = report.sampled.iter().find(|share| share.scene == target.name);
             let judged = share.map_or(target.plan.connectors.as_slice(), |share| &share.judged);
@@ -309,7 +310,7 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
         write(arguments.format, arguments.verbose, &report)?;
     }
     say_what_stays(&levels, &report);
-    let refused = loaded.iter().filter(|loaded| loaded.is_refused).map(|loaded| loaded.name.as_str());
+    let refused = loaded.iter().filter(|loaded| !loaded.errors.is_empty()).map(|loaded| loaded.name.as_str());
     let refused: Vec<&str> = refused.collect();
     match verdict(&report) {
         Ok(()) | Err(Failure::Findings | Failure::Undecided | Failure::Nothing(_)) if !refused.is_empty() => {
@@ -343,8 +344,8 @@ struct Loaded {
     states: Vec<State>,
     /// Resolved as far as it goes.
     model: Model,
-    /// Whether a rule refuses the model: then no number of it is audited.
-    is_refused: bool,
+    /// The rules that refuse the model: then no number of it is audited.
+    errors: Vec<Diagnostic>,
 }
 
 /// A scene with its states and their forces, which are checked. Every rule that it breaks is told.
@@ -354,7 +355,6 @@ fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result
     // Those that are taken for less are told by the findings.
     errors.retain(|error| !levels.lets_pass(error));
     // The report has them, and warnings.
-    let is_refused = !errors.is_empty();
     let (name, file) = match source {
         Source::File(path) => (path.to_string(), Path::new(path)),
         Source::Gallery(example) => (format!("gallery:{}", example.name), Path::new(example.name)),
@@ -368,10 +368,10 @@ fn with_forces(source: Source<'_>, arguments: &Audit, levels: &Levels) -> Result
         let forces = ForceFile::read(forces, &scene, arguments.force_sign.into())?;
         forces.attach(&mut states, 0).map_err(show)?;
     }
-    if !is_refused {
+    if errors.is_empty() {
         model.check_forces(&states, 0, &file.display().to_string()).map_err(show)?;
     }
-    Ok(Loaded { name, scene, states, model, is_refused })
+    Ok(Loaded { name, scene, states, model, errors })
 }
 
 /// How bad the findings of each code are taken to be.

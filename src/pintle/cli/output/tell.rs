@@ -2,7 +2,7 @@
 
 use crate::cli::page_width;
 use pintle_scene::grammar::{agree, shape};
-use pintle_scene::{Code, Diagnostic};
+use pintle_scene::{Code, Diagnostic, Severity};
 use std::io::{self, Write};
 
 /// Shows a diagnostic, and the others of its file that it carries, on stderr with their source lines: what is alike once, with a count.
@@ -32,7 +32,7 @@ struct Like {
 }
 
 impl Once {
-    /// So many shapes of one code are shown.
+    /// So many shapes of warnings of one code are shown.
     const SHAPES: usize = 3;
     /// So many names are told.
     const NAMES: usize = 3;
@@ -43,13 +43,15 @@ impl Once {
         let (code, shape) = (told.code(), shape(told.message()));
         let of_code: Vec<usize> = (0..self.0.len()).filter(|place| self.0[*place].code == code).collect();
         let same = of_code.iter().find(|place| self.0[**place].shape == shape);
-        let last = of_code.last().filter(|_| of_code.len() >= Self::SHAPES);
+        let is_full = of_code.len() >= Self::SHAPES && told.severity() != Severity::Error;
+        let last = of_code.last().filter(|_| is_full);
         match same.or(last).and_then(|place| self.0.get_mut(*place)) {
             Some(like) => {
                 like.more += 1 + unsaid;
                 if like.names.len() < Self::NAMES {
                     let element = told.elements().first().map(|element| format!("element {element}"));
-                    like.names.extend(element.or(told.line().map(|line| format!("line {line}"))));
+                    let place = || told.line().map(|line| format!("{}:{line}", told.file()));
+                    like.names.extend(element.or_else(place));
                 }
             }
             None => {
