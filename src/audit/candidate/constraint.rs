@@ -98,7 +98,8 @@ impl<'a> ConstraintCandidate<'a> {
     }
 
     /// The states at which the routine is asked. Without states of its own: the initial one; at half of the others the constraint holds to rounding, at the
-    /// others it is violated; every sixth has right angles. Then those 1e-1 to 1e-12 from where an equation has no derivative.
+    /// others it is violated; every sixth has right angles, and every fifth violates it far more or far less. Then those 1e-1 to 1e-12 from
+    /// where an equation has no derivative.
     pub fn drawn(&self) -> Vec<MpcCase> {
         if let Some(cases) = self.at {
             return cases.to_vec();
@@ -136,7 +137,7 @@ impl<'a> ConstraintCandidate<'a> {
         // Of one another alone: what both nodes move far is lost by rounding their places.
         let far = length * if near.is_some() { 1.0 } else { reach(i / 2, FARTHEST) };
         let is_held = i.is_multiple_of(2);
-        let is_special = near.is_none() && i % 6 == 5;
+        let is_special = near.is_none() && (i + i / 6) % 6 == 5;
         let cubes = cube_orientations();
         let (master, violation, mut angles) = if is_special {
             let violation = if is_held { identity() } else { turn(scale(draw.direction(), FRAC_PI_2)) };

@@ -205,7 +205,8 @@ impl<'a> Candidate<'a> {
         coverage
     }
 
-    /// The states at which a routine of this name is asked, each with the path that leads there.
+    /// The states at which a routine of this name is asked, each with the path that leads there: the initial one, motions about it, and special
+    /// values, as right angles. One motion in five is far larger or smaller than usual.
     pub fn drawn(&self) -> Vec<Case> {
         self.cases().into_iter().map(|(_, case)| case).collect()
     }

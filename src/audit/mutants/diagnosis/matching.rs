@@ -307,7 +307,8 @@ impl Matching<'_> {
                         .filter_map(|place| Some((place.0, place.1, make(at(n, place)?.0.want))))
                         .collect();
                     let of = self.states[n].explained((&changes, cause), wider, &largest[n], wrong);
-                    if let Some(entries) = of.filter(|_| changes.len() == region.len()) {
+                    let told = region.iter().filter(|place| self.states[n].data.contains_key(place)).count();
+                    if let Some(entries) = of.filter(|_| changes.len() == told) {
                         count += entries.len();
                         let region = region.iter().copied().collect();
                         by_state.insert(n, Explains { entries, region, times: 1 });
@@ -589,7 +590,13 @@ fn factor_in_words(factor: f64) -> String {
 fn bounds_in_words(bounds: [Option<f64>; 2]) -> String {
     match bounds {
         [Some(lower), Some(upper)] if lower == -upper && upper > 0.0 => format!("±{}", short(upper, 6)),
-        _ => bounds.into_iter().flatten().map(|bound| short(bound, 6)).collect::<Vec<_>>().join(" and "),
+        _ => {
+            let sign = |bound: f64| if bound < 0.0 { "−" } else { "" };
+            let each = bounds.into_iter().flatten();
+            each.map(|bound| format!("{}{}", sign(bound), short(bound.abs(), 6)))
+                .collect::<Vec<_>>()
+                .join(" and ")
+        }
     }
 }
 
@@ -623,7 +630,57 @@ pub(super) fn ranges(columns: &BTreeSet<usize>, name: &dyn Fn(usize) -> String) 
 
 #[cfg(test)]
 mod tests {
-    use super::ranges;
+    use super::{AtState, Cell, Datum, Matching, Words, bounds_in_words, ranges};
+    use std::collections::BTreeSet;
+
+    struct Plain;
+
+    impl Words for Plain {
+        fn entry(&self, _: Cell) -> String {
+            "u1".into()
+        }
+        fn region(&self, _: &BTreeSet<Cell>) -> String {
+            "u1".into()
+        }
+        fn triads(&self) -> [&'static str; 2] {
+            ["A", "B"]
+        }
+        fn rotations(&self, _: &BTreeSet<Cell>) -> [bool; 2] {
+            [false; 2]
+        }
+    }
+
+    /// What is given where other numbers are expected, one state each: the bounds.
+    fn bounds(numbers: &[(f64, f64)]) -> Option<String> {
+        let state = |(got, want): &(f64, f64)| {
+            let datum = Datum { got: Some(*got), want: *want, tolerance: 1e-14, class: (0, 0, 0) };
+            AtState { data: [((0, 0), datum)].into(), hypotheses: Vec::new() }
+        };
+        let states: Vec<AtState> = numbers.iter().map(state).collect();
+        let wrong: Vec<_> = states.iter().map(|state| state.wrong(1.0)).collect();
+        let matching =
+            Matching { states, regions: Vec::new(), has_offsets: false, has_bounds: true, words: &Plain };
+        matching.bounds((0, 0), &wrong).map(bounds_in_words)
+    }
+
+    #[test]
+    fn bounds_are_told_where_numbers_stop() {
+        let of = |f: fn(f64) -> f64, wants: &[f64]| {
+            bounds(&wants.iter().map(|want| (f(*want), *want)).collect::<Vec<_>>())
+        };
+        let both = [0.1, 0.9, -1.2, 2.0, -0.3, -0.5, 1.5, -0.7, 3.0];
+        assert_eq!(of(|x| x.clamp(-0.4, 0.8), &both).unwrap(), "−0.4 and 0.8");
+        assert_eq!(of(|x| x.clamp(-0.6, 0.6), &both).unwrap(), "±0.6");
+        assert_eq!(of(|x| x.min(0.8), &both).unwrap(), "0.8");
+        assert_eq!(of(|x| x.min(0.0), &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, -1.0, -2.0]).unwrap(), "0");
+        // Never computed; one number for one number; bounded at some states only; not all of a side one number.
+        assert_eq!(of(|_| 0.0, &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]), None);
+        assert_eq!(of(|_| 0.0, &both), None);
+        assert_eq!(of(|_| 0.5, &[1.0; 8]), None);
+        assert_eq!(bounds(&[(0.8, 0.9), (0.8, 1.1), (1.2, 1.2)]), None);
+        assert_eq!(bounds(&[(0.8, 0.9), (0.7, 1.1)]), None);
+        assert_eq!(bounds(&[(0.8, 0.9), (0.8, 0.5)]), None);
+    }
 
     #[test]
     fn runs_of_columns_are_named_together() {

@@ -19,7 +19,8 @@
 //! | `component` | rows, rates, second derivatives, forces, stiffness |
 //! | `values` | values |
 //! | `elsewhere` | all of them, at other nodes than those that are meant |
-//! | `patterns` | digits, near special states |
+//! | `matching` | one number at all states: constant factors, offsets, bounds |
+//! | `patterns` | digits: lost near special states, or few everywhere |
 
 mod columns;
 mod component;

@@ -1,4 +1,4 @@
-//! What is wrong at special states only: no number at all, or fewer digits the nearer they are.
+//! Digits: no number at special states, fewer digits the nearer they are, or few digits everywhere.
 
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;

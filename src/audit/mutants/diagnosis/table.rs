@@ -1,7 +1,7 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Convention, ResultTable};
+use crate::judge::table::{Convention, Entry, ResultTable};
 use crate::mutants::diagnosis::component::is_derivative;
 use crate::mutants::diagnosis::matching::{
     AtState, Cell, Datum, Hypothesis, Matching, Words, equation, ranges,
@@ -19,7 +19,10 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     let table = *tables.first()?;
     let words = TableWords { table, width: table.width() };
     let is_finite = |table: &&&ResultTable| table.entries.iter().all(|entry| entry.got.is_finite());
-    let states = tables.iter().filter(is_finite).map(|table| at_state(table)).collect();
+    let is_wrong =
+        |entry: &Entry| entry.sides.is_none() && (entry.got - entry.want.to_f64()).abs() > entry.tolerance();
+    let is_smooth = tables.iter().any(|table| table.entries.iter().any(is_wrong));
+    let states = tables.iter().filter(is_finite).map(|table| at_state(table, is_smooth)).collect();
     // One constant may put off a row, or all of it, wherever several states tell that it is one.
     let rows = (0..table.rows.len()).map(|row| (0..words.width).map(|j| (row, j)).collect());
     let mut regions: Vec<Vec<Cell>> = if tables.len() > 1 { rows.collect() } else { Vec::new() };
@@ -47,15 +50,19 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     Some(found)
 }
 
-/// The numbers of a table, with what may explain them.
-fn at_state(table: &ResultTable) -> AtState {
+/// The numbers of a table, with what may explain them; `is_smooth` without those on kinks, where another convention has other sides, too.
+fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
     let width = table.width();
     let place = |i: usize| (i / width, i % width);
-    let data = table.entries.iter().enumerate().map(|(i, entry)| {
+    let is_told = |i: usize| table.entries.get(i).is_some_and(|entry| !is_smooth || entry.sides.is_none());
+    let data = table.entries.iter().enumerate().filter(|(i, _)| is_told(*i)).map(|(i, entry)| {
         let (want, tolerance) = (entry.target(entry.got).to_f64(), entry.tolerance());
         (place(i), Datum { got: Some(entry.got), want, tolerance, class: entry.class })
     });
-    let placed = |changes: &[(usize, f64)]| changes.iter().map(|(i, x)| (i / width, i % width, *x)).collect();
+    let placed = |changes: &[(usize, f64)]| {
+        let told = changes.iter().filter(|(i, _)| is_told(*i));
+        told.map(|(i, x)| (i / width, i % width, *x)).collect()
+    };
     let known = table
         .mistakes
         .iter()
@@ -63,7 +70,8 @@ fn at_state(table: &ResultTable) -> AtState {
     let mut hypotheses: Vec<Hypothesis> = known.collect();
     for row in 0..table.rows.len() {
         let changes = table.entries.iter().enumerate().skip(row * width).take(width);
-        let changes = changes.map(|(i, entry)| (i % width, -entry.want.to_f64()));
+        let changes =
+            changes.filter(|(i, _)| is_told(*i)).map(|(i, entry)| (i % width, -entry.want.to_f64()));
         hypotheses.push(Hypothesis::of_row(Cause::Reversed, row, changes));
     }
     hypotheses.extend(table.conventions.iter().map(|Convention { cause, relation, changes }| Hypothesis {
