@@ -262,6 +262,8 @@ codes! {
     DiagnosisSignOfBlock = "diagnosis::sign-of-block": "The columns of one kind have the wrong sign.";
     DiagnosisBlockMissing = "diagnosis::block-missing": "The columns of one kind are zero.";
     DiagnosisOffset = "diagnosis::offset": "A value is off by the same constant at every state.";
+    DiagnosisRegularised = "diagnosis::regularised": "A number is the root of its square and one constant: a norm that was made smooth at zero.";
+    DiagnosisQuadratic = "diagnosis::quadratic": "A value is off by one constant times its square: an expansion that breaks off, or a term too much.";
     DiagnosisFactor = "diagnosis::factor": "A component, or a block of columns, is off by the same factor at every state.";
     DiagnosisOtherLength = "diagnosis::other-length": "The numbers are a square, a logarithm, or the length of another vector than the one that is meant.";
     DiagnosisLinearised = "diagnosis::linearised": "The numbers are those of small motions about the initial state: its rows, and these times the displacements and rotations.";

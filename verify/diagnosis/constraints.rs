@@ -53,6 +53,17 @@ fn apart(case: &MpcCase) -> Vector<f64> {
 
 const ALL: &[Wrong] = &[
     (
+        Kind::Link,
+        "the row of (l² − l₀²)/(2 l₀)",
+        &[DF],
+        |case, found| {
+            let [x, arm] = [apart(case), case.constraint.arm()].map(|x| dot(x, x).sqrt());
+            each_row(found, 0..1, |row| row.iter_mut().for_each(|slope| *slope *= x / arm));
+        },
+        "other-length",
+        "|x_S",
+    ),
+    (
         Kind::Beam,
         "no lever arm",
         &[F, DF],

@@ -121,6 +121,35 @@ const ALL: &[Wrong] = &[
     ),
     (
         "TRANSLATOR",
+        "the slopes by m2 and m3 exchanged",
+        &[DPHI],
+        |_, given| {
+            given.gradients[2].iter_mut().for_each(|row| row.swap(4, 5));
+        },
+        "columns-swapped",
+        "m2",
+    ),
+    (
+        "SLIDE-PLANE",
+        "a regularised norm",
+        &[PHI],
+        |_, given| {
+            let p = given.criterion[0].unwrap();
+            given.criterion[0] = Some((p * p + 1e-8).sqrt());
+        },
+        "regularised",
+        "P",
+    ),
+    (
+        "SLIDE-PLANE",
+        "a term in the square of F_C",
+        &[PHI],
+        |_, given| given.criterion[1] = given.criterion[1].map(|f| f + 1e-5 * f * f),
+        "quadratic",
+        "F_C",
+    ),
+    (
+        "TRANSLATOR",
         "1/L for 2/L",
         &[PHI],
         |case, given| {

@@ -322,6 +322,12 @@ impl MpcCase {
                     (Cause::OtherLength, "|x_S − x_M|² − |X_S − X_M|²", squares, 2.0 * length),
                     (
                         Cause::OtherLength,
+                        "(|x_S − x_M|² − |X_S − X_M|²) / (2 |X_S − X_M|)",
+                        squares / (2.0 * initial),
+                        length / initial,
+                    ),
+                    (
+                        Cause::OtherLength,
                         "ln (|x_S − x_M| / |X_S − X_M|)",
                         (length / initial).ln(),
                         1.0 / length,

@@ -112,6 +112,8 @@ causes! {
     OtherCoefficient = DiagnosisOtherCoefficient, "what is expected with another coefficient", "μ twice, or not at all";
     ContinuumForConsistent = DiagnosisContinuumTangent, "the tangent of an increment that goes to zero", "continuum for consistent tangent";
     Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";
+    Regularised = DiagnosisRegularised, "the root of what is expected squared and a constant", "a regularised norm";
+    Quadratic = DiagnosisQuadratic, "what is expected and a constant times its square", "an expansion that breaks off, or a term too much";
     Offset = DiagnosisOffset, "what is expected and a constant", "a constant offset";
     Dropped = DiagnosisDropped, "zero", "entry dropped";
     Sign = DiagnosisSignOfEntry, "minus what is expected", "sign of an entry";
@@ -167,13 +169,17 @@ impl Cause {
 
     /// Whether it is one number, which an entry tells and the others confirm.
     pub(super) const fn is_constant(self) -> bool {
-        matches!(self, Self::Factor | Self::Offset | Self::Scaled | Self::Limited)
+        matches!(
+            self,
+            Self::Factor | Self::Offset | Self::Scaled | Self::Limited | Self::Regularised | Self::Quadratic
+        )
     }
 
     /// Whether it says something of single entries only, or that numbers are off by one constant: any other cause says more.
     pub(super) const fn says_little(self) -> bool {
         self.is_of_an_entry()
             || matches!(self, Self::Offset | Self::Factor | Self::BlockMissing | Self::BlockReversed)
+            || matches!(self, Self::Regularised | Self::Quadratic)
     }
 
     /// Whether it says something of single entries only.

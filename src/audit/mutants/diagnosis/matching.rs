@@ -261,61 +261,41 @@ impl Matching<'_> {
         Some(diagnosis)
     }
 
-    /// Adds constant factors and offsets: one number, the same at every state, which one entry tells and the others confirm.
+    /// Adds what one number makes of others, the same at every state, which one entry tells and the others confirm.
     fn add_constants(&self, wider: f64, wrong: &[Wrongs], found: &mut BTreeMap<(Cause, Relation), ByState>) {
         let largest: Vec<_> = self.states.iter().map(AtState::tolerances).collect();
-        let at = |n: usize, place: &Cell| {
-            let datum = self.states[n].data.get(place)?;
-            Some((datum, datum.got.filter(|got| got.is_finite())?))
-        };
-        let everything: Vec<Cell> = wrong.iter().flat_map(BTreeMap::keys).copied().collect();
-        let singles: BTreeSet<Cell> = everything.iter().copied().collect();
-        let of_cells = singles.iter().map(|place| (vec![*place], true));
+        let singles: BTreeSet<Cell> = wrong.iter().flat_map(BTreeMap::keys).copied().collect();
+        let of_cells = singles.into_iter().map(|place| (vec![place], true));
         let regions = self.regions.iter().map(|region| (region.clone(), false)).chain(of_cells);
         for (region, is_entry) in regions {
-            let mut wrongs: Vec<(usize, Cell)> = Vec::new();
-            for (n, wrong) in wrong.iter().enumerate() {
-                wrongs
-                    .extend(region.iter().filter(|place| wrong.contains_key(place)).map(|place| (n, *place)));
-            }
             let least = if is_entry { 1 } else { 2 };
+            let wrongs = self.wrongs(&region, wrong);
             if wrongs.len() < least {
                 continue;
             }
-            let clear = |(n, place): &(usize, Cell)| {
-                let (datum, got) = at(*n, place)?;
-                let digits = datum.want.abs() / datum.tolerance;
-                (datum.want != 0.0 && digits.is_finite()).then_some((
-                    digits,
-                    got / datum.want,
-                    got - datum.want,
-                ))
-            };
-            let best = wrongs.iter().filter_map(clear).max_by(|x, y| x.0.total_cmp(&y.0));
-            // What must be zero has no factor.
-            let factor = best.map_or(f64::NAN, |best| best.1);
-            // `make` makes the number given of the one expected.
-            let mut add = |cause: Cause, relation: String, make: &dyn Fn(f64) -> f64| {
+            let mut constants = self.constants(region.len(), is_entry, &wrongs);
+            if let (Some(place), true) = (region.first(), is_entry && self.has_bounds) {
+                constants.extend(smooth_constants(&wrongs));
+                constants.extend(self.bounds(*place, wrong).map(limited));
+            }
+            for Constant { cause, relation, make } in constants {
                 let mut by_state = ByState::new();
-                let mut count = 0;
                 for (n, wrong) in wrong.iter().enumerate() {
+                    let data = &self.states[n].data;
                     if !region.iter().any(|place| wrong.contains_key(place)) {
                         continue;
                     }
-                    let changes: Vec<_> = region
-                        .iter()
-                        .filter_map(|place| Some((place.0, place.1, make(at(n, place)?.0.want))))
-                        .collect();
+                    let told = region.iter().filter_map(|place| Some((place, data.get(place)?)));
+                    let whole = told.clone().all(|(_, datum)| datum.got.is_some_and(f64::is_finite));
+                    let changes: Vec<_> = told.map(|((k, i), datum)| (*k, *i, make(datum.want))).collect();
                     let of = self.states[n].explained((&changes, cause), wider, &largest[n], wrong);
-                    let told = region.iter().filter(|place| self.states[n].data.contains_key(place)).count();
-                    if let Some(entries) = of.filter(|_| changes.len() == told) {
-                        count += entries.len();
+                    if let Some(entries) = of.filter(|_| whole) {
                         let region = region.iter().copied().collect();
                         by_state.insert(n, Explains { entries, region, times: 1 });
                     }
                 }
-                if count < least {
-                    return;
+                if by_state.values().map(|explains| explains.entries.len()).sum::<usize>() < least {
+                    continue;
                 }
                 let all = found.entry((cause, Some(relation))).or_default();
                 for (n, explains) in by_state {
@@ -324,36 +304,44 @@ impl Matching<'_> {
                     known.region.extend(explains.region);
                     known.times += 1;
                 }
-            };
-            // Nothing, and the opposite, are causes of their own; and what is off in the last digits is off by no constant.
-            if factor.is_finite() && factor.abs() > 1e-12 && (factor.abs() - 1.0).abs() > 1e-12 {
-                let cause = if is_entry { Cause::Scaled } else { Cause::Factor };
-                let relation = format!("{} × expected", factor_in_words(factor));
-                add(cause, relation, &|want| factor * want);
-            }
-            let is_offset = if is_entry { best.is_none() } else { self.has_offsets };
-            if is_offset && region.len() == 1 {
-                let sharp = |(n, place): &(usize, Cell)| {
-                    let (datum, got) = at(*n, place)?;
-                    Some((datum.tolerance, got - datum.want))
-                };
-                let sharpest = wrongs.iter().filter_map(sharp).min_by(|x, y| x.0.total_cmp(&y.0));
-                if let Some((_, offset)) = sharpest {
-                    let sign = if offset < 0.0 { '−' } else { '+' };
-                    let relation = format!("what is expected {sign} {}", short(offset.abs(), 6));
-                    add(Cause::Offset, relation, &|want| want + offset);
-                }
-            }
-            if let [place] = region[..]
-                && let Some(bounds) = self.bounds(place, wrong).filter(|_| self.has_bounds && is_entry)
-            {
-                let relation = format!("{}, {}", Cause::Limited.relation(), bounds_in_words(bounds));
-                add(Cause::Limited, relation, &|want| {
-                    let bound = bounds[usize::from(want > 0.0)].filter(|bound| bound.abs() < want.abs());
-                    bound.unwrap_or(want)
-                });
             }
         }
+    }
+
+    /// The wrong numbers of a region, at whatever state.
+    fn wrongs(&self, region: &[Cell], wrong: &[Wrongs]) -> Vec<Off> {
+        let of = |(state, wrong): (&AtState, &Wrongs)| {
+            let data = region.iter().filter(|place| wrong.contains_key(place)).filter_map(|place| {
+                let Datum { got, want, tolerance, .. } = state.data.get(place)?;
+                let got = got.filter(|got| got.is_finite())?;
+                Some(Off { got, want: *want, tolerance: *tolerance })
+            });
+            data.collect::<Vec<_>>()
+        };
+        self.states.iter().zip(wrong).flat_map(of).collect()
+    }
+
+    /// A factor and an offset.
+    fn constants(&self, size: usize, is_entry: bool, wrongs: &[Off]) -> Vec<Constant> {
+        let mut found = Vec::new();
+        let digits = |off: &Off| off.want.abs() / off.tolerance;
+        let clear = wrongs.iter().filter(|off| off.want != 0.0 && digits(off).is_finite());
+        let best = clear.max_by(|x, y| digits(x).total_cmp(&digits(y)));
+        // What must be zero has no factor. Nothing, and the opposite, are causes of their own; and what is off in the last digits is off by no
+        // constant.
+        let factor = best.map_or(f64::NAN, |best| best.got / best.want);
+        if factor.is_finite() && factor.abs() > 1e-12 && (factor.abs() - 1.0).abs() > 1e-12 {
+            let cause = if is_entry { Cause::Scaled } else { Cause::Factor };
+            let relation = format!("{} × expected", factor_in_words(factor));
+            found.push(Constant::new(cause, relation, move |want| factor * want));
+        }
+        let is_offset = size == 1 && if is_entry { best.is_none() } else { self.has_offsets };
+        let sharpest = wrongs.iter().min_by(|x, y| x.tolerance.total_cmp(&y.tolerance));
+        if let Some(offset) = sharpest.map(|off| off.got - off.want).filter(|_| is_offset) {
+            let relation = format!("what is expected {} {}", sign_of(offset), short(offset.abs(), 6));
+            found.push(Constant::new(Cause::Offset, relation, move |want| want + offset));
+        }
+        found
     }
 
     /// The bounds at which a number stops, the lower and the upper one. On each side all that is wrong is one number, nearer to zero than what
@@ -584,6 +572,62 @@ fn factor_in_words(factor: f64) -> String {
         true => format!("(1 {sign} {off_by})"),
         false => short(factor, 6),
     }
+}
+
+/// A wrong number.
+struct Off {
+    got: f64,
+    want: f64,
+    tolerance: f64,
+}
+
+/// What one number makes of those that are expected.
+struct Constant {
+    cause: Cause,
+    relation: String,
+    make: Box<dyn Fn(f64) -> f64>,
+}
+
+impl Constant {
+    fn new(cause: Cause, relation: String, make: impl Fn(f64) -> f64 + 'static) -> Self {
+        Self { cause, relation, make: Box::new(make) }
+    }
+}
+
+/// A regularised norm, and a term in the square: for numbers whose expected sizes differ, else any constant fits.
+fn smooth_constants(wrongs: &[Off]) -> Vec<Constant> {
+    const APART: f64 = 1.1;
+    let sizes = wrongs.iter().map(|off| off.want.abs());
+    let [least, most] = sizes.fold([f64::INFINITY, 0.0], |[least, most], x| [x.min(least), x.max(most)]);
+    let seen = |off: &Off| (off.got - off.want).abs() / off.tolerance;
+    let Some(Off { got, want, .. }) = wrongs.iter().max_by(|x, y| seen(x).total_cmp(&seen(y))) else {
+        return Vec::new();
+    };
+    let (squares, times) = (got * got - want * want, (got - want) / (want * want));
+    let mut found = Vec::new();
+    if most > APART * least && squares > 0.0 && *want != 0.0 {
+        let relation = format!("√(x² + ε²) of what is expected, x, with ε = {}", short(squares.sqrt(), 3));
+        let make = move |want: f64| (want * want + squares).sqrt().copysign(want);
+        found.push(Constant::new(Cause::Regularised, relation, make));
+    }
+    if most > APART * least && times.is_finite() && times != 0.0 {
+        let relation = format!("x {} {} x² of what is expected, x", sign_of(times), short(times.abs(), 3));
+        found.push(Constant::new(Cause::Quadratic, relation, move |want| want + times * want * want));
+    }
+    found
+}
+
+/// Numbers that stop at bounds.
+fn limited(bounds: [Option<f64>; 2]) -> Constant {
+    let relation = format!("{}, {}", Cause::Limited.relation(), bounds_in_words(bounds));
+    Constant::new(Cause::Limited, relation, move |want| {
+        let bound = bounds[usize::from(want > 0.0)].filter(|bound| bound.abs() < want.abs());
+        bound.unwrap_or(want)
+    })
+}
+
+const fn sign_of(x: f64) -> char {
+    if x < 0.0 { '−' } else { '+' }
 }
 
 /// A lower and an upper bound, of which one may lack: `±0.8`.

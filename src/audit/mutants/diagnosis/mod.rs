@@ -19,7 +19,7 @@
 //! | `component` | rows, rates, second derivatives, forces, stiffness |
 //! | `values` | values |
 //! | `elsewhere` | all of them, at other nodes than those that are meant |
-//! | `matching` | one number at all states: constant factors, offsets, bounds |
+//! | `matching` | one number at all states: constant factors, offsets, bounds, regularised norms, squares |
 //! | `patterns` | digits: lost near special states, or few everywhere |
 
 mod columns;

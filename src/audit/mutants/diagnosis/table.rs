@@ -74,6 +74,9 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
             changes.filter(|(i, _)| is_told(*i)).map(|(i, entry)| (i % width, -entry.want.to_f64()));
         hypotheses.push(Hypothesis::of_row(Cause::Reversed, row, changes));
     }
+    if table.quantity == Quantity::FrictionGradient {
+        hypotheses.extend(columns_swapped(table, &is_told));
+    }
     hypotheses.extend(table.conventions.iter().map(|Convention { cause, relation, changes }| Hypothesis {
         relation: relation.clone(),
         ..Hypothesis::many(*cause, placed(changes))
@@ -81,6 +84,29 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
     let mut state = AtState { data: data.collect(), hypotheses };
     state.add_mistakes_of_entries();
     state
+}
+
+/// Every pair of columns exchanged in a row.
+fn columns_swapped(table: &ResultTable, is_told: &dyn Fn(usize) -> bool) -> Vec<Hypothesis> {
+    let width = table.width();
+    let mut found = Vec::new();
+    for row in 0..table.rows.len() {
+        for i in 0..width {
+            for j in (i + 1..width).filter(|j| is_told(row * width + i) && is_told(row * width + *j)) {
+                let [x, y] = [table.want(row, i), table.want(row, j)];
+                if x != y {
+                    let swapped = Hypothesis::of_row(Cause::ColumnsSwapped, row, [(i, y), (j, x)]);
+                    let name = |j: usize| table.columns.get(j).map_or("", String::as_str);
+                    found.push(swapped.related(format!(
+                        "what is expected of {} and {} exchanged",
+                        name(i),
+                        name(j)
+                    )));
+                }
+            }
+        }
+    }
+    found
 }
 
 struct TableWords<'a> {
