@@ -175,14 +175,14 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
         resolve::resolve(&mut deck);
     }
     // Without a connector or a constraint no error bears on one.
-    if deck.may_excuse() {
-        if let Some(first) = std::mem::take(&mut deck.errors).into_first() {
-            let (mut errors, unsaid) = first.apart();
-            if let Some(last) = errors.pop() {
-                errors.push(last.with_unsaid(unsaid));
-            }
-            errors.into_iter().for_each(|error| deck.excuse(error));
+    if deck.may_excuse()
+        && let Some(first) = std::mem::take(&mut deck.errors).into_first()
+    {
+        let (mut errors, unsaid) = first.apart();
+        if let Some(last) = errors.pop() {
+            errors.push(last.with_unsaid(unsaid));
         }
+        errors.into_iter().for_each(|error| deck.excuse(error));
     }
     let is_judged = is_judged && deck.errors.leaves_references();
     let Deck { lexer, mut scene, warnings, errors, .. } = deck;

@@ -388,7 +388,8 @@ impl Matching<'_> {
             let is_bound = bound != 0.0 || sides[1 - side].right >= SEVERAL[0];
             (varies && is_bound && largest <= bound.abs()).then_some(())
         };
-        (of(0)?, of(1)?);
+        of(0)?;
+        of(1)?;
         let is_zero = sides.iter().any(|side| side.bound == Some(0.0));
         let count = sides.iter().map(|side| side.wrong).sum::<usize>();
         (count >= SEVERAL[usize::from(is_zero)]).then(|| sides.map(|side| side.bound))
