@@ -64,7 +64,8 @@ impl<'a> FrictionCandidate<'a> {
     /// Of every ten, one has forces of a hundredth, and one a hundred times as large, at places as much nearer and farther.
     pub fn drawn(&self) -> Vec<FrictionCase> {
         let FrictionSubject { friction, coefficient, length, .. } = self.subject;
-        let mut draw = Draw::new(&format!("{} {} friction", self.settings.seed, self.name));
+        let mut draw =
+            Draw::new(&format!("{} {} friction", self.settings.seed, self.subject.connection.name));
         let radii = friction.radii();
         let unit = |k: usize| if k < 3 { 1.0 } else { *length };
         (0..self.settings.states)

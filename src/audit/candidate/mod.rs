@@ -194,7 +194,7 @@ impl<'a> Candidate<'a> {
         self
     }
 
-    /// Which region of configuration space the states exercise at which a routine of this name is checked.
+    /// Which region of configuration space the states exercise at which the routine is checked.
     pub fn coverage(&self) -> Coverage {
         let mut coverage = Coverage::default();
         for case in self.drawn() {
@@ -205,7 +205,7 @@ impl<'a> Candidate<'a> {
         coverage
     }
 
-    /// The states at which a routine of this name is asked, each with the path that leads there: the initial one, motions about it, and special
+    /// The states at which the routine is asked, each with the path that leads there: the initial one, motions about it, and special
     /// values, as right angles. One motion in five is far larger or smaller than usual.
     pub fn drawn(&self) -> Vec<Case> {
         self.cases().into_iter().map(|(_, case)| case).collect()

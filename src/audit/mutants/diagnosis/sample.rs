@@ -21,11 +21,16 @@ pub struct Sample {
     bound: Bound,
 }
 
+/// The name of a state without that of who is judged, which must not choose the states by which a cause is told.
+fn place(name: &str) -> &str {
+    name.rfind("state ").map_or(name, |at| &name[at..])
+}
+
 impl Sample {
     /// A copy of what is wrong at a state.
     pub fn new(symptoms: &Symptoms<'_>) -> Self {
         let Symptoms { quantity, got, want, case, bound } = *symptoms;
-        let order = Draw::new(&case.name).unit();
+        let order = Draw::new(place(&case.name)).unit();
         Self {
             order,
             quantity,
