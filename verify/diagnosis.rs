@@ -1,10 +1,10 @@
 //! Why a matrix is wrong: every mistake of the catalogue is named as what it is, conventions too, and noise is not named at all.
 
-mod candidates;
-mod constraints;
-mod corpus;
-mod frictions;
-mod offers;
+pub(crate) mod candidates;
+pub(crate) mod constraints;
+pub(crate) mod corpus;
+pub(crate) mod frictions;
+pub(crate) mod offers;
 mod tables;
 
 use crate::audit::{judged, named, spoiled};

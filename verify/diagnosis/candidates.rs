@@ -5,14 +5,14 @@ use crate::audit::{at_rest, judged};
 use pintle_audit::mutants::diagnosis::Cause;
 use pintle_audit::mutants::mutant::{Mistake, Mutant, Scene, mutants};
 use pintle_audit::sampling::about_initial;
-use pintle_audit::{Candidate, Case, Given, Quantity, Settings, Step, Verdict};
+use pintle_audit::{Candidate, Case, Given, Numbers, Quantity, Settings, Step, Verdict};
 use pintle_kinematics::connector::{Connector, Definition, Increment, State};
 use pintle_kinematics::draw::Draw;
 use pintle_scene::Code;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a candidate gives.
-const GIVEN: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
+pub(crate) const GIVEN: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
 
 /// What one state does not tell: how often an angle went round before.
 const NOT_OF_A_STATE: Code = Code::DiagnosisTurnsForgotten;
@@ -27,7 +27,12 @@ fn change(mutant: &Mutant, entries: &pintle_audit::Entries<f64>) -> f64 {
 }
 
 /// The product's numbers at a state, with the mutant of a mistake in them that changes most.
-fn mistaken(connector: &Connector<f64>, case: &Case, quantity: Quantity, code: Code) -> Option<Given> {
+pub(crate) fn mistaken(
+    connector: &Connector<f64>,
+    case: &Case,
+    quantity: Quantity,
+    code: Code,
+) -> Option<Numbers<f64>> {
     let (numbers, bound, _) = judged(case);
     let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
     let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
@@ -45,11 +50,11 @@ fn mistaken(connector: &Connector<f64>, case: &Case, quantity: Quantity, code: C
     let changed = wrong.applied(entries);
     let mut numbers = numbers;
     numbers.set(quantity, changed);
-    Some(numbers.into())
+    Some(numbers)
 }
 
 /// The mistakes that can be made in a quantity of a connector.
-fn codes(definition: &Definition, quantity: Quantity) -> BTreeSet<Code> {
+pub(crate) fn codes(definition: &Definition, quantity: Quantity) -> BTreeSet<Code> {
     let case = about_initial(definition, 1, 1.0, "drawn".into(), &mut Draw::new("codes")).unwrap();
     let connector = case.connector();
     let (numbers, bound, _) = judged(&case);
@@ -79,7 +84,7 @@ fn every_mistake_in_a_users_routine_is_diagnosed_as_itself() {
                 let report = Candidate::new("mine", &definition).settings(settings.clone()).check(|state| {
                     let case = case(state);
                     let made = mistaken(&connector, &case, quantity, code).inspect(|_| planted.set(true));
-                    made.unwrap_or_else(|| judged(&case).0.into())
+                    Given::from(made.unwrap_or_else(|| judged(&case).0))
                 });
                 if !planted.get() {
                     continue;

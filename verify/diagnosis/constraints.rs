@@ -21,13 +21,13 @@ fn constraint(kind: Kind) -> Constraint<f64> {
     Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]])
 }
 
-fn right(case: &MpcCase) -> Evaluation<f64> {
+pub(crate) fn right(case: &MpcCase) -> Evaluation<f64> {
     let request = Request::everything(2);
     case.constraint.evaluate(&case.state, &case.before, &case.turning, &request, &mut Tally::default())
 }
 
 /// A wrong routine: the kind, what is wrong, what it gives, how, and the code of its cause with a word of the place.
-type Wrong =
+pub(crate) type Wrong =
     (Kind, &'static str, &'static [Quantity], fn(&MpcCase, &mut Evaluation<f64>), &'static str, &'static str);
 
 fn each_row(found: &mut Evaluation<f64>, rows: std::ops::Range<usize>, change: impl Fn(&mut Dofs<f64>)) {
@@ -51,7 +51,7 @@ fn apart(case: &MpcCase) -> Vector<f64> {
     add(case.constraint.arm(), sub(case.state.slave.displacement, case.state.master.displacement))
 }
 
-const ALL: &[Wrong] = &[
+pub(crate) const ALL: &[Wrong] = &[
     (
         Kind::Link,
         "the row of (l² − l₀²)/(2 l₀)",

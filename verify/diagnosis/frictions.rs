@@ -56,7 +56,7 @@ fn slips(given: &FrictionNumbers) -> bool {
     given.forces[6].unwrap() > 0.0
 }
 
-type Wrong = (
+pub(crate) type Wrong = (
     &'static str,
     &'static str,
     &'static [Quantity],
@@ -65,7 +65,7 @@ type Wrong = (
     &'static str,
 );
 
-const ALL: &[Wrong] = &[
+pub(crate) const ALL: &[Wrong] = &[
     (
         "TRANSLATOR",
         "R_r and L exchanged",
