@@ -203,7 +203,7 @@ impl<R: Number> Mechanism<R> {
         for output in [Output::CP, Output::CU, Output::CCU, Output::CV, Output::CA] {
             request.add(output, free);
         }
-        for output in [Output::RES, Output::RESV, Output::RESB, Output::CP] {
+        for output in [Output::RES, Output::RESV, Output::RESA, Output::CP] {
             request.add(output, held);
         }
         let evaluation = joint.connector.evaluate_on(&state, branch, &request, &mut tally);
@@ -322,10 +322,10 @@ impl<R: Number> Mechanism<R> {
                 all.rows.push(Row {
                     owner,
                     coefficients,
-                    force,
+                    force: Some(force),
                     residual: Some(evaluation.residual[k].unwrap_or(zero)).filter(|_| !is_one_form),
                     rate: Some(evaluation.residual_rate[k].unwrap_or(zero)),
-                    bias: evaluation.residual_bias[k].unwrap_or(zero),
+                    bias: evaluation.residual_acceleration[k].unwrap_or(zero),
                     driven: zero,
                 });
                 continue;
@@ -350,7 +350,7 @@ impl<R: Number> Mechanism<R> {
             all.rows.push(Row {
                 owner,
                 coefficients,
-                force,
+                force: Some(force),
                 residual: position.filter(|_| !is_one_form),
                 rate: rate.map(|rate| now.velocity[k] - rate),
                 bias: now.bias[k] - acceleration.unwrap_or(zero),
@@ -402,7 +402,7 @@ impl<R: Number> Mechanism<R> {
             let mut row = Row {
                 owner: Owner::Ring(s),
                 coefficients: Vec::new(),
-                force: vec![(flow, one)],
+                force: Some(vec![(flow, one)]),
                 residual: Some(zero),
                 rate: Some(zero),
                 bias: zero,
@@ -455,7 +455,7 @@ impl<R: Number> Mechanism<R> {
         let zero = R::ZERO;
         let mut tally = Tally::default();
         let mut request = Request::nothing(1);
-        for output in [Output::RES, Output::RESV, Output::RESB] {
+        for output in [Output::RES, Output::RESV, Output::RESA] {
             request.add(output, [true; 6]);
         }
         let none = Turns { turns: zero, principal: zero };
@@ -474,6 +474,10 @@ impl<R: Number> Mechanism<R> {
             }
             for (i, angle) in angles.iter_mut().enumerate() {
                 *angle = pose(2 + i).map(|pose| pose.vector[2]);
+            }
+            if constraint.kind() == mpc::Kind::Beam {
+                self.beam(index, (body(0), body(1)), &velocity, all);
+                continue;
             }
             let state = mpc::State {
                 slave: body(0),
@@ -495,11 +499,11 @@ impl<R: Number> Mechanism<R> {
                 }
                 all.rows.push(Row {
                     owner: Owner::Mpc(index, row),
-                    force: coefficients.clone(),
+                    force: None,
                     coefficients,
                     residual: found.residual[row],
                     rate: found.residual_rate[row],
-                    bias: found.residual_bias[row].unwrap_or(zero),
+                    bias: found.residual_acceleration[row].unwrap_or(zero),
                     driven: zero,
                 });
             }
@@ -510,14 +514,70 @@ impl<R: Number> Mechanism<R> {
                 let coefficients = spread(relation.columns(), &row.gradient, nodes);
                 all.rows.push(Row {
                     owner: Owner::Relation(index, number),
-                    force: coefficients.clone(),
+                    force: None,
                     coefficients,
                     residual: Some(row.residual),
                     rate: row.rate,
-                    bias: row.bias.unwrap_or(zero),
+                    bias: row.acceleration.unwrap_or(zero),
                     driven: zero,
                 });
             }
+        }
+    }
+
+    /// A beam: S is carried by M. Its rotations are equal throughout where they begin so, and so are their rates.
+    fn beam(
+        &self,
+        index: usize,
+        (slave, master): (mpc::Body<R>, mpc::Body<R>),
+        velocity: &mpc::Dofs<R>,
+        all: &mut Assembled<R>,
+    ) {
+        let (zero, one) = (R::ZERO, R::integer(1));
+        let (_, constraint, nodes) = &self.mpcs[index];
+        let [Some(s), Some(m)] = [nodes.first(), nodes.get(1)] else { return };
+        let part = |at: usize| [velocity[at], velocity[at + 1], velocity[at + 2]];
+        let (spin, of_slave) = (part(mpc::THETA_M), part(mpc::THETA_S));
+        let arm = apply(&master.rotation, constraint.arm());
+        let swept = cross(spin, arm);
+        let apart = sub(slave.displacement, master.displacement);
+        let residual = sub(add(constraint.arm(), apart), arm);
+        let rate = sub(sub(part(mpc::XS), part(mpc::XM)), swept);
+        let toward = cross(spin, swept);
+        let turned = vector::product(&slave.rotation, &vector::transpose(&master.rotation));
+        let rho = so3::log(&turned);
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            // −(θ × r)_i = r_j θ_k − r_k θ_j.
+            let entries = [
+                (DOFS * s + i, one),
+                (DOFS * m + i, -one),
+                (DOFS * m + 3 + k, arm[j]),
+                (DOFS * m + 3 + j, -arm[k]),
+            ];
+            let coefficients: Vec<(usize, R)> =
+                entries.into_iter().filter(|(_, entry)| zero.less(entry.magnitude())).collect();
+            all.rows.push(Row {
+                owner: Owner::Mpc(index, i),
+                force: None,
+                coefficients,
+                residual: Some(residual[i]),
+                rate: Some(rate[i]),
+                bias: -toward[i],
+                driven: zero,
+            });
+        }
+        for i in 0..3 {
+            let coefficients = vec![(DOFS * s + 3 + i, one), (DOFS * m + 3 + i, -one)];
+            all.rows.push(Row {
+                owner: Owner::Mpc(index, 3 + i),
+                force: None,
+                coefficients,
+                residual: Some(rho[i]),
+                rate: Some(of_slave[i] - spin[i]),
+                bias: zero,
+                driven: zero,
+            });
         }
     }
 
@@ -530,7 +590,7 @@ impl<R: Number> Mechanism<R> {
     ) -> Result<(), Trouble> {
         let zero = R::ZERO;
         let mut request = Request::nothing(1);
-        for output in [Output::RES, Output::RESV, Output::RESB] {
+        for output in [Output::RES, Output::RESV, Output::RESA] {
             request.add(output, [true; 6]);
         }
         for (index, bound) in self.bounds.iter().enumerate() {
@@ -547,11 +607,11 @@ impl<R: Number> Mechanism<R> {
             let coefficients = spread(bound.relation.columns(), &row.gradient, &[bound.node]);
             all.rows.push(Row {
                 owner: Owner::Bound(index),
-                force: coefficients.clone(),
+                force: None,
                 coefficients,
                 residual: position.map(|position| row.residual - position),
                 rate: rate.map(|rate| row.rate.unwrap_or(zero) - rate),
-                bias: row.bias.unwrap_or(zero) - acceleration.unwrap_or(zero),
+                bias: row.acceleration.unwrap_or(zero) - acceleration.unwrap_or(zero),
                 driven: rate.unwrap_or(row.rate.unwrap_or(zero)),
             });
         }

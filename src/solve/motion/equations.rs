@@ -1,7 +1,7 @@
 //! The equations of motion at one instant: M a + Σ f G + h = 0, J a + b = 0, and the limit of each friction that slips.
 
 use crate::fault::{Fault, has};
-use crate::motion::dense::{Dense, NoPivot};
+use crate::motion::linear::{NoPivot, System};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
 use crate::motion::mode::{Cause, Does, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
@@ -10,6 +10,7 @@ use crate::motion::state::DOFS;
 use crate::number::{Number, is_finite, larger, largest};
 use pintle_kinematics::vector::{apply, dot};
 use pintle_model::behavior::Conditions;
+use std::ops::Range;
 
 /// Accelerations and forces.
 #[derive(Clone, Debug)]
@@ -40,10 +41,10 @@ pub(crate) const LEAVING: f64 = 1e5;
 const ITERATIONS: usize = 60;
 
 impl<R: Number> Assembled<R> {
-    /// The matrix of accelerations and forces of rows, with `more` unknowns after them; right-hand sides are zero.
-    fn matrix(&self, layout: &Layout, (more, sides): (usize, usize)) -> Dense<R> {
+    /// The matrix of accelerations and forces of rows; right-hand sides are zero.
+    pub(crate) fn matrix(&self, layout: &Layout, sides: usize) -> System<R> {
         let (n, m) = (layout.columns.len(), layout.kept.len());
-        let mut matrix = Dense::new(n + m + more, sides);
+        let mut matrix = System::new(n + m, sides).ordered(&layout.order);
         for (i, dof) in layout.columns.iter().enumerate() {
             let (node, k) = (dof / DOFS, dof % DOFS);
             match k {
@@ -61,7 +62,7 @@ impl<R: Number> Assembled<R> {
         }
         for (r, index) in layout.kept.iter().enumerate() {
             let row = &self.rows[*index];
-            for (dof, entry) in &row.force {
+            for (dof, entry) in row.force() {
                 if let Some(place) = layout.place[*dof] {
                     matrix.add(place, n + r, *entry);
                 }
@@ -83,7 +84,7 @@ impl<R: Number> Assembled<R> {
         gap: impl Fn(&Row<R>) -> Option<R>,
     ) -> Result<(Vec<R>, Vec<R>), Trouble> {
         let n = layout.columns.len();
-        let mut matrix = self.matrix(layout, (0, 1));
+        let mut matrix = self.matrix(layout, 1);
         let side = n + layout.kept.len();
         for (r, index) in layout.kept.iter().enumerate() {
             matrix.add(n + r, side, -gap(&self.rows[*index]).unwrap_or(R::ZERO));
@@ -120,6 +121,24 @@ impl<R: Number> Assembled<R> {
             }
         }
         (pressing, friction)
+    }
+
+    /// Adds a unit of a friction along n as a right-hand side.
+    fn push(
+        &self,
+        matrix: &mut System<R>,
+        layout: &Layout,
+        side: usize,
+        (slider, along): (&Slider, &[R; 6]),
+    ) {
+        for (k, radius) in &slider.components {
+            let factor = R::from_f64(*radius) * along[*k];
+            for (dof, entry) in &self.joints[slider.joint].columns[*k] {
+                if let Some(place) = layout.place[*dof] {
+                    matrix.add(place, side, -(factor * *entry));
+                }
+            }
+        }
     }
 
     /// Accelerations and forces in a mode. Branches of friction that `guess` knows begin from its forces.
@@ -177,59 +196,67 @@ impl<R: Number> Assembled<R> {
             }
             friction
         };
+        let side = n + m;
+        let mut matrix = self.matrix(layout, 1 + slipping.len());
+        for (i, dof) in layout.columns.iter().enumerate() {
+            matrix.add(i, side, self.applied[*dof]);
+        }
+        for (r, index) in layout.kept.iter().enumerate() {
+            if !has(Fault::BiasLeftOut) {
+                matrix.add(n + r, side, -self.rows[*index].bias);
+            }
+        }
+        for (i, (s, _)) in slipping.iter().enumerate() {
+            self.push(&mut matrix, layout, side + 1 + i, (&mechanism.sliders[*s], &directions[i]));
+        }
+        let found = matrix.solve().map_err(|error| at(layout, error))?;
+        // What there is without friction, and what a unit of each friction changes.
+        let Some((without, changes)) = found.split_first() else { return Err(Trouble::NotFound) };
+        if !found.iter().flatten().all(|x| is_finite(*x)) {
+            return Err(Trouble::NotFinite);
+        }
+        let with = |tensions: &[R], range: Range<usize>| -> Vec<R> {
+            let mut sum = without[range.clone()].to_vec();
+            for (tension, change) in tensions.iter().zip(changes) {
+                sum.iter_mut().zip(&change[range.clone()]).for_each(|(sum, x)| *sum = *sum + *tension * *x);
+            }
+            sum
+        };
         let mut forces = vec![zero; m];
         let mut tensions = vec![zero; slipping.len()];
-        let mut accelerations = vec![zero; n];
-        let side = n + m + slipping.len();
         for iteration in 0.. {
-            let mut matrix = self.matrix(layout, (slipping.len(), 1));
-            for (i, dof) in layout.columns.iter().enumerate() {
-                matrix.add(i, side, self.applied[*dof]);
-            }
-            for (r, index) in layout.kept.iter().enumerate() {
-                if !has(Fault::BiasLeftOut) {
-                    matrix.add(n + r, side, -self.rows[*index].bias);
-                }
-            }
+            let mut limits = System::new(slipping.len(), 1);
             for (i, (s, _)) in slipping.iter().enumerate() {
-                let slider = &mechanism.sliders[*s];
-                let now = &self.joints[slider.joint];
-                for (k, radius) in &slider.components {
-                    let factor = R::from_f64(*radius) * directions[i][*k];
-                    for (dof, entry) in &now.columns[*k] {
-                        if let Some(place) = layout.place[*dof] {
-                            matrix.add(place, n + m + i, factor * *entry);
-                        }
-                    }
-                }
+                let joint = mechanism.sliders[*s].joint;
                 let stuck = |k: usize| stuck_of(*s, k);
-                let (pressing, _) = self.of_joint(slider.joint, &forces, layout, (&stuck, &[zero; 6]));
+                let (pressing, _) = self.of_joint(joint, &forces, layout, (&stuck, &[zero; 6]));
                 let Some(found) = limit_of(*s, &pressing, rate_of(i), true) else { continue };
-                matrix.add(n + m + i, n + m + i, R::integer(1));
+                limits.add(i, i, R::integer(1));
                 let mut right = found.value;
                 for (r, index) in layout.kept.iter().enumerate() {
                     if let Owner::Joint(of, k) = self.rows[*index].owner
-                        && of == slider.joint
+                        && of == joint
                         && !stuck(k)
                         && !has(Fault::CouplingLeftOut)
                     {
-                        matrix.add(n + m + i, n + r, -found.gradient[k]);
-                        right = right - found.gradient[k] * forces[r];
+                        right = right + found.gradient[k] * (without[n + r] - forces[r]);
+                        for (j, change) in changes.iter().enumerate() {
+                            limits.add(i, j, -found.gradient[k] * change[n + r]);
+                        }
                     }
                 }
-                matrix.add(n + m + i, side, right);
+                limits.add(i, slipping.len(), right);
             }
-            let found = matrix.solve().map_err(|error| at(layout, error))?;
-            let Some(found) = found.into_iter().next() else { return Err(Trouble::NotFound) };
-            if !found.iter().all(|x| is_finite(*x)) {
+            let found = limits.solve().map_err(|error| Trouble::Singular(NoPivotAt::Slider(error.column)))?;
+            let next = found.into_iter().next().unwrap_or_default();
+            if !next.iter().all(|x| is_finite(*x)) {
                 return Err(Trouble::NotFinite);
             }
-            let size = largest(found[n..].iter().copied());
-            let change =
-                largest(found[n..].iter().zip(forces.iter().chain(&tensions)).map(|(new, old)| *new - *old));
-            accelerations.copy_from_slice(&found[..n]);
-            forces.copy_from_slice(&found[n..n + m]);
-            tensions.copy_from_slice(&found[n + m..]);
+            let moved = with(&next, n..n + m);
+            let size = largest(moved.iter().chain(&next).copied());
+            let pairs = moved.iter().zip(&forces).chain(next.iter().zip(&tensions));
+            let change = largest(pairs.map(|(new, old)| *new - *old));
+            (forces, tensions) = (moved, next);
             let is_done = !(size * R::from_f64(1e3 * R::ROUNDING)).less(change);
             let is_faulty = has(Fault::CouplingLeftOut) && iteration > 0;
             if slipping.is_empty() || is_done || is_faulty {
@@ -239,6 +266,7 @@ impl<R: Number> Assembled<R> {
                 return Err(Trouble::NotFound);
             }
         }
+        let mut accelerations = with(&tensions, 0..n);
         // What equations hold, and nothing drives, rests bit for bit.
         for (unknowns, rows) in &layout.determined {
             if rows.iter().all(|row| !zero.less(self.rows[*row].bias.magnitude())) {
@@ -425,19 +453,12 @@ impl<R: Number> Assembled<R> {
         if acting.is_empty() {
             return Ok(zero);
         }
-        let mut matrix = self.matrix(layout, (0, acting.len()));
+        let mut matrix = self.matrix(layout, acting.len());
         for (i, s) in acting.iter().enumerate() {
             let slider = &mechanism.sliders[*s];
             let Does::Slips(along) = &modes.frictions[*s].does else { continue };
             let direction = self.direction(slider, along);
-            for (k, radius) in &slider.components {
-                for (dof, entry) in &self.joints[slider.joint].columns[*k] {
-                    if let Some(place) = layout.place[*dof] {
-                        let force = R::from_f64(*radius) * direction[*k] * *entry;
-                        matrix.add(place, n + m + i, -force);
-                    }
-                }
-            }
+            self.push(&mut matrix, layout, n + m + i, (slider, &direction));
         }
         let found = matrix.solve().map_err(|error| at(layout, error))?;
         let mut most = zero;
@@ -495,10 +516,9 @@ impl<R: Number> Assembled<R> {
 }
 
 fn at(layout: &Layout, NoPivot { column }: NoPivot) -> Trouble {
-    let (n, m) = (layout.columns.len(), layout.kept.len());
+    let n = layout.columns.len();
     Trouble::Singular(match column {
         k if k < n => NoPivotAt::Freedom(layout.columns[k]),
-        k if k < n + m => NoPivotAt::Row(layout.kept[k - n]),
-        k => NoPivotAt::Slider(k - n - m),
+        k => NoPivotAt::Row(layout.kept[k - n]),
     })
 }

@@ -20,7 +20,7 @@ impl Layout {
         let count = DOFS * mechanism.bodies.len();
         let mut is_touched = vec![false; count];
         for row in &assembled.rows {
-            for (dof, entry) in row.coefficients.iter().chain(&row.force) {
+            for (dof, entry) in row.coefficients.iter().chain(row.force()) {
                 is_touched[*dof] |= entry.to_f64().abs() > ZERO;
             }
         }
@@ -37,6 +37,15 @@ impl Layout {
         layout.keep(mechanism, assembled, modes)?;
         layout.determine(mechanism, assembled);
         Ok(layout)
+    }
+
+    /// Finds the order of elimination, where equations have more entries than ever.
+    pub(crate) fn arrange<R: Number>(&mut self, assembled: &Assembled<R>) {
+        let filled = assembled.rows.iter().map(|row| row.coefficients.len() + row.force().len()).sum();
+        if filled > self.filled {
+            self.filled = filled;
+            self.order = assembled.matrix(self, 0).sparse_order();
+        }
     }
 
     /// Finds the equations that count, one after the other.

@@ -9,12 +9,12 @@
 //! | `slide` | what is the limit of a friction at some forces, with its derivatives? |
 //! | `equations` | which accelerations and forces follow? |
 //! | `layout` | which equations count, where some repeat others? |
-//! | `dense` | small systems of linear equations on any number |
+//! | `linear` | small systems of linear equations on any number |
 
 pub(crate) mod assemble;
-pub(crate) mod dense;
 pub(crate) mod equations;
 pub(crate) mod layout;
+pub(crate) mod linear;
 pub(crate) mod mechanism;
 pub(crate) mod mode;
 pub(crate) mod rows;

@@ -26,8 +26,8 @@ pub(crate) struct Row<R> {
     pub(crate) owner: Owner,
     /// By degree of freedom, 7 for each node.
     pub(crate) coefficients: Vec<(usize, R)>,
-    /// The nodal forces of a unit of its force.
-    pub(crate) force: Vec<(usize, R)>,
+    /// The nodal forces of a unit of its force, where they are not the coefficients.
+    pub(crate) force: Option<Vec<(usize, R)>>,
     /// What must be zero, unless only rates are prescribed.
     pub(crate) residual: Option<R>,
     /// Its rate, unless only accelerations are.
@@ -36,6 +36,13 @@ pub(crate) struct Row<R> {
     pub(crate) bias: R,
     /// The rate that is prescribed, by which its force does work.
     pub(crate) driven: R,
+}
+
+impl<R> Row<R> {
+    /// The nodal forces of a unit of its force.
+    pub(crate) fn force(&self) -> &[(usize, R)] {
+        self.force.as_deref().unwrap_or(&self.coefficients)
+    }
 }
 
 /// A connector at one instant.
@@ -161,4 +168,10 @@ pub(crate) struct Layout {
     pub(crate) open: Vec<usize>,
     /// Sets of unknowns that equations alone determine, each with these equations.
     pub(crate) determined: Vec<(Vec<usize>, Vec<usize>)>,
+    /// The order in which unknowns and forces of equations are eliminated; empty until it is known.
+    #[serde(default)]
+    pub(crate) order: Vec<usize>,
+    /// The most entries that equations have had.
+    #[serde(default)]
+    pub(crate) filled: usize,
 }

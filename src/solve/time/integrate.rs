@@ -1,7 +1,7 @@
 //! One-step methods of high order: extrapolation of the midpoint rule (Gragg, Bulirsch, Stoer) and Gauss collocation, which witness each
 //! other.
 
-use crate::motion::dense::Dense;
+use crate::motion::linear::System;
 use crate::motion::mode::Switch;
 use crate::motion::rows::Trouble;
 use crate::number::Number;
@@ -156,6 +156,9 @@ fn sum<R: Number>(y: &[R], moved: Option<Vec<R>>) -> Vec<R> {
 /// The most iterations of the stages.
 const ITERATIONS: usize = 150;
 
+/// What iterations may leave of what is allowed.
+const LEFT: f64 = 1e-3;
+
 /// Points, matrix, weights, and the weights without the last stage.
 type Tableau<'a, R> = (&'a [R], &'a [Vec<R>], &'a [R], &'a [R]);
 
@@ -190,9 +193,11 @@ fn collocate<R: Number>(
             rates[i] = found.rates;
             switches[i] = found.switches;
         }
-        // Contracted to what rounding leaves, below what is allowed.
+        // What further iterations would change, for each contracts as this one did; or what rounding leaves, below what is allowed.
+        let contracts = iteration > 0 && change < before;
+        let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
-        if change < 1e-12 || change < 0.05 && is_slow {
+        if ahead < LEFT || change < 0.05 && is_slow {
             break;
         }
         if iteration > 3 && change > before * 0.8 || iteration > ITERATIONS || !change.is_finite() {
@@ -231,7 +236,7 @@ fn gauss<R: Number>(stages: usize) -> Rule<R> {
         .collect();
     let integrals = |points: &[R], to: R| -> Vec<R> {
         // Σ w_j c_jᵏ = toᵏ⁺¹/(k + 1)
-        let mut system = Dense::new(points.len(), 1);
+        let mut system = System::new(points.len(), 1);
         let mut power = vec![one; points.len()];
         let mut right = to;
         for k in 0..points.len() {

@@ -516,7 +516,7 @@ impl<'a, R: Number> Run<'a, R> {
             let now = coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof % DOFS]);
             found.rows.push(Row {
                 owner: Owner::Given(given),
-                force: coefficients.clone(),
+                force: None,
                 coefficients,
                 residual: None,
                 rate: Some(now - *amount),

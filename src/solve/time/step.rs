@@ -4,7 +4,7 @@ use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::Slider;
 use crate::motion::mode::{Cause, Switch, Touch};
-use crate::motion::rows::{Instant, Owner, Trouble};
+use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
@@ -303,7 +303,7 @@ impl<R: Number> Run<'_, R> {
                 }
                 Some(Crossing::AtEnd) => {
                     let usual = self.h;
-                    self.locate(h, &slope.switches)?;
+                    self.locate(h, &slope.switches, &ended)?;
                     self.h = usual.min(h.to_f64());
                 }
             }
@@ -434,14 +434,15 @@ impl<R: Number> Run<'_, R> {
         Ok(found.0.switches)
     }
 
-    /// Finds the first event within h, by whole steps: the state goes on to it.
-    pub(crate) fn locate(&mut self, h: R, first: &[Switch<R>]) -> Result<(), Refusal> {
+    /// Finds the first event within h, by whole steps: the state goes on to it. Switches at both ends are known.
+    pub(crate) fn locate(&mut self, h: R, first: &[Switch<R>], last: &[Switch<R>]) -> Result<(), Refusal> {
         let zero = R::ZERO;
         let mut low = (zero, first.to_vec());
         let mut high = h;
-        let mut which: Option<usize> = None;
+        let known = earliest(first, last);
+        let mut which: Option<usize> = known.map(|(index, _)| index);
         let mut weight = R::integer(1);
-        let mut high_value: Option<R> = None;
+        let mut high_value: Option<R> = known.map(|(_, switch)| switch.value);
         // Half of a step that was too long.
         let mut shorter: Option<R> = None;
         let start = self.state.time;
@@ -479,14 +480,7 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             let ended = self.switches_at(&base, base.time + guess, &tried.end)?;
-            // The one that is crossed first: by its value before and after.
-            let part = |(now, before): (&Switch<R>, &Switch<R>)| {
-                (before.value / (before.value - now.value)).to_f64()
-            };
-            let pairs = ended.iter().zip(&low.1).enumerate();
-            let crossed = pairs.filter(|(_, (now, before))| now.value.less(zero) && !before.value.less(zero));
-            let earliest = crossed.min_by(|(_, one), (_, two)| part(*one).total_cmp(&part(*two)));
-            match earliest.map(|(index, (now, _))| (index, *now)) {
+            match earliest(&low.1, &ended) {
                 None => {
                     // On this side: the state goes on to it.
                     self.commit(&base, base.time + guess, &tried.end)?;
@@ -533,6 +527,7 @@ impl<R: Number> Run<'_, R> {
             .assemble(&instant, &self.modes, &self.beginnings)
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
+        self.layout.arrange(&found);
         if !self.is_still {
             self.solution.liveliest = self.solution.liveliest.max(found.kinetic().to_f64());
         }
@@ -541,18 +536,23 @@ impl<R: Number> Run<'_, R> {
         if let Some(reached) = &self.options.reached {
             reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
         }
-        self.project()?;
+        self.project_from(found)?;
         self.fastest = self.speed();
         Ok(())
     }
 
     /// Brings positions and rates back to the equations.
     pub(crate) fn project(&mut self) -> Result<(), Refusal> {
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        self.project_from(found)
+    }
+
+    /// The same, where it is known what holds now.
+    fn project_from(&mut self, mut found: Assembled<R>) -> Result<(), Refusal> {
         let zero = R::ZERO;
         let small = R::from_f64(4.0 * R::ROUNDING);
         let length = R::from_f64(self.mechanism.length);
         for iteration in 0..12 {
-            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
             let size = |owner: Owner| match owner {
                 Owner::Joint(_, k) if k >= 3 => R::integer(1),
                 Owner::Mpc(_, row) if (3..6).contains(&row) => R::integer(1),
@@ -582,11 +582,14 @@ impl<R: Number> Run<'_, R> {
                 turned[node] = [by[3], by[4], by[5]];
             }
             let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
-            let found = self
+            found = self
                 .mechanism
                 .assemble(&instant, &self.modes, &self.beginnings)
                 .map_err(|trouble| self.say(trouble))?;
             self.state.branches = found.joints.iter().map(|now| now.branch).collect();
+            if self.is_still {
+                found.rest(self.mechanism.length);
+            }
             if !R::from_f64(1e3 * R::ROUNDING).less(gap) {
                 break;
             }
@@ -594,7 +597,6 @@ impl<R: Number> Run<'_, R> {
         if self.is_still {
             return Ok(());
         }
-        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let (change, _) =
             found.correction(&self.layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
         for (dof, by) in change.iter().enumerate() {
@@ -615,6 +617,15 @@ impl<R: Number> Run<'_, R> {
         }
         Ok(())
     }
+}
+
+/// The switch that is crossed first, by its value before and now.
+fn earliest<R: Number>(before: &[Switch<R>], now: &[Switch<R>]) -> Option<(usize, Switch<R>)> {
+    let part = |(now, before): (&Switch<R>, &Switch<R>)| (before.value / (before.value - now.value)).to_f64();
+    let pairs = now.iter().zip(before).enumerate();
+    let crossed = pairs.filter(|(_, (now, before))| now.value.less(R::ZERO) && !before.value.less(R::ZERO));
+    let first = crossed.min_by(|(_, one), (_, two)| part(*one).total_cmp(&part(*two)));
+    first.map(|(index, (now, _))| (index, *now))
 }
 
 /// Where a step passed the end of a mode.

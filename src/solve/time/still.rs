@@ -8,8 +8,8 @@
 //! *Uniqueness* is lost where Newton's matrix is singular: its determinant changes sign, or no equilibrium follows. Both end the path by name.
 //! Rates are zero on it: dampers take nothing, μ is that of rest. Energies are the work along it, from its first equilibrium on.
 
-use crate::motion::dense::Dense;
 use crate::motion::equations::Solved;
+use crate::motion::linear::System;
 use crate::motion::mode::{Cause, Does, Mode, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Layout, Trouble};
 use crate::motion::state::{DOFS, State, WORKS};
@@ -178,7 +178,7 @@ impl<R: Number> Run<'_, R> {
             if n == 0 {
                 break;
             }
-            let mut matrix = Dense::new(n, 1);
+            let mut matrix = System::new(n, 1);
             let mut plain = nalgebra::DMatrix::<f64>::zeros(n, n);
             for j in 0..n {
                 let h = step * sizes[j];

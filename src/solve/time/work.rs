@@ -106,7 +106,7 @@ impl<R: Number> Run<'_, R> {
         let [mut external, _, stored] = found.powers;
         for (force, index) in at.solved.forces.iter().zip(&self.layout.kept) {
             let along = found.rows[*index]
-                .force
+                .force()
                 .iter()
                 .fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof / DOFS][dof % DOFS]);
             external = external - *force * along;

@@ -1,0 +1,331 @@
+//! Small systems of linear equations, on any number.
+
+use crate::number::{Number, larger};
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// A square matrix with its right-hand sides. Bodies are joined to a few others, so most entries are zero: the others are listed.
+#[derive(Clone, Debug)]
+pub(crate) struct System<R> {
+    /// Row, column, entry.
+    entries: Vec<(usize, usize, R)>,
+    /// In which order columns are eliminated.
+    order: Vec<usize>,
+    right: Vec<Vec<R>>,
+}
+
+/// A pivot that rounding explains: its column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NoPivot {
+    pub(crate) column: usize,
+}
+
+/// Pivots below this part of the largest entry of their scaled matrix count as zero, in rounding units.
+const PIVOT: f64 = 1e5;
+
+/// Of the pivots that are at least this part of the largest one, that of the shortest row is taken.
+const SHORTEST: f64 = 0.1;
+
+/// A matrix, eliminated.
+struct Eliminated<R> {
+    /// By which each row was multiplied.
+    factors: Vec<R>,
+    /// What was taken from a row: of which pivot, how much.
+    taken: Vec<(usize, usize, R)>,
+    /// The row of each pivot, in their order, and what was left of it.
+    pivots: Vec<(usize, Range<usize>)>,
+    /// Entries by column.
+    left: Vec<(usize, R)>,
+}
+
+impl<R: Number> System<R> {
+    /// Zero, of `size` unknowns and `sides` right-hand sides.
+    pub(crate) fn new(size: usize, sides: usize) -> Self {
+        Self {
+            entries: Vec::with_capacity(8 * size),
+            order: (0..size).collect(),
+            right: vec![vec![R::ZERO; size]; sides],
+        }
+    }
+
+    /// Eliminated in this order of columns.
+    pub(crate) fn ordered(mut self, order: &[usize]) -> Self {
+        if order.len() == self.order.len() {
+            self.order.copy_from_slice(order);
+        }
+        self
+    }
+
+    /// Adds to an entry; columns from `size` on are right-hand sides.
+    pub(crate) fn add(&mut self, row: usize, column: usize, amount: R) {
+        match column.checked_sub(self.order.len()) {
+            None if amount.is_nothing() => {}
+            None => self.entries.push((row, column, amount)),
+            Some(side) => {
+                if let Some(entry) = self.right.get_mut(side).and_then(|side| side.get_mut(row)) {
+                    *entry = *entry + amount;
+                }
+            }
+        }
+    }
+
+    /// An order of columns in which few entries become other than zero: next comes what adds least, as its column and row are now
+    /// (Markowitz).
+    pub(crate) fn sparse_order(&self) -> Vec<usize> {
+        let n = self.order.len();
+        let mut rows = vec![BTreeSet::new(); n];
+        let mut columns = vec![BTreeSet::new(); n];
+        for (row, column, _) in &self.entries {
+            rows[*row].insert(*column);
+            columns[*column].insert(*row);
+        }
+        let mut left: BTreeSet<usize> = (0..n).collect();
+        let mut order = Vec::with_capacity(n);
+        while let Some((_, column, row)) = left
+            .iter()
+            .map(|column| {
+                let of = &columns[*column];
+                let shortest = of.iter().map(|row| (rows[*row].len(), *row)).min();
+                let adds = shortest.map_or(0, |(length, _)| (length - 1) * (of.len() - 1));
+                (adds, *column, shortest.map(|(_, row)| row))
+            })
+            .min()
+        {
+            left.remove(&column);
+            order.push(column);
+            let Some(row) = row else { continue };
+            let pivot = std::mem::take(&mut rows[row]);
+            for of in &pivot {
+                columns[*of].remove(&row);
+            }
+            for other in std::mem::take(&mut columns[column]) {
+                rows[other].extend(&pivot);
+                rows[other].remove(&column);
+                pivot.iter().filter(|of| **of != column).for_each(|of| _ = columns[*of].insert(other));
+            }
+        }
+        order
+    }
+
+    /// The solutions, one for each right-hand side, each improved once by what it leaves.
+    pub(crate) fn solve(self) -> Result<Vec<Vec<R>>, NoPivot> {
+        let natural: Vec<usize> = (0..self.order.len()).collect();
+        // The pivot that there is not is named as in the natural order.
+        let eliminated = self.eliminated(&self.order).or_else(|_| self.eliminated(&natural))?;
+        let solved = self.right.iter().map(|right| {
+            let mut x = eliminated.solve(right);
+            let mut left = right.clone();
+            self.entries
+                .iter()
+                .for_each(|(row, column, entry)| left[*row] = left[*row] - *entry * x[*column]);
+            x.iter_mut().zip(eliminated.solve(&left)).for_each(|(x, by)| *x = *x + by);
+            x
+        });
+        Ok(solved.collect())
+    }
+
+    /// Elimination with pivots that are large in rows divided by their largest entry.
+    fn eliminated(&self, order: &[usize]) -> Result<Eliminated<R>, NoPivot> {
+        const NONE: usize = usize::MAX;
+        let n = order.len();
+        let mut place = vec![0; n];
+        order.iter().enumerate().for_each(|(k, column)| place[*column] = k);
+        // Rows one after the other, each by the places of its columns.
+        let mut ends = vec![0; n + 1];
+        self.entries.iter().for_each(|(row, ..)| ends[*row + 1] += 1);
+        (0..n).for_each(|row| ends[row + 1] += ends[row]);
+        let mut next = ends.clone();
+        let mut left = Vec::with_capacity(2 * self.entries.len());
+        left.resize(self.entries.len(), (0, R::ZERO));
+        for (row, column, entry) in &self.entries {
+            let mut at = next[*row];
+            next[*row] += 1;
+            while at > ends[*row] && left[at - 1].0 > place[*column] {
+                left[at] = left[at - 1];
+                at -= 1;
+            }
+            left[at] = (place[*column], *entry);
+        }
+        // What is left of rows, in lists by where they begin.
+        let mut begins = vec![NONE; n];
+        let mut follows = vec![NONE; n];
+        let mut rows: Vec<Range<usize>> = Vec::with_capacity(n);
+        let mut factors = Vec::with_capacity(n);
+        for row in 0..n {
+            let mut end = ends[row];
+            for at in ends[row]..ends[row + 1] {
+                if end > ends[row] && left[end - 1].0 == left[at].0 {
+                    left[end - 1].1 = left[end - 1].1 + left[at].1;
+                } else {
+                    left[end] = left[at];
+                    end += 1;
+                }
+            }
+            let entries = &mut left[ends[row]..end];
+            let most = entries.iter().fold(R::ZERO, |most, (_, x)| larger(most, x.magnitude()));
+            let factor = most.reciprocal_or_zero();
+            entries.iter_mut().for_each(|(_, x)| *x = *x * factor);
+            if let Some((k, _)) = entries.first() {
+                follows[row] = std::mem::replace(&mut begins[*k], row);
+            }
+            factors.push(factor);
+            rows.push(ends[row]..end);
+        }
+        let least = R::from_f64(PIVOT * R::ROUNDING);
+        let mut taken = Vec::with_capacity(2 * n);
+        let mut pivots = Vec::with_capacity(n);
+        let (mut candidates, mut less) = (Vec::new(), Vec::new());
+        for k in 0..n {
+            candidates.clear();
+            let mut row = begins[k];
+            while row != NONE {
+                candidates.push(row);
+                row = follows[row];
+            }
+            let size = |row: usize| left[rows[row].start].1.magnitude();
+            let most = candidates.iter().fold(R::ZERO, |most, row| larger(most, size(*row)));
+            let enough = most * R::from_f64(SHORTEST);
+            let large = candidates.iter().filter(|row| !size(**row).less(enough));
+            let best = large.min_by_key(|row| (rows[**row].len(), **row)).filter(|_| least.less(most));
+            let Some(best) = best.copied() else { return Err(NoPivot { column: order[k] }) };
+            let pivot = rows[best].clone();
+            let inverse = R::integer(1) / left[pivot.start].1;
+            for row in candidates.iter().copied().filter(|row| *row != best) {
+                let factor = left[rows[row].start].1 * inverse;
+                taken.push((row, best, factor));
+                subtract(
+                    &left[rows[row].start + 1..rows[row].end],
+                    &left[pivot.start + 1..pivot.end],
+                    factor,
+                    &mut less,
+                );
+                // What has become no longer stays where it was.
+                let mut start = rows[row].start;
+                if less.len() <= rows[row].len() {
+                    left[start..start + less.len()].copy_from_slice(&less);
+                } else {
+                    start = left.len();
+                    left.extend_from_slice(&less);
+                }
+                rows[row] = start..start + less.len();
+                if let Some((k, _)) = less.first() {
+                    follows[row] = std::mem::replace(&mut begins[*k], row);
+                }
+            }
+            pivots.push((best, pivot));
+        }
+        // Columns themselves, from here on.
+        left.iter_mut().for_each(|(k, _)| *k = order[*k]);
+        Ok(Eliminated { factors, taken, pivots, left })
+    }
+}
+
+impl<R: Number> Eliminated<R> {
+    fn solve(&self, right: &[R]) -> Vec<R> {
+        let mut right: Vec<R> = right.iter().zip(&self.factors).map(|(x, factor)| *x * *factor).collect();
+        for (row, pivot, factor) in &self.taken {
+            right[*row] = right[*row] - *factor * right[*pivot];
+        }
+        let mut x = vec![R::ZERO; right.len()];
+        for (of, pivot) in self.pivots.iter().rev() {
+            let Some(((column, divisor), others)) = self.left[pivot.clone()].split_first() else { continue };
+            let sum = others.iter().fold(right[*of], |sum, (column, entry)| sum - *entry * x[*column]);
+            x[*column] = sum / *divisor;
+        }
+        x
+    }
+}
+
+/// row − factor·pivot.
+fn subtract<R: Number>(row: &[(usize, R)], pivot: &[(usize, R)], factor: R, into: &mut Vec<(usize, R)>) {
+    into.clear();
+    let (mut row, mut pivot) = (row, pivot);
+    while let ([(of, x), rows @ ..], [(column, y), pivots @ ..]) = (row, pivot) {
+        into.push(match of.cmp(column) {
+            Ordering::Less => (*of, *x),
+            Ordering::Equal => (*of, *x - factor * *y),
+            Ordering::Greater => (*column, -(factor * *y)),
+        });
+        row = if of <= column { rows } else { row };
+        pivot = if column <= of { pivots } else { pivot };
+    }
+    into.extend_from_slice(row);
+    into.extend(pivot.iter().map(|(column, y)| (*column, -(factor * *y))));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::System;
+    use pintle_kinematics::scalar::{Scalar, Wide};
+
+    #[test]
+    fn hilbert_is_inverted() {
+        // Σ_j H_ij = b_i has the solution 1, whose condition takes 17 of 71 digits.
+        let n = 12;
+        let mut matrix: System<Wide> = System::new(n, 1);
+        for i in 0..n {
+            for j in 0..n {
+                let entry = Wide::from_f64(1.0) / Wide::from_f64((i + j + 1) as f64);
+                matrix.add(i, j, entry);
+                matrix.add(i, n, entry);
+            }
+        }
+        let found = matrix.solve().unwrap();
+        assert_eq!(found[0].len(), n);
+        for x in &found[0] {
+            assert!((*x - Wide::from_f64(1.0)).abs() < Wide::from_f64(1e-50), "{}", x.real());
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_has_no_pivot() {
+        let mut matrix: System<f64> = System::new(3, 1);
+        for i in 0..3 {
+            for j in 0..3 {
+                matrix.add(i, j, (i * 3 + j) as f64);
+            }
+        }
+        assert_eq!(matrix.clone().ordered(&[2, 0, 1]).solve().unwrap_err().column, 2);
+        assert_eq!(matrix.solve().unwrap_err().column, 2);
+    }
+
+    /// Unknowns in chains, as bodies are joined, and one that all are joined to: rows of several words, which fill in.
+    #[test]
+    fn what_fills_in_is_eliminated() {
+        let n = 150;
+        let x = |j: usize| 1.0 + (j * j % 17) as f64;
+        let mut matrix: System<f64> = System::new(n, 2);
+        let mut put = |i: usize, j: usize, entry: f64| {
+            matrix.add(i, j, entry);
+            matrix.add(i, n, entry * x(j));
+            matrix.add(i, n + 1, -entry * x(n - 1 - j));
+        };
+        for i in 0..n {
+            // The largest entries stand beside the diagonal: every pivot is another row.
+            put(i, (i + 1) % n, 5.0 + (i % 3) as f64);
+            put(i, i, 1.0);
+            put(i, (i + n - 7) % n, 0.5);
+            put(i, n - 70, if i % 2 == 0 { 0.25 } else { -0.25 });
+        }
+        let order = matrix.sparse_order();
+        assert!(!order.is_sorted());
+        let mut compared = 0;
+        for matrix in [matrix.clone(), matrix.ordered(&order)] {
+            let found = matrix.solve().unwrap();
+            for (j, (one, other)) in found[0].iter().zip(&found[1]).enumerate() {
+                assert!((one - x(j)).abs() < 1e-11 * x(j), "{j}: {one}, not {}", x(j));
+                assert!((other + x(n - 1 - j)).abs() < 1e-11 * x(j), "{j}: {other}");
+                compared += 2;
+            }
+        }
+        assert_eq!(compared, 4 * n);
+    }
+
+    #[test]
+    fn no_number_is_no_pivot() {
+        let mut matrix: System<f64> = System::new(70, 1);
+        (0..70).for_each(|i| matrix.add(i, i, if i == 66 { f64::NAN } else { 1.0 }));
+        assert_eq!(matrix.solve().unwrap_err().column, 66);
+    }
+}
