@@ -35,6 +35,7 @@ struct First {
     number: usize,
     path: Vec<Step>,
     values_before: Components<f64>,
+    wants: Vec<Quantity>,
     answer: Answer,
 }
 
@@ -157,8 +158,9 @@ impl<'a, D: Door> Session<'a, D> {
             && first.is_drawn
         {
             let path = first.path.iter().chain([first.step]).copied().collect();
-            let (number, values_before) = (first.number, first.values_before);
-            self.first = Some(First { number, path, values_before, answer: answer.clone() });
+            let Question { number, values_before, wants, .. } = *first;
+            let wants = wants.to_vec();
+            self.first = Some(First { number, path, values_before, wants, answer: answer.clone() });
         }
         let components = self.components();
         let mut given = Vec::with_capacity(asked.len());
@@ -286,10 +288,11 @@ impl<'a, D: Door> Session<'a, D> {
     /// # Errors
     /// [`Misbehaviour::Changed`], and what else may happen.
     pub fn ask_again(&mut self) -> Result<(), Misbehaviour> {
-        let Some(First { number, path, values_before, answer }) = self.first.take() else { return Ok(()) };
+        let Some(First { number, path, values_before, wants, answer }) = self.first.take() else {
+            return Ok(());
+        };
         let Some((step, before)) = path.split_last() else { return Ok(()) };
-        let offers = self.offers.clone();
-        let asked = Question { number, step, path: before, values_before, wants: &offers, is_drawn: true };
+        let asked = Question { number, step, path: before, values_before, wants: &wants, is_drawn: true };
         if self.exchange.hello.memory {
             self.lead(&asked)?;
         }

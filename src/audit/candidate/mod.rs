@@ -43,6 +43,7 @@ pub use right::Right;
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step, moved};
 use crate::engine::checks_of;
+use crate::judge::bound::OF_OTHERS;
 use crate::judge::components::{Surroundings, judge};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::outcome::{Against, Check, Expected, OVERFLOW, Report, Subject};
@@ -419,7 +420,7 @@ impl<'a> Candidate<'a> {
         let report = Report {
             version: pintle_kinematics::VERSION,
             settings: self.settings.clone(),
-            constant: crate::C,
+            constant: crate::C * OF_OTHERS,
             subjects: vec![subject],
             sampled: Vec::new(),
             atlas: Vec::new(),
@@ -503,7 +504,9 @@ impl<'a> Candidate<'a> {
         };
         let examined = Examined::new(case, numbers, trusted, &narrow, &of_components);
         let Some(examined) = examined else { return Ok(checks) };
-        let (examined, sides) = examined.on_sets(Some(&truth));
+        let (mut examined, sides) = examined.on_sets(Some(&truth));
+        examined.bound = examined.bound.of_others();
+        let examined = examined;
         let (bound, units) = (&examined.bound, &examined.units);
         let connector = case.connector();
         let connection = &self.definition.connection.name;

@@ -3,6 +3,7 @@
 use crate::candidate::{AT_ONCE, KEPT};
 use crate::case::quantity::Quantity;
 use crate::engine::checks_of;
+use crate::judge::bound::OF_OTHERS;
 use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
 use crate::judge::table::ResultTable;
 use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
@@ -53,6 +54,7 @@ impl Tables {
         (state, proves): (&str, bool),
         explain: impl FnOnce(&mut ResultTable),
     ) {
+        table.entries.iter_mut().for_each(|entry| entry.scale *= OF_OTHERS);
         let mut check = table.check(proves, state, None);
         if matches!(check.verdict, Verdict::Wrong | Verdict::Invalid) {
             explain(&mut table);
@@ -108,7 +110,7 @@ impl Tables {
         Report {
             version: pintle_kinematics::VERSION,
             settings: settings.clone(),
-            constant: crate::C,
+            constant: crate::C * OF_OTHERS,
             subjects: vec![subject],
             sampled: Vec::new(),
             atlas: Vec::new(),

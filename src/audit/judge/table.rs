@@ -44,9 +44,11 @@ impl Entry {
         Self { name, got, want, scale, class, error: 0.0, sides: None, is_demanded: false }
     }
 
-    /// C u times the conditioned scale, and the error of the reference.
-    pub const fn tolerance(&self) -> f64 {
-        C * U * self.scale + self.error
+    /// C u times the conditioned scale, and the error of the reference. On a kink what is on either side of it is rounded, too.
+    pub fn tolerance(&self) -> f64 {
+        let sizes = self.sides.iter().filter(|sides| sides.exist == [true; 2]);
+        let sides = sizes.flat_map(|sides| sides.quotients).map(|x| x.to_f64().abs());
+        C * U * sides.fold(self.scale, f64::max) + self.error
     }
 
     /// What a number must be: on a kink, what is nearest to it of what may stand there.

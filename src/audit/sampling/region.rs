@@ -564,7 +564,7 @@ fn special(
 /// The end of a history of a connector, in increments of at most 0.6 rad.
 ///
 /// b turns against a by 3.3 to 20 rad, or by 0.35 rad for each of so many states, about an axis about which it may turn without end.
-/// Node a turns and both move besides. A type that holds all rotations turns as a whole. `None` where an end does not turn, or where a
+/// Both turn about other axes and move besides. A type that holds all rotations turns as a whole. `None` where an end does not turn, or where a
 /// singular set is in the way.
 pub fn along_initial(
     definition: &Definition,
@@ -597,7 +597,21 @@ pub fn along_initial(
             (motion.common, motion.spin) = ([0.0, 0.0, motion.common[2]], [0.0, 0.0, motion.spin[2]]);
         }
         motion.steps = states.unwrap_or((size / 0.35).ceil() as usize);
-        let mut path = motion.path(&definition.initial);
+        // Both nodes turn about a second axis meanwhile: increments of rotations about changing axes do not add up.
+        let second = if definition.planar { [0.0; 3] } else { draw.rotation(0.3, 1.2) };
+        let mut before = definition.initial;
+        let on_the_way = |i: usize| {
+            let t = i as f64 / motion.steps as f64;
+            let mut after = motion.at(&definition.initial, t);
+            let by = turn(scale(second, t));
+            for node in [&mut after.a, &mut after.b] {
+                node.triad = product(&by, &node.triad);
+            }
+            let step = Step::between(&before, after);
+            before = after;
+            step
+        };
+        let mut path: Vec<Step> = (1..=motion.steps).map(on_the_way).collect();
         let end = path.last_mut()?;
         end.state.velocity = rates(definition, length, draw);
         end.state.acceleration = rates(definition, length, draw);

@@ -606,7 +606,7 @@ fn smooth_constants(wrongs: &[Off]) -> Vec<Constant> {
     };
     let (squares, times) = (got * got - want * want, (got - want) / (want * want));
     let mut found = Vec::new();
-    if most > APART * least && squares > 0.0 && *want != 0.0 {
+    if most > APART * least && squares > 0.0 {
         let relation = format!("√(x² + ε²) of what is expected, x, with ε = {}", short(squares.sqrt(), 3));
         let make = move |want: f64| (want * want + squares).sqrt().copysign(want);
         found.push(Constant::new(Cause::Regularised, relation, make));

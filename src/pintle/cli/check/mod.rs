@@ -49,6 +49,9 @@ routine under it. Where its states leave several open, it tells all of them.
 A routine in any other language prints hello, opened and answers as JSON lines.
 A state that it does not cover is answered by {\"out_of_domain\": \"why\"}.
 
+The connector of a TYPE has initial axes that meet its constraints. Misaligned
+axes are another branch of the formulas: give a scene that has them.
+
 --at FILE asks at your own states alone, a history or, with --independent, each after
 the initial one: nodes 1 (a) and 2 (b) of a TYPE, those of the scene otherwise.
 
