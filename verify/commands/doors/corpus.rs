@@ -348,7 +348,7 @@ fn code(report: &Report) -> i32 {
 
 /// How many of the doors a routine goes through. A function in Python waits for NumPy: one of so many is asked for as such.
 fn doors_of(place: usize) -> usize {
-    if place % 24 == 0 { 3 } else { 2 }
+    if place.is_multiple_of(24) { 3 } else { 2 }
 }
 
 /// What doors say otherwise of a routine than the process does.
