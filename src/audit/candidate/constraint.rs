@@ -97,9 +97,11 @@ impl<'a> ConstraintCandidate<'a> {
         if length > 0.0 { length } else { 1.0 }
     }
 
-    /// The states at which the routine is asked. Without states of its own: the initial one; at half of the others the constraint holds to rounding, at the
-    /// others it is violated; every sixth has right angles, and every fifth violates it far more or far less. Then those 1e-1 to 1e-12 from
-    /// where an equation has no derivative.
+    /// The states at which the routine is asked: its own, or else drawn ones.
+    ///
+    /// - The first is the initial one. At half of the others the constraint holds to rounding, at the others it is violated.
+    /// - Every sixth has right angles, and every fifth violates the constraint far more or far less.
+    /// - Then follow those 1e-1 to 1e-12 from where an equation has no derivative.
     pub fn drawn(&self) -> Vec<MpcCase> {
         if let Some(cases) = self.at {
             return cases.to_vec();

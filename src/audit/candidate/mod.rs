@@ -504,9 +504,8 @@ impl<'a> Candidate<'a> {
         };
         let examined = Examined::new(case, numbers, trusted, &narrow, &of_components);
         let Some(examined) = examined else { return Ok(checks) };
-        let (mut examined, sides) = examined.on_sets(Some(&truth));
-        examined.bound = examined.bound.of_others();
-        let examined = examined;
+        let (examined, sides) = examined.on_sets(Some(&truth));
+        let examined = examined.of_others();
         let (bound, units) = (&examined.bound, &examined.units);
         let connector = case.connector();
         let connection = &self.definition.connection.name;

@@ -110,6 +110,11 @@ impl<'a> Examined<'a> {
         (self, Some(sides))
     }
 
+    /// The same with the tolerances of somebody else's routine.
+    pub(crate) fn of_others(self) -> Self {
+        Self { bound: self.bound.of_others(), ..self }
+    }
+
     /// Every mistake in a quantity, of components that are on no singular set.
     pub fn mutants(&self, quantity: Quantity) -> &[Mutant] {
         self.made[quantity as usize].get_or_init(|| {

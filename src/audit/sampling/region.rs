@@ -479,7 +479,7 @@ pub fn special_initial(
 ) -> Option<Case> {
     /// How often axes are drawn beside which a state is to be.
     const OFTEN: usize = 12;
-    let attempts = if beside(n).is_ok() { OFTEN } else { 1 };
+    let attempts = if angle_beside(n).is_some() { OFTEN } else { 1 };
     (0..attempts).find_map(|attempt| {
         // No turn, and half of one about the first axis.
         let cube = (attempt == 0).then_some(if n.is_multiple_of(4) { 0 } else { 2 });
@@ -487,12 +487,10 @@ pub fn special_initial(
     })
 }
 
-/// From the fourth on: how far state n is from right angles, or which of the right ones it is.
-fn beside(n: usize) -> Result<f64, usize> {
-    let n = n.checked_sub(4).ok_or(0_usize)?;
-    let before = n.div_ceil(2).min(BESIDE.len());
-    let angle = BESIDE.get(n / 2).filter(|_| n.is_multiple_of(2));
-    angle.copied().ok_or(n - before)
+/// How far state n is from right angles (rad), if it is beside them.
+fn angle_beside(n: usize) -> Option<f64> {
+    let n = n.checked_sub(4).filter(|n| n.is_multiple_of(2))?;
+    BESIDE.get(n / 2).copied()
 }
 
 /// The same, once; what is next to right angles is next to those of that cube, or of any.
@@ -527,12 +525,13 @@ fn special(
             after.a.triad = vector::identity();
             Some(vector::identity())
         }
-        _ => Some(match beside(n) {
-            Ok(angle) => {
+        _ => Some(match angle_beside(n) {
+            Some(angle) => {
                 let cube = cube.unwrap_or_else(|| draw.below(cubes.len()));
                 product(cubes.get(cube)?, &turn(scale(axis, angle)))
             }
-            Err(cube) => *cubes.get(cube)?,
+            // Those that are beside right angles come in between.
+            None => *cubes.get(n - 4 - (n - 4).div_ceil(2).min(BESIDE.len()))?,
         }),
     };
     if let Some(relative) = relative {

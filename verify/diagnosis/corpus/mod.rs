@@ -18,9 +18,9 @@ use pintle_kinematics::catalog::TABLE;
 use pintle_kinematics::connector::{Components, Definition, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
-use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::node::{Node, Pair, THETA_A, THETA_B};
 use pintle_kinematics::so3::turn;
-use pintle_kinematics::vector::{self, Matrix, Vector};
+use pintle_kinematics::vector::{self, Matrix, Vector, cross, scale, sub};
 use std::collections::BTreeMap;
 
 pub(crate) const F: Quantity = Quantity::Value;
@@ -325,6 +325,57 @@ fn right_routines_are_not_called_wrong() {
 }
 
 /// Numbers that are nothing: no cause is told of them.
+/// Rows as the formulas are printed, cancellation and all: near their singular points they lose more digits than ours, and are right. With the
+/// bound of our own formulas both are called wrong.
+#[test]
+fn rows_as_printed_raise_no_alarm() {
+    // e1′ = (e1a − sβ e3b)/cβ² and e3′ = (e3b − sβ e1a)/cβ², the duals of the axes of Cardan angles.
+    fn cardan(right: &Right<'_>) -> [Option<Vector<f64>>; 3] {
+        let q = right.q();
+        let (sine, squared) = (q[0][2], q[1][2] * q[1][2] + q[2][2] * q[2][2]);
+        let dual = |e: Vector<f64>, other: Vector<f64>| scale(sub(e, scale(other, sine)), 1.0 / squared);
+        let (e1, e3) = (right.a(0), right.b(2));
+        [Some(dual(e1, e3)), None, Some(dual(e3, e1))]
+    }
+    // The direction of a flexion, e3a × e3b/|e3a × e3b|.
+    fn flexion(right: &Right<'_>) -> [Option<Vector<f64>>; 3] {
+        let q = right.q();
+        let across = cross(right.a(2), right.b(2));
+        [Some(scale(across, 1.0 / (q[0][2] * q[0][2] + q[1][2] * q[1][2]).sqrt())), None, None]
+    }
+    type Printed = fn(&Right<'_>) -> [Option<Vector<f64>>; 3];
+    let mut compared = 0;
+    for (name, printed) in [("CARDAN", cardan as Printed), ("FLEXION-TORSION", flexion)] {
+        let definition = general(name);
+        for seed in 0..4 {
+            let settings = Settings {
+                states: 60,
+                near_singular_states: 60,
+                seed: format!("printed {seed}"),
+                ..settings()
+            };
+            let candidate = Candidate::new(name, &definition).settings(settings);
+            let report = heard(
+                &candidate,
+                &definition,
+                |right, numbers| {
+                    for (k, gradient) in printed(right).into_iter().enumerate() {
+                        let Some(gradient) = gradient else { continue };
+                        row(numbers, DF, 3 + k, |row| {
+                            put(row, THETA_A, scale(gradient, -1.0));
+                            put(row, THETA_B, gradient);
+                        });
+                    }
+                },
+                |_, _| (),
+            );
+            assert_eq!(report.mismatches(), 0, "{name}, seed {seed}:\n{:#?}", report.subjects);
+            compared += report.compared();
+        }
+    }
+    assert!(compared > 20_000, "{compared}");
+}
+
 #[test]
 fn nothing_explains_noise() {
     let mut tried = 0;
