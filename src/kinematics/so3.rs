@@ -335,14 +335,15 @@ inlined_for_doubles! {
         let q0 = real_quaternion(q);
         let square = q0[0] * q0[0] + q0[1] * q0[1] + q0[2] * q0[2] + q0[3] * q0[3];
         let inverse = square.square_root().reciprocal_or_zero();
-        let p0 = q0.map(|c| c * inverse);
+        let p0 = [q0[0] * inverse, q0[1] * inverse, q0[2] * inverse, q0[3] * inverse];
         if const { S::ORDER == 0 } {
             return upper_half(constant(p0));
         }
         // The derivatives of |q|² are rounding errors: the first term of 1/√(1 + …) is enough.
-        let p = q.map(|c| c.scale(inverse));
+        let p = [q[0].scale(inverse), q[1].scale(inverse), q[2].scale(inverse), q[3].scale(inverse)];
+        let small = [p[0].nilpotent(), p[1].nilpotent(), p[2].nilpotent(), p[3].nilpotent()];
         let rest = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]).nilpotent();
-        upper_half(stretched(p0, p.map(Scalar::nilpotent), rest.scale(S::Real::ratio(-1, 2))))
+        upper_half(stretched(p0, small, rest.scale(S::Real::ratio(-1, 2))))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::measure::formula::{Formula, Pass, Task, alone, cover};
 use crate::measure::{Measure, Shared};
 use crate::node::{DOFS, Dependence, Pair, RelativeGradient};
 use crate::scalar::{Duals, Real, Scalar, Seeded};
-use crate::vector;
+use crate::vector::{self, Vector};
 
 /// A value with its derivatives by the nodal degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -267,6 +267,8 @@ fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
     components: &[usize; 6],
     out: &mut [Linear<R>; 6],
 ) {
+    // Iterators and `map` of arrays are calls across units of the crate, each as dear as a row.
+    let minus = |[x, y, z]: Vector<R>| [-x, -y, -z];
     let first = if F::NEEDED.of_rotation() { 3 } else { 0 };
     let history = branch.history();
     let relative = pair.seeded::<R::Gradient<N>, N>(F::NEEDED, first);
@@ -292,11 +294,11 @@ fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
         }
         // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
         let (minus_g, arm) = if F::NEEDED.of_rotation() {
-            (none, h.map(|h| -h))
+            (none, minus(h))
         } else if F::NEEDED.of_position() {
-            (g.map(|g| -g), vector::cross(g, separation))
+            (minus(g), vector::cross(g, separation))
         } else {
-            (g.map(|g| -g), vector::sub(vector::cross(g, separation), h))
+            (minus(g), vector::sub(vector::cross(g, separation), h))
         };
         // A measure that no direction of a enters does not feel a turn.
         let arm = if F::MEASURES[m].turns_with_a() { arm } else { none };
@@ -304,9 +306,9 @@ fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
         out.value = values[m].real();
         out.row = [a1, a2, a3, r1, r2, r3, zero, g1, g2, g3, h1, h2, h3, zero];
         if !kind.is_free {
-            for (entry, active) in out.row.iter_mut().zip(&kind.active) {
-                if !active {
-                    *entry = zero;
+            for j in 0..DOFS {
+                if !kind.active[j] {
+                    out.row[j] = zero;
                 }
             }
         }

@@ -139,14 +139,14 @@ impl Real for f64 {
     fn direction_and_norm<const N: usize>(v: [Self; N]) -> ([Self; N], Self) {
         let Some((scale, square)) = scaled_square(v) else { return ([0.0; N], 0.0) };
         let norm = square.sqrt();
-        (v.map(|x| x * scale / norm), norm / scale)
+        (each_of(v, |x| x * scale / norm), norm / scale)
     }
 
     /// One division per component: 1.5 u, where dividing the direction by the norm would make 3 u.
     #[inline(always)]
     fn inverted<const N: usize>(v: [Self; N]) -> [Self; N] {
         let Some((scale, square)) = scaled_square(v) else { return [0.0; N] };
-        let inverted = v.map(|x| x * scale / square * scale);
+        let inverted = each_of(v, |x| x * scale / square * scale);
         if inverted.iter().all(|x| x.is_finite()) { inverted } else { [0.0; N] }
     }
 
@@ -211,6 +211,15 @@ fn scaled_square<const N: usize>(v: [f64; N]) -> Option<(f64, f64)> {
         square += (x * scale) * (x * scale);
     }
     Some((scale, square))
+}
+
+/// f of each. `map` of arrays is a call where another unit of the crate compiled it.
+#[inline(always)]
+fn each_of<const N: usize>(mut v: [f64; N], f: impl Fn(f64) -> f64) -> [f64; N] {
+    for x in &mut v {
+        *x = f(*x);
+    }
+    v
 }
 
 /// Σ c_i xⁱ by Horner's rule.
