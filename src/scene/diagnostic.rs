@@ -225,6 +225,7 @@ codes! {
     DiagnosisQuadraticPart = "diagnosis::quadratic-part-missing": "An acceleration lacks the part that is quadratic in the rates, J̇ q̇.";
     DiagnosisNotANumber = "diagnosis::not-a-number": "A number is none at special states only, such as no rotation, half a turn, or coincident nodes: 0/0, or acos of more than 1. A series or atan2 goes through.";
     DiagnosisLimited = "diagnosis::limited": "A number stops at a bound, and stays there wherever more is expected: a clamp, as min or max.";
+    DiagnosisNearOnly = "diagnosis::near-only": "Numbers are wrong within a distance of special states, such as no rotation or coincident nodes, and right beyond it: a guard, a clamp, a small number added to a divisor, a series that breaks off too early.";
     DiagnosisDigitsLost = "diagnosis::digits-lost": "The nearer a state is to a special one, the fewer digits are right: acos(x) near 1, asin(x) near 1, 1 − cos x of a small x. atan2 of sine and cosine, and 2 sin²(x/2), keep them.";
     DiagnosisDisplacementAsLocal = "diagnosis::displacement-as-local": "The displacement columns are the expected ones along the axes of a node, Aᵀ g instead of g, where global ones are expected.";
     DiagnosisTotalVector = "diagnosis::total-vector": "The rotation columns are derivatives by the total rotation vector of the node, or turned from them, where variations are spatial, δC = δθ^ C.";

@@ -568,6 +568,31 @@ fn right_constraints_are_not_called_wrong() {
     assert!(compared > 100_000, "{compared}");
 }
 
+/// Residuals of rotations that a routine composes anew, of three turns: rotations to several roundings only.
+#[test]
+fn composed_rotations_raise_no_alarm() {
+    let mut compared = 0;
+    for kind in Kind::ALL {
+        let constraint = constraint(kind);
+        let candidate =
+            ConstraintCandidate::new("mine", &constraint).settings(settings(120, 60)).offers(&[F]);
+        let report = candidate.check(|case: &MpcCase| {
+            let mut composed = case.clone();
+            for body in [&mut composed.state.slave, &mut composed.state.master] {
+                let third = turn(scale(log(&body.rotation), 1.0 / 3.0));
+                body.rotation = product(&third, &product(&third, &third));
+            }
+            MpcCase::product(&composed)
+        });
+        let checks: Vec<_> =
+            report.subjects[0].checks.iter().map(|check| (check.largest, &check.worst)).collect();
+        println!("{} {:?}", kind.name(), checks.iter().map(|check| check.0).fold(0.0, f64::max));
+        assert_eq!(report.mismatches(), 0, "{}: {checks:?}", kind.name());
+        compared += report.compared();
+    }
+    assert!(compared > 1_000, "{compared}");
+}
+
 /// A relative error of 1e-9 in one quantity is found in it and nowhere else; what is missing or too much is said.
 #[test]
 fn errors_of_constraints_are_found_in_their_quantity() {

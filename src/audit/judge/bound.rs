@@ -14,6 +14,9 @@
 //! | nodal forces of a unit force, their derivatives | as a first and a second derivative; without the value in F where the force is not conjugate to the component |
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
+//! Of somebody else's routine all of them are three times as large ([`OF_OTHERS`]), and the entries of a row by the three displacements, or
+//! rotations, of a node have the tolerance of the largest of them ([`in_blocks`]).
+//!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set, in
 //! radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ, rounding may bring the
 //! state that much closer. A derivative that grows like 1/δ grows by `1/(1 − C u/δ)` more than its slope says. So do the tolerances
@@ -33,9 +36,23 @@ use pintle_kinematics::vector::{Matrix, transposed_product};
 /// catalogue is in `verify/audit/mod.rs`.
 pub const C: f64 = 4.0;
 
-/// By how much larger the scales of somebody else's routine are. C is what our formulas need. Others are as right, and round more often; those
-/// of the documents lost up to 2.5 times as much beside locks.
-pub(crate) const OF_OTHERS: f64 = 4.0;
+/// By how much larger the scales of somebody else's routine are. C u of F is what our formulas need on the triads given. Others form triads
+/// themselves, of quaternions, vectors or products. Each of the two is a rotation to C u only, and its lengths enter a number as its own rounding
+/// does: e1a·e2b = −1 comes out as −1 + 9 u, where no turn moves it.
+pub(crate) const OF_OTHERS: f64 = 3.0;
+
+/// The largest scale of a block for each of its entries. The entries of a row by the displacements, or rotations, of a node are one vector. Our
+/// formulas form it along the axes in which it stands. Others form it elsewhere and turn it, so that its largest component rounds all three:
+/// e3a × e3b/sin α is off by u/α along e3a, too, where no motion of the nodes moves it.
+pub(crate) fn in_blocks(row: &mut [f64]) {
+    for node in row.chunks_mut(XB) {
+        for block in node.chunks_mut(THETA_A) {
+            let is_known = block.iter().all(|x| !x.is_nan());
+            let largest = block.iter().copied().fold(0.0, f64::max);
+            block.fill(if is_known { largest } else { f64::NAN });
+        }
+    }
+}
 
 /// The conditioned scales of a function of n degrees of freedom: of its value, first and second derivatives (row by row), rate and
 /// acceleration.
@@ -85,10 +102,9 @@ fn defect(triad: &Matrix<f64>) -> f64 {
     ((0..3).map(row).fold(0.0, f64::max) / 2.0).min(ROUNDED)
 }
 
-/// Tolerances and scales of everything that is judged at one state.
+/// The scales of everything that is judged at one state. Tolerances are C u times them.
 #[derive(Clone, Debug, Default)]
 pub struct Bound {
-    tolerance: Numbers<f64>,
     scale: Numbers<f64>,
     /// Whether it rests on numbers of 237 bits, which do not overflow.
     is_of_wide: bool,
@@ -139,20 +155,38 @@ impl Bound {
             scales[Quantity::GeometricStiffness as usize].0[k] = Some(matrix);
         }
         for (quantity, scale) in Quantity::ALL.into_iter().zip(scales) {
-            of.tolerance.set(quantity, scale.map(|_, _, x| C * U * x));
             of.scale.set(quantity, scale);
         }
         of
     }
 
-    /// The same for numbers of somebody else's routine.
+    /// The same for numbers of somebody else's routine: [`OF_OTHERS`] times as large, and of blocks ([`in_blocks`]).
     #[must_use]
-    pub(crate) fn of_others(mut self) -> Self {
+    pub(crate) fn of_others(mut self, state: &State<f64>) -> Self {
+        let rows = self.scale.entries(Quantity::FirstDerivatives).clone();
         for quantity in Quantity::ALL {
-            for numbers in [&mut self.tolerance, &mut self.scale] {
-                let scaled = numbers.entries(quantity).clone().map(|_, _, x| OF_OTHERS * x);
-                numbers.set(quantity, scaled);
+            let rates = match quantity {
+                Quantity::Rate => Some(&state.velocity),
+                Quantity::Acceleration => Some(&state.acceleration),
+                _ => None,
+            };
+            let mut scales = self.scale.entries(quantity).clone();
+            for (k, of) in scales.0.iter_mut().enumerate() {
+                let Some(of) = of else { continue };
+                if matches!(quantity, Quantity::FirstDerivatives | Quantity::NodalForces) {
+                    in_blocks(of);
+                }
+                if let (Some(rates), Some(row)) = (rates, &rows.0[k]) {
+                    // What the row has more, along the motion.
+                    let mut blocks = row.clone();
+                    in_blocks(&mut blocks);
+                    let more = blocks.iter().zip(row).zip(rates).map(|((x, y), rate)| (x - y) * rate.abs());
+                    let more: f64 = more.filter(|x| x.is_finite()).sum();
+                    of.iter_mut().for_each(|x| *x += more);
+                }
+                of.iter_mut().for_each(|x| *x *= OF_OTHERS);
             }
+            self.scale.set(quantity, scales);
         }
         self
     }
@@ -177,7 +211,7 @@ impl Bound {
     pub fn known(&self, quantity: Quantity, k: usize, i: usize) -> Option<f64> {
         /// 32 such roundings.
         const LEAST: f64 = f64::from_bits(32);
-        let tolerance = self.tolerance.entries(quantity).get(k, i)?;
+        let tolerance = C * U * self.scale.entries(quantity).get(k, i)?;
         Some(if tolerance < LEAST { LEAST } else { tolerance })
     }
 

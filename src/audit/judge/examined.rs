@@ -45,6 +45,8 @@ pub struct Examined<'a> {
     pub is_smooth: [bool; 6],
     state: &'a State<f64>,
     is_own: bool,
+    /// Whether the numbers are those of somebody else's routine.
+    is_of_others: bool,
     conditioned: Conditioned,
     turns: [f64; 6],
     /// Whether a displacement counts from an origin that rounding decided.
@@ -83,6 +85,7 @@ impl<'a> Examined<'a> {
             is_smooth: nearness.map(|near| near > 0.0),
             state: &step.state,
             is_own,
+            is_of_others: false,
             turns: branch.turns.map(|turns| turns.turns),
             counts_from_rounding: narrow.undetermined_origins().iter().any(Option::is_some),
             made: Default::default(),
@@ -112,7 +115,8 @@ impl<'a> Examined<'a> {
 
     /// The same with the tolerances of somebody else's routine.
     pub(crate) fn of_others(self) -> Self {
-        Self { bound: self.bound.of_others(), ..self }
+        let bound = self.bound.of_others(self.state);
+        Self { bound, is_of_others: true, ..self }
     }
 
     /// Every mistake in a quantity, of components that are on no singular set.
@@ -171,6 +175,15 @@ impl<'a> Examined<'a> {
         check.add(judgement, score, self.case);
         check.compares(|k| got.0[k].is_some(), |k| answer.numbers.0[k].is_some());
         check.name_stage(|| invalid_stage(self.state, self.numbers));
+        if self.is_of_others {
+            let right = got.iter().filter_map(|(k, i, x)| {
+                let want = self.trusted.entries(quantity).get(k, i)?;
+                let tolerance = self.bound.tolerance(quantity, k, i);
+                ((x - want).abs() <= tolerance).then_some((k, want, tolerance))
+            });
+            let is_number = matches!(quantity, Quantity::Value | Quantity::Rate | Quantity::Acceleration);
+            check.has_seen(self.case, right.filter(|_| is_number));
+        }
         if check.verdict.is_mismatch() {
             // Where the bound rests on what is wrong, what is right is what the oracle says.
             let told = self.is_own.then(|| {

@@ -9,7 +9,7 @@ use crate::judge::comparison::Comparison;
 use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
 use crate::laws::demanded::Invariant;
 use crate::model::ModelReport;
-use crate::mutants::diagnosis::{Cause, Diagnosis, Sample, Symptoms, diagnose_all};
+use crate::mutants::diagnosis::{Cause, Diagnosis, Sample, Seen, Symptoms, diagnose_all};
 use crate::oracles::certificate::Certificate;
 use crate::oracles::oracle::{Answer, Oracle};
 use crate::settings::Settings;
@@ -103,6 +103,9 @@ pub struct Check {
     /// What is wrong, at some of the states at which it is.
     #[serde(skip)]
     samples: Vec<Sample>,
+    /// What it has seen of all states.
+    #[serde(skip)]
+    seen: Seen,
 }
 
 /// Why numbers that were compared, or a law, are undecided.
@@ -130,6 +133,7 @@ impl Check {
             contradicted: [0; 2],
             components: Components::default(),
             samples: Vec::new(),
+            seen: Seen::default(),
         }
     }
 
@@ -235,6 +239,12 @@ impl Check {
         }
     }
 
+    /// Keeps how far a state is from special ones, whether something is wrong there, and which values are right: component, value, tolerance.
+    pub(super) fn has_seen(&mut self, case: &Case, right: impl Iterator<Item = (usize, f64, f64)>) {
+        self.seen.add(case, self.verdict.is_mismatch());
+        right.for_each(|(k, want, tolerance)| self.seen.add_right(k, want, tolerance));
+    }
+
     /// Settles the figures over all states, and says why numbers are wrong.
     pub fn finish(&mut self) {
         self.score.finish();
@@ -242,7 +252,7 @@ impl Check {
         let symptoms: Vec<Symptoms<'_>> = samples.iter().map(Sample::symptoms).collect();
         // A formula that loses digits need not be mistaken.
         let is_told = |found: &Diagnosis| self.verdict != Verdict::UnstableFormula || found.is_whole();
-        if let Some(found) = diagnose_all(&symptoms).filter(is_told) {
+        if let Some(found) = diagnose_all(&symptoms, &self.seen).filter(is_told) {
             let loses_digits =
                 found.is_whole() && found.causes.iter().all(|one| one.cause == Cause::DigitsLost);
             self.diagnosis = Some(Box::new(found));
@@ -334,6 +344,7 @@ impl Check {
         }
         self.score.merge(other.score);
         Sample::merge(&mut self.samples, other.samples);
+        self.seen.merge(other.seen);
         if let Some(diagnosis) = other.diagnosis
             && self.diagnosis.as_ref().is_none_or(|known| diagnosis.is_clearer_than(known))
         {
@@ -454,6 +465,16 @@ impl Subject {
         mut checks: Vec<Check>,
         expected: &Expected,
     ) -> Self {
+        // All checks of a quantity know what the one with most states has seen.
+        for quantity in Quantity::ALL {
+            let of_it = |check: &&mut Check| check.quantity == Some(quantity);
+            let most = checks
+                .iter()
+                .filter(|check| check.quantity == Some(quantity))
+                .max_by_key(|check| check.judged());
+            let Some(seen) = most.map(|check| check.seen.clone()) else { continue };
+            checks.iter_mut().filter(of_it).for_each(|check| check.seen = seen.clone());
+        }
         for check in &mut checks {
             check.finish();
         }

@@ -242,7 +242,7 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
     let q = transposed_product(&a, &b);
     let (d, d0) = (pair.separation(), initial.separation());
     let across = |d: Vector<f64>, i: usize, j: usize| dot(column(&a, i), d).hypot(dot(column(&a, j), d));
-    let lengths = [norm(d), norm(d0), across(d, 0, 1)];
+    let lengths = [norm(d), norm(d0), across(d, 0, 1), norm(d) / norm(d0)];
     let cosine = (1.0 - q[0][2] * q[0][2]).max(0.0).sqrt();
     let sine = (1.0 - q[2][2] * q[2][2]).max(0.0).sqrt();
     let angle = norm(so3::log(&q));

@@ -4,11 +4,14 @@ use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
+use crate::mutants::diagnosis::dictionary::of_dictionary;
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::patterns::{
-    differences, digits_lost, rounded, single_precision, without_numbers,
+    differences, digits_lost, led_by_place, rounded, single_precision, single_precision_on_the_way,
+    without_numbers,
 };
+use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
@@ -38,11 +41,18 @@ pub struct Symptoms<'a> {
 
 /// Why numbers are wrong; `None` where none is.
 pub fn diagnose(symptoms: &Symptoms<'_>) -> Option<Diagnosis> {
-    diagnose_all(std::slice::from_ref(symptoms))
+    diagnose_all(std::slice::from_ref(symptoms), &Seen::default())
 }
 
 /// Why numbers of one quantity are wrong at several states: a cause is told that holds at nearly all of them; `None` where nothing is.
-pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
+/// What all states had, right ones too, has been seen.
+pub fn diagnose_all(symptoms: &[Symptoms<'_>], seen: &Seen) -> Option<Diagnosis> {
+    let words = ComponentWords { quantity: symptoms.first()?.quantity };
+    let found = diagnosed(symptoms, seen)?;
+    Some(led_by_place(symptoms, seen, &words, found))
+}
+
+fn diagnosed(symptoms: &[Symptoms<'_>], seen: &Seen) -> Option<Diagnosis> {
     let quantity = symptoms.first()?.quantity;
     let is_number = |symptoms: &&Symptoms<'_>| symptoms.got.iter().all(|(.., x)| x.is_finite());
     let words = ComponentWords { quantity };
@@ -66,12 +76,13 @@ pub fn diagnose_all(symptoms: &[Symptoms<'_>]) -> Option<Diagnosis> {
     let has_offsets = quantity == Quantity::Value;
     let has_bounds = !is_derivative(quantity);
     let regions = regions.into_iter().collect();
-    let matching = Matching { states, regions, has_offsets, has_bounds, words: &words };
+    let matching = Matching { states, regions, has_offsets, has_bounds, seen: Some(seen), words: &words };
     let found = matching.diagnosis()?;
     if found.is_whole() {
         return Some(found);
     }
-    let fewer = digits_lost(&whole, &words)
+    let fewer = single_precision_on_the_way(&whole, &words)
+        .or_else(|| digits_lost(&whole, &words))
         .or_else(|| rounded(&whole, &words))
         .or_else(|| differences(&whole, &words));
     Some(fewer.unwrap_or(found))
@@ -117,7 +128,10 @@ impl Symptoms<'_> {
             let tolerance = bound.tolerance(quantity, k, i);
             ((k, i), Datum { got: got.get(k, i), want, tolerance, class: class(quantity, k, i) })
         });
-        let mut state = AtState { data: data.collect(), hypotheses: self.hypotheses() };
+        let mut hypotheses = self.hypotheses();
+        let others = of_dictionary(self.case, quantity, self.wanted(), got);
+        hypotheses.extend(others.hypotheses);
+        let mut state = AtState { data: data.collect(), hypotheses, tried: others.tried };
         state.add_mistakes_of_entries();
         state
     }
@@ -138,7 +152,12 @@ impl Symptoms<'_> {
             scale: &scale,
         };
         let made = mutants(self.quantity, &scene).into_iter();
-        let of = |changes, mistake| Hypothesis { cause: Cause::of(mistake), changes, relation: None };
+        let of = |changes, mistake| Hypothesis {
+            cause: Cause::of(mistake),
+            changes,
+            relation: None,
+            is_searched: false,
+        };
         let made = made.map(|mutant| of(mutant.changes, mutant.mistake));
         let mut found: Vec<Hypothesis> = made.filter(|made| !made.cause.is_of_an_entry()).collect();
         for (k, entries) in self.wanted().0.iter().enumerate() {
@@ -202,6 +221,7 @@ impl Symptoms<'_> {
             let separations = [pair.separation(), self.case.definition.initial.separation()];
             let made = conventions(row, triads).into_iter().chain(levers(row, separations));
             found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
+            found.extend(mistyped_levers(k, row, separations[0]));
             let held = cross(part(row, XB), separations[1]);
             let held = sub(add(part(row, THETA_A), held), cross(part(row, XB), separations[0]));
             let held = Hypothesis::of_row(Cause::Linearised, k, put(THETA_A, held));
@@ -539,7 +559,49 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
             put(THETA_B, g).into_iter().chain(put(THETA_A, g.map(|x| -x))),
         )
     };
-    vec![of(left), of(transpose(&left)), of(transpose(&inverse)), of(inverse)]
+    // J⁻¹ = 1 − φ^/2 + (1 − (θ/2) cot(θ/2))/θ² φ^²: with another coefficient.
+    let theta = norm(phi);
+    let [x, y, z] = phi;
+    let hat = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let square = product(&hat, &hat);
+    let by = |coefficient: f64| {
+        let entry = |i: usize, j: usize| {
+            let one = f64::from(u8::from(i == j));
+            coefficient.mul_add(square[i][j], one - hat[i][j] / 2.0)
+        };
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+    };
+    let others = [
+        ("cot θ for cot(θ/2)", (1.0 - theta / 2.0 / theta.tan()) / (theta * theta)),
+        ("θ cot(θ/2) for (θ/2) cot(θ/2)", (1.0 - theta / (theta / 2.0).tan()) / (theta * theta)),
+        ("1/12 for the coefficient of φ^²", 1.0 / 12.0),
+        ("no φ^²", 0.0),
+    ];
+    let made = [of(left), of(transpose(&left)), of(transpose(&inverse)), of(inverse)];
+    let of_others = others.into_iter().map(|(what, coefficient)| {
+        of(by(coefficient)).related(format!("the row of the inverse Jacobian with {what}"))
+    });
+    made.into_iter().chain(of_others).collect()
+}
+
+/// Rows whose lever g × d has a product mistyped: of the other sign, or left out.
+fn mistyped_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
+    let (g, of_a) = (part(row, XB), part(row, THETA_A));
+    let mut found = Vec::new();
+    for i in 0..3 {
+        let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+        for (product, sign) in [(g[j] * d[l], -1.0), (g[l] * d[j], 1.0)] {
+            for (times, cause, what) in [
+                (2.0, Cause::LeverReversed, "with a product of the lever d × δθ of the other sign"),
+                (1.0, Cause::GeometricTermMissing, "without a product of the lever d × δθ"),
+            ] {
+                let entry = (THETA_A + i, of_a[i] + sign * times * product);
+                let made = Hypothesis::of_row(cause, k, [entry]);
+                found.push(made.related(format!("what is expected {what}")));
+            }
+        }
+    }
+    found
 }
 
 /// Rows with a flow in the column of another degree of freedom, or in both: beside what stands there, or in its place.

@@ -7,7 +7,8 @@ use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
 use pintle_kinematics::node::{DOFS, Node, Pair, XB};
-use pintle_kinematics::vector::{identity, transpose};
+use pintle_kinematics::so3::{self, turn};
+use pintle_kinematics::vector::{Matrix, Vector, identity, product as times, transpose};
 
 /// A case whose pairs are others, with the increments between them.
 fn mapped(case: &Case, of: impl Fn(&Pair<f64>) -> Pair<f64>, is_initial_too: bool) -> Case {
@@ -33,6 +34,17 @@ fn exchanged(case: &Case) -> Case {
         step.state.acceleration.rotate_left(XB);
     }
     other
+}
+
+/// A turn about a global axis.
+fn about_axis(axis: usize, angle: f64) -> Matrix<f64> {
+    let mut phi = [0.0; 3];
+    phi[axis] = angle;
+    turn(phi)
+}
+
+fn product_of([x, y, z]: [Matrix<f64>; 3]) -> Matrix<f64> {
+    times(&x, &times(&y, &z))
 }
 
 /// The numbers elsewhere, with the cause that puts them there, and what they are.
@@ -76,6 +88,29 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
     ];
     for (relation, map) in left_out {
         add(Cause::MotionIgnored, Some(relation), &mapped(case, map, false));
+    }
+    // Total rotations of nodes read as something else.
+    type Read = fn(Vector<f64>) -> Matrix<f64>;
+    let readings: [(&'static str, Read); 4] = [
+        ("what is expected with rotations of nodes taken as angles about x, y, z in this order", |phi| {
+            product_of([2, 1, 0].map(|axis| about_axis(axis, phi[axis])))
+        }),
+        ("what is expected with rotations of nodes taken as angles about z, y, x in this order", |phi| {
+            product_of([0, 1, 2].map(|axis| about_axis(axis, phi[axis])))
+        }),
+        ("what is expected with 1 + φ^ for the rotations of nodes", |[x, y, z]| {
+            [[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]]
+        }),
+        ("what is expected with the rotations of nodes the other way round", |phi| turn(phi.map(|x| -x))),
+    ];
+    for (relation, read) in readings {
+        let anew = |node: &Node<f64>, first: &Node<f64>| {
+            let phi = so3::log(&times(&node.triad, &transpose(&first.triad)));
+            turned(node, times(&read(phi), &first.triad))
+        };
+        let map =
+            |pair: &Pair<f64>| Pair { a: anew(&pair.a, &initial.a), b: anew(&pair.b, &initial.b), ..*pair };
+        add(Cause::OtherParameters, Some(relation), &mapped(case, map, false));
     }
     let transposed = |node: &Node<f64>| turned(node, transpose(&node.triad));
     let of_triads: [Map<'_>; 3] = [

@@ -1,6 +1,7 @@
 //! Wrong numbers beside what mistakes would make of the right ones: which mistakes are believed, wherever the numbers come from.
 
 use crate::judge::bound::C;
+use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use crate::mutants::mutant::{Changes, NOTHING};
 use pintle_kinematics::scalar::U;
@@ -29,11 +30,13 @@ pub(super) struct Hypothesis {
     pub(super) changes: Changes,
     /// What the numbers equal, where the cause leaves it open.
     pub(super) relation: Option<String>,
+    /// Whether it was found among many others, so that one that was thought of says more.
+    pub(super) is_searched: bool,
 }
 
 impl Hypothesis {
     pub(super) fn one(cause: Cause, (k, i): Cell, x: f64) -> Self {
-        Self { cause, changes: Changes::One([(k, i, x)]), relation: None }
+        Self { cause, changes: Changes::One([(k, i, x)]), relation: None, is_searched: false }
     }
 
     /// Changes of row k: place, number.
@@ -42,7 +45,7 @@ impl Hypothesis {
     }
 
     pub(super) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
-        Self { cause, changes: Changes::Many(changes), relation: None }
+        Self { cause, changes: Changes::Many(changes), relation: None, is_searched: false }
     }
 
     pub(super) fn related(mut self, relation: impl Into<String>) -> Self {
@@ -68,6 +71,8 @@ pub(super) trait Words {
 pub(super) struct AtState {
     pub(super) data: BTreeMap<Cell, Datum>,
     pub(super) hypotheses: Vec<Hypothesis>,
+    /// How many more were tried, and were not met.
+    pub(super) tried: usize,
 }
 
 /// Numbers at states at which some are wrong, and mistakes that may explain them.
@@ -79,6 +84,8 @@ pub(super) struct Matching<'a> {
     pub(super) has_offsets: bool,
     /// Whether a number may stop at a bound: derivatives are the same constant at many states.
     pub(super) has_bounds: bool,
+    /// What was seen of all states, right ones too.
+    pub(super) seen: Option<&'a Seen>,
     pub(super) words: &'a dyn Words,
 }
 
@@ -106,6 +113,9 @@ const RARELY: f64 = 0.4;
 
 /// What numbers equal, where the cause leaves it open.
 type Relation = Option<String>;
+
+/// Whether it was searched for, the cause, and what numbers equal.
+type Key = (bool, Cause, Relation);
 
 /// What a cause explains at a state.
 #[derive(Default)]
@@ -216,7 +226,7 @@ impl Matching<'_> {
             return None;
         }
         let all = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
-        let mut found: BTreeMap<(Cause, Relation), ByState> = BTreeMap::new();
+        let mut found: BTreeMap<Key, ByState> = BTreeMap::new();
         for (n, state) in self.states.iter().enumerate() {
             let largest = state.tolerances();
             let touches = |hypothesis: &&Hypothesis| {
@@ -225,11 +235,12 @@ impl Matching<'_> {
             let mut touching: Vec<&Hypothesis> = state.hypotheses.iter().filter(touches).collect();
             // What changes least comes first: another that explains no more adds nothing.
             touching.sort_by_key(|hypothesis| hypothesis.changes.len());
-            for Hypothesis { cause, changes, relation } in touching {
+            for Hypothesis { cause, changes, relation, is_searched } in touching {
                 let Some(of) = state.explained((changes, *cause), wider, &largest, &wrong[n]) else {
                     continue;
                 };
-                let explains = found.entry((*cause, relation.clone())).or_default().entry(n).or_default();
+                let explains =
+                    found.entry((*is_searched, *cause, relation.clone())).or_default().entry(n).or_default();
                 if of.keys().all(|place| explains.entries.contains_key(place)) {
                     continue;
                 }
@@ -239,7 +250,7 @@ impl Matching<'_> {
             }
         }
         self.add_constants(wider, &wrong, &mut found);
-        let most = self.states.iter().map(|state| state.hypotheses.len()).max().unwrap_or(0);
+        let most = self.states.iter().map(|state| state.hypotheses.len() + state.tried).max().unwrap_or(0);
         let enough = (CHANCE * (most + self.regions.len()).max(1) as f64).log2();
         let mut diagnosis = Diagnosis::default();
         while let Some(explained) = self.best(&found, &mut wrong, enough) {
@@ -262,7 +273,7 @@ impl Matching<'_> {
     }
 
     /// Adds what one number makes of others, the same at every state, which one entry tells and the others confirm.
-    fn add_constants(&self, wider: f64, wrong: &[Wrongs], found: &mut BTreeMap<(Cause, Relation), ByState>) {
+    fn add_constants(&self, wider: f64, wrong: &[Wrongs], found: &mut BTreeMap<Key, ByState>) {
         let largest: Vec<_> = self.states.iter().map(AtState::tolerances).collect();
         let singles: BTreeSet<Cell> = wrong.iter().flat_map(BTreeMap::keys).copied().collect();
         let of_cells = singles.into_iter().map(|place| (vec![place], true));
@@ -297,7 +308,7 @@ impl Matching<'_> {
                 if by_state.values().map(|explains| explains.entries.len()).sum::<usize>() < least {
                     continue;
                 }
-                let all = found.entry((cause, Some(relation))).or_default();
+                let all = found.entry((false, cause, Some(relation))).or_default();
                 for (n, explains) in by_state {
                     let known = all.entry(n).or_default();
                     known.entries.extend(explains.entries);
@@ -359,7 +370,11 @@ impl Matching<'_> {
             right: usize,
             largest: f64,
         }
-        let mut sides: [Side; 2] = Default::default();
+        let right = |is_above| self.seen.map_or((0, 0.0), |seen| seen.right(place.0, is_above));
+        let mut sides = [false, true].map(|is_above| {
+            let (right, largest) = right(is_above);
+            Side { right, largest, ..Side::default() }
+        });
         for (state, wrong) in self.states.iter().zip(wrong) {
             let Some((datum, got)) = state.data.get(&place).and_then(|datum| Some((datum, datum.got?)))
             else {
@@ -396,13 +411,9 @@ impl Matching<'_> {
     }
 
     /// The mistake that explains most of what is wrong, which is then explained.
-    fn best(
-        &self,
-        found: &BTreeMap<(Cause, Relation), ByState>,
-        wrong: &mut [Wrongs],
-        enough: f64,
-    ) -> Option<Explained> {
+    fn best(&self, found: &BTreeMap<Key, ByState>, wrong: &mut [Wrongs], enough: f64) -> Option<Explained> {
         struct Rank<'a> {
+            is_searched: bool,
             cause: Cause,
             relation: &'a Relation,
             by_state: &'a ByState,
@@ -433,13 +444,14 @@ impl Matching<'_> {
             (bits, states, times)
         };
         let mut ranks: Vec<Rank<'_>> = Vec::new();
-        for (key, by_state) in found {
-            let (bits, states, times) = rank(key.0, by_state);
+        for ((is_searched, cause, relation), by_state) in found {
+            let (is_searched, cause) = (*is_searched, *cause);
+            let (bits, states, times) = rank(cause, by_state);
             // A constant is none that holds at a few of many states; and what stands at a has its opposite at b.
-            let is_constant = key.0.is_constant();
+            let is_constant = cause.is_constant();
             let least = if is_constant { NEARLY_ALL } else { RARELY };
             if bits >= enough && (self.states.len() == 1 || states[0] as f64 >= least * open as f64) {
-                ranks.push(Rank { cause: key.0, relation: &key.1, by_state, bits, states, times });
+                ranks.push(Rank { is_searched, cause, relation, by_state, bits, states, times });
             }
         }
         let most = ranks.iter().map(|rank| rank.bits).fold(0.0, f64::max);
@@ -455,6 +467,7 @@ impl Matching<'_> {
                     rank.cause.is_of_an_entry(),
                     rank.cause.says_little(),
                     std::cmp::Reverse(rank.states[1]),
+                    rank.is_searched,
                     rank.times,
                     rank.cause,
                 )
@@ -699,12 +712,18 @@ mod tests {
     fn bounds(numbers: &[(f64, f64)]) -> Option<String> {
         let state = |(got, want): &(f64, f64)| {
             let datum = Datum { got: Some(*got), want: *want, tolerance: 1e-14, class: (0, 0, 0) };
-            AtState { data: [((0, 0), datum)].into(), hypotheses: Vec::new() }
+            AtState { data: [((0, 0), datum)].into(), ..AtState::default() }
         };
         let states: Vec<AtState> = numbers.iter().map(state).collect();
         let wrong: Vec<_> = states.iter().map(|state| state.wrong(1.0)).collect();
-        let matching =
-            Matching { states, regions: Vec::new(), has_offsets: false, has_bounds: true, words: &Plain };
+        let matching = Matching {
+            states,
+            regions: Vec::new(),
+            has_offsets: false,
+            has_bounds: true,
+            seen: None,
+            words: &Plain,
+        };
         matching.bounds((0, 0), &wrong).map(bounds_in_words)
     }
 

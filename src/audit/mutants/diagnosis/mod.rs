@@ -18,16 +18,20 @@
 //! | `columns` | the columns of rows, and with them rates and second derivatives |
 //! | `component` | rows, rates, second derivatives, forces, stiffness |
 //! | `values` | values |
+//! | `dictionary` | values, rows and rates that are another number of the nodes |
 //! | `elsewhere` | all of them, at other nodes than those that are meant |
 //! | `matching` | one number at all states: constant factors, offsets, bounds, regularised norms, squares |
+//! | `seen` | numbers near special states, and nowhere else |
 //! | `patterns` | digits: lost near special states, or few everywhere |
 
 mod columns;
 mod component;
+mod dictionary;
 mod elsewhere;
 mod matching;
 mod patterns;
 mod sample;
+mod seen;
 mod table;
 mod values;
 
@@ -38,6 +42,7 @@ use serde::Serialize;
 pub use crate::mutants::cause::Cause;
 pub use component::{Symptoms, conventions, diagnose, diagnose_all};
 pub use sample::Sample;
+pub use seen::Seen;
 pub use table::{diagnose_table, diagnose_tables};
 
 /// One mistake that explains wrong entries.

@@ -1,9 +1,11 @@
 //! Digits: no number at special states, fewer digits the nearer they are, or few digits everywhere.
 
+use crate::case::Case;
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::mutants::diagnosis::component::Symptoms;
 use crate::mutants::diagnosis::matching::{Cell, Matching, Words, equation};
+use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::measure::Unit;
@@ -37,57 +39,79 @@ struct Special {
     distance: f64,
 }
 
-/// How far a state is from special ones; those of a component count where that has wrong numbers.
-fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Special> {
-    let case = symptoms.case;
-    let Some(step) = case.last() else { return Vec::new() };
+const RAD: &str = "rad";
+const LENGTHS: &str = "lengths of the connector";
+
+/// Special kinds of states of any connector, and the units of distances from them.
+pub(super) const PLACES: [(&str, &str); 11] = [
+    ("nothing has moved", RAD),
+    ("b has not turned against a since the initial state", RAD),
+    ("the axes of a and b coincide", RAD),
+    ("b is turned by π against a", RAD),
+    ("b has turned by π against a since the initial state", RAD),
+    ("b has turned by nothing or by π since the initial state", RAD),
+    ("e3a and e3b coincide", RAD),
+    ("e3a and e3b are opposite", RAD),
+    ("the second angle is at ±π/2", RAD),
+    ("the nodes coincide", LENGTHS),
+    ("b is on the axis e3a", LENGTHS),
+];
+
+/// What loses digits there.
+const FORMULAS: [&str; PLACES.len()] = [
+    "0/0 at the initial state",
+    "an angle or axis from a rotation that is none",
+    "acos((tr Q − 1)/2), or a division by the angle",
+    "acos((tr Q − 1)/2), or a division by the sine",
+    "a division by the sine",
+    "acos of a trace, or a division by the angle or its sine",
+    "acos(e3a·e3b), or 1 − cos of a small angle",
+    "acos(e3a·e3b)",
+    "asin of an entry of Q, or a division by its cosine",
+    "a division by the distance, or a difference of large numbers",
+    "the root of a difference of squares, or a division by the radius",
+];
+
+/// How far the end of a case is from each of [`PLACES`].
+pub(super) fn distances(case: &Case) -> [f64; PLACES.len()] {
+    let Some(step) = case.last() else { return [f64::NAN; PLACES.len()] };
     let (pair, initial) = (&step.state.pair, &case.definition.initial);
     let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
     let (q, q0) = (relative(pair), relative(initial));
-    let since = product(&q, &transpose(&q0));
     let angle = |r: &Matrix<f64>| norm(so3::log(r));
-    let d = norm(pair.separation()) / case.length;
+    let (coincide, since) = (angle(&q), angle(&product(&q, &transpose(&q0))));
     let bent = (q[0][2].hypot(q[1][2])).atan2(q[2][2]);
     let tilted = q[0][2].clamp(-1.0, 1.0).asin();
-    let special = |at, formula, distance: f64| Special { at, formula, distance: distance.abs() };
-    let mut found = vec![
-        special(
-            "b has not turned against a since the initial state",
-            "an angle or axis from a rotation that is none",
-            angle(&since),
-        ),
-        special("the axes of a and b coincide", "acos((tr Q − 1)/2), or a division by the angle", angle(&q)),
-        special(
-            "b is turned by π against a",
-            "acos((tr Q − 1)/2), or a division by the sine",
-            angle(&q) - PI,
-        ),
-        special(
-            "b has turned by π against a since the initial state",
-            "a division by the sine",
-            angle(&since) - PI,
-        ),
-        special(
-            "b has turned by nothing or by π since the initial state",
-            "acos of a trace, or a division by the angle or its sine",
-            angle(&since).min(PI - angle(&since)),
-        ),
-        special("e3a and e3b coincide", "acos(e3a·e3b), or 1 − cos of a small angle", bent),
-        special("e3a and e3b are opposite", "acos(e3a·e3b)", bent - PI),
-        special(
-            "the second angle is at ±π/2",
-            "asin of an entry of Q, or a division by its cosine",
-            tilted.abs() - PI / 2.0,
-        ),
-        special("the nodes coincide", "a division by the distance, or a difference of large numbers", d),
-    ];
     let across = [0, 1].map(|i| dot(column(&pair.a.triad, i), pair.separation()));
-    let radius = across[0].hypot(across[1]) / case.length;
-    found.push(special(
-        "b is on the axis e3a",
-        "the root of a difference of squares, or a division by the radius",
-        radius,
-    ));
+    let has_moved =
+        |now: &Node<f64>, then: &Node<f64>| now.triad != then.triad || now.displacement != then.displacement;
+    let nothing = !has_moved(&pair.a, &initial.a) && !has_moved(&pair.b, &initial.b);
+    let all = [
+        if nothing { 0.0 } else { 1.0 },
+        since,
+        coincide,
+        coincide - PI,
+        since - PI,
+        since.min(PI - since),
+        bent,
+        bent - PI,
+        tilted.abs() - PI / 2.0,
+        norm(pair.separation()) / case.length,
+        across[0].hypot(across[1]) / case.length,
+    ];
+    all.map(f64::abs)
+}
+
+/// How far a state is from special ones; those of a component count where that has wrong numbers.
+fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Special> {
+    let case = symptoms.case;
+    if case.last().is_none() {
+        return Vec::new();
+    }
+    let special = |at, formula, distance: f64| Special { at, formula, distance: distance.abs() };
+    let told = PLACES.into_iter().zip(FORMULAS).zip(distances(case));
+    let mut found: Vec<Special> =
+        told.map(|(((at, _), formula), distance)| special(at, formula, distance)).collect();
     let connector = case.connector();
     let asked = Request::new(&[Output::CP], [true; 6], 0);
     if let Some((at, _)) = case.evaluation(&asked) {
@@ -100,12 +124,17 @@ fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Specia
             }
         }
     }
-    let has_moved =
-        |now: &Node<f64>, then: &Node<f64>| now.triad != then.triad || now.displacement != then.displacement;
-    let nothing = !has_moved(&pair.a, &initial.a) && !has_moved(&pair.b, &initial.b);
     found
-        .insert(0, special("nothing has moved", "0/0 at the initial state", if nothing { 0.0 } else { 1.0 }));
-    found
+}
+
+/// Whether errors are smaller the nearer states are to a special kind: what loses digits there has larger ones.
+fn grows_with_distance(states: &[Vec<Special>], errors: &[f64], n: usize) -> bool {
+    /// By so much distances, and errors, must differ.
+    const MUCH: f64 = 10.0;
+    let all = || states.iter().filter_map(|at| at.get(n)).map(|special| special.distance).zip(errors);
+    let Some(nearest) = all().min_by(|x, y| x.0.total_cmp(&y.0)) else { return false };
+    let Some(farthest) = all().max_by(|x, y| x.0.total_cmp(&y.0)) else { return false };
+    farthest.0 > MUCH * nearest.0 && *farthest.1 > MUCH * nearest.1
 }
 
 fn told(cause: Cause, sentence: String, cells: &BTreeSet<Cell>) -> Diagnosis {
@@ -162,6 +191,19 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
         lost.push(most);
     }
     let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
+    // Of a row as a whole.
+    let relative = |one: &&Symptoms<'_>| {
+        let of = |k: &usize| {
+            let want = one.want.entries(one.quantity).0[*k].as_deref().unwrap_or_default();
+            let got = one.got.0[*k].as_deref().unwrap_or_default();
+            let size = want.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let error = want.iter().zip(got).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+            if error > 0.0 { error / size } else { 0.0 }
+        };
+        components.iter().map(of).fold(0.0, f64::max)
+    };
+    let of_rows: Vec<f64> = symptoms.iter().map(relative).collect();
+    let is_value = symptoms.iter().any(|one| one.quantity == Quantity::Value);
     let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
     let count = states.len();
     // One state tells of no tendency.
@@ -178,7 +220,9 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
         let mean = nearest.map(|x| x.max(U).ln()).sum::<f64>() / count as f64;
         // What a constraint holds there is near it everywhere.
         let is_held = states.iter().filter_map(|at| at.get(n)).all(|special| special.distance < HELD);
-        let is_lost = states.iter().zip(&lost).all(|(at, lost)| near(at, *lost));
+        let is_lost = states.iter().zip(&lost).all(|(at, lost)| near(at, *lost))
+            && (is_value || states.iter().zip(&of_rows).all(|(at, lost)| near(at, *lost)))
+            && !grows_with_distance(&states, &lost, n);
         (is_lost && !is_held && mean < CLOSE.powi(2).ln()).then_some(mean)
     };
     let nearest = (0..kinds).filter_map(|n| Some((n, is_lost(n)?))).min_by(|x, y| x.1.total_cmp(&y.1));
@@ -257,6 +301,25 @@ fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
     told(cause, equation(&place, cause.relation(), cause, &at), &errors.cells)
 }
 
+/// Values that are right to 24 bits of what they are formed of at every state, and have more digits: single precision on the way.
+pub(super) fn single_precision_on_the_way(
+    symptoms: &[&Symptoms<'_>],
+    words: &dyn Words,
+) -> Option<Diagnosis> {
+    /// Between these the largest error of most states is, and so many states tell.
+    const SINGLE: ([f64; 2], usize) = ([1e-10, 2e-7], 6);
+    let errors = errors(symptoms);
+    let is_single = |largest: &f64| (SINGLE.0[0]..SINGLE.0[1]).contains(largest);
+    // Differences and constants of few digits have larger errors everywhere, or smaller ones.
+    let most = errors.largest.iter().copied().fold(0.0, f64::max);
+    let is_value = symptoms.iter().all(|one| one.quantity == Quantity::Value);
+    let typical = errors.largest.iter().filter(|largest| is_single(largest)).count();
+    // Where what is rounded is small, the error is smaller.
+    let is_it = is_value && errors.largest.len() >= SINGLE.1 && 2 * typical >= errors.largest.len();
+    (is_it && most > 10.0 * SINGLE.0[0] && most < SINGLE.0[1])
+        .then(|| everywhere(Cause::SinglePrecision, &errors, words))
+}
+
 /// Derivatives that are right to fewer digits at every state: differences.
 pub(super) fn differences(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
     /// What differences are wrong by at least, and how many states tell.
@@ -269,4 +332,21 @@ pub(super) fn differences(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
     let is_derivative = symptoms.iter().all(|one| one.quantity != Quantity::Value);
     (is_derivative && is_little && symptoms.iter().filter(is_regular).count() >= LEAST.1)
         .then(|| everywhere(Cause::Differences, &errors, words))
+}
+
+/// Where all that is wrong is near a special kind of states, and what is farther is right, that first; then what it is there. Digits that are
+/// lost, and numbers that are none, have said where.
+pub(super) fn led_by_place(
+    symptoms: &[Symptoms<'_>],
+    seen: &Seen,
+    words: &dyn Words,
+    found: Diagnosis,
+) -> Diagnosis {
+    let says_where = |cause: Cause| matches!(cause, Cause::DigitsLost | Cause::NotANumber);
+    if found.causes.first().is_some_and(|one| says_where(one.cause)) {
+        return found;
+    }
+    let Some(near) = seen.near() else { return found };
+    let all: Vec<&Symptoms<'_>> = symptoms.iter().collect();
+    near.leading(&place(&errors(&all).cells, words), found)
 }

@@ -31,7 +31,7 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     }
     let has_offsets = tables.len() > 1 && table.quantity == Quantity::Value;
     let has_bounds = tables.len() > 1 && !is_derivative(table.quantity);
-    let matching = Matching { states, regions, has_offsets, has_bounds, words: &words };
+    let matching = Matching { states, regions, has_offsets, has_bounds, seen: None, words: &words };
     let found = matching.diagnosis();
     let lost: Vec<_> = tables.iter().filter(|table| !is_finite(table)).collect();
     if lost.is_empty() {
@@ -81,7 +81,7 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
         relation: relation.clone(),
         ..Hypothesis::many(*cause, placed(changes))
     }));
-    let mut state = AtState { data: data.collect(), hypotheses };
+    let mut state = AtState { data: data.collect(), hypotheses, tried: 0 };
     state.add_mistakes_of_entries();
     state
 }

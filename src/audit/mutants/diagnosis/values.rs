@@ -166,7 +166,7 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
             }
         }
     }
-    found.extend(of_rotation(case, want, (&now, &first)));
+    found.extend(of_rotation(case, (want, got), (&now, &first)));
     found
 }
 
@@ -293,7 +293,7 @@ fn of_axes(
 /// Angles, or a rotation vector, by other parameters of the same relative rotation.
 fn of_rotation(
     case: &Case,
-    want: &Entries<f64>,
+    (want, got): (&Entries<f64>, &Entries<f64>),
     (now, first): (&Components<f64>, &Components<f64>),
 ) -> Vec<Hypothesis> {
     let Some(step) = case.last() else { return Vec::new() };
@@ -301,6 +301,25 @@ fn of_rotation(
     let connector = case.connector();
     let rotational = [3, 4, 5].map(|k| want.get(k, 0).and(connector.differentiated(k)));
     let mut found = Vec::new();
+    // Three angles of the same rotation, the second one with the other sign.
+    let of_own = rotational.iter().flatten().next();
+    if let (Some(Measure::Euler(_) | Measure::Cardan(_)), [Some(x), Some(y), Some(z)]) =
+        (of_own, [3, 4, 5].map(|k| want.get(k, 0)))
+    {
+        let given = [3, 4, 5].map(|k| got.get(k, 0).unwrap_or(f64::NAN));
+        let middle = match (of_own, first[4]) {
+            (Some(Measure::Euler(_)), Some(first)) => -y - 2.0 * first,
+            (_, Some(first)) => PI - y - 2.0 * first,
+            _ => f64::NAN,
+        };
+        for half in [PI, -PI] {
+            let near = |right: f64, given: f64| right + half + TAU * ((given - right - half) / TAU).round();
+            let three = [near(x, given[0]), middle, near(z, given[2])];
+            let changes = three.into_iter().enumerate().map(|(i, x)| (3 + i, 0, x)).collect();
+            let made = Hypothesis::many(Cause::OtherOrder, changes);
+            found.push(made.related("the other three angles of the same rotation, half a turn off"));
+        }
+    }
     let mut add_as = |cause: Cause, what: &str, now: [f64; 3], first: [f64; 3]| {
         let said = |made: Hypothesis| if what.is_empty() { made } else { made.related(what) };
         for i in (0..3).filter(|i| rotational[*i].is_some()) {

@@ -1,0 +1,394 @@
+//! What else of the nodes a number may be, each with its formula in words: coordinates along other axes, other lengths, angles of other
+//! sequences, rotation vectors and cosines of other relative rotations, and functions of them.
+//!
+//! All are formed on dual numbers, so that rows, rates and accelerations of a mistake are known as its values are.
+
+use crate::case::quantity::{Entries, Quantity};
+use crate::case::{Case, Step};
+use crate::mutants::cause::Cause;
+use crate::mutants::diagnosis::matching::Hypothesis;
+use num_dual::{Dual2, DualSVec64};
+use pintle_kinematics::measure::Unit;
+use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::scalar::elementary::{abs, atan2, direction, norm};
+use pintle_kinematics::scalar::{MAX_ORDER, Scalar, Seeded};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{
+    Matrix, add, apply_transposed, column, constant, product, sub, transpose, transposed_product,
+};
+
+/// A number is looked at more closely where all of its entries are met to this part of the largest.
+const MET: f64 = 1e-8;
+
+/// A number of the nodes.
+struct Item<S> {
+    cause: Cause,
+    unit: Unit,
+    formula: String,
+    x: S,
+}
+
+/// A function f(x) with what its initial value x₀ has to do with it: Taylor coefficients f, f′, f″/2.
+struct Function {
+    of: Unit,
+    /// `x` stands for its argument, `x₀` for that at the initial state.
+    formula: &'static str,
+    taylor: fn(f64, f64) -> [f64; 3],
+}
+
+/// A function of a part of an angle, less the same at first.
+macro_rules! of_part {
+    ($x:ident, $first:ident, $part:expr, $f:expr, $slope:expr, $half:expr) => {{
+        let f: fn(f64) -> f64 = $f;
+        let slope: fn(f64) -> f64 = $slope;
+        let half: fn(f64) -> f64 = $half;
+        [f($part * $x) - f($part * $first), $part * slope($part * $x), $part * $part * half($part * $x)]
+    }};
+}
+
+const TAN_SLOPE: fn(f64) -> f64 = |x| x.tan().mul_add(x.tan(), 1.0);
+const TAN_HALF: fn(f64) -> f64 = |x| x.tan() * TAN_SLOPE(x);
+
+/// The functions that strains, squares, quaternions and cosines are.
+const FUNCTIONS: [Function; 17] = {
+    const fn of(of: Unit, formula: &'static str, taylor: fn(f64, f64) -> [f64; 3]) -> Function {
+        Function { of, formula, taylor }
+    }
+    use Unit::{Angle, Length};
+    [
+        of(Length, "x² − x₀²", |x, o| [x * x - o * o, 2.0 * x, 1.0]),
+        of(Length, "(x² − x₀²)/2", |x, o| [(x * x - o * o) / 2.0, x, 0.5]),
+        of(Length, "(x² − x₀²)/(2 x₀)", |x, o| [(x * x - o * o) / (2.0 * o), x / o, 0.5 / o]),
+        of(Length, "(x² − x₀²)/(2 x₀²)", |x, o| {
+            [(x * x - o * o) / (2.0 * o * o), x / (o * o), 0.5 / (o * o)]
+        }),
+        of(Length, "ln(x/x₀)", |x, o| [(x / o).ln(), 1.0 / x, -0.5 / (x * x)]),
+        of(Length, "x₀ ln(x/x₀)", |x, o| [o * (x / o).ln(), o / x, -0.5 * o / (x * x)]),
+        of(Length, "(x − x₀)/x₀", |x, o| [(x - o) / o, 1.0 / o, 0.0]),
+        of(Length, "(x − x₀)/x", |x, o| [(x - o) / x, o / (x * x), -o / (x * x * x)]),
+        of(Angle, "sin x − sin x₀", |x, o| of_part!(x, o, 1.0, f64::sin, f64::cos, |x| -x.sin() / 2.0)),
+        of(Angle, "cos x₀ − cos x", |x, o| {
+            of_part!(x, o, 1.0, |x| -x.cos(), f64::sin, |x| x.cos() / 2.0)
+        }),
+        of(Angle, "tan x − tan x₀", |x, o| of_part!(x, o, 1.0, f64::tan, TAN_SLOPE, TAN_HALF)),
+        of(Angle, "sin(x/2) − sin(x₀/2)", |x, o| {
+            of_part!(x, o, 0.5, f64::sin, f64::cos, |x| -x.sin() / 2.0)
+        }),
+        of(Angle, "2 sin(x/2) − 2 sin(x₀/2)", |x, o| {
+            of_part!(x, o, 0.5, |x| 2.0 * x.sin(), |x| 2.0 * x.cos(), |x| -x.sin())
+        }),
+        of(Angle, "tan(x/2) − tan(x₀/2)", |x, o| of_part!(x, o, 0.5, f64::tan, TAN_SLOPE, TAN_HALF)),
+        of(Angle, "2 tan(x/2) − 2 tan(x₀/2)", |x, o| {
+            of_part!(x, o, 0.5, |x| 2.0 * x.tan(), |x| 2.0 * TAN_SLOPE(x), |x| 2.0 * TAN_HALF(x))
+        }),
+        of(Angle, "4 tan(x/4) − 4 tan(x₀/4)", |x, o| {
+            of_part!(x, o, 0.25, |x| 4.0 * x.tan(), |x| 4.0 * TAN_SLOPE(x), |x| 4.0 * TAN_HALF(x))
+        }),
+        of(Angle, "x − x₀ in turns", |x, o| {
+            [(x - o) / std::f64::consts::TAU, 1.0 / std::f64::consts::TAU, 0.0]
+        }),
+    ]
+};
+
+/// Lengths: coordinates of d = x_b − x_a, and distances, by the axes of any frame.
+fn lengths<S: Scalar<Real = f64>>(
+    pair: &Pair<S>,
+    initial: &Pair<f64>,
+    before: &Pair<f64>,
+    mut add_item: impl FnMut(Cause, String, S),
+) {
+    let lifted = |m: &Matrix<f64>| m.map(constant);
+    let (d, d0) = (pair.separation(), constant(initial.separation()));
+    let midway: Matrix<S> = {
+        let sums = [0, 1, 2].map(|i| direction(add(column(&pair.a.triad, i), column(&pair.b.triad, i))));
+        transpose(&sums)
+    };
+    let identity: Matrix<S> = pintle_kinematics::vector::identity();
+    let frames: [(&str, Cause, Matrix<S>); 9] = [
+        ("a", Cause::AxesOfA, pair.a.triad),
+        ("b", Cause::AxesOfB, pair.b.triad),
+        ("a at first", Cause::InitialAxes, lifted(&initial.a.triad)),
+        ("b at first", Cause::InitialAxes, lifted(&initial.b.triad)),
+        ("a and b midway", Cause::AxesMidway, midway),
+        ("a at the state before", Cause::StateBefore, lifted(&before.a.triad)),
+        ("b at the state before", Cause::StateBefore, lifted(&before.b.triad)),
+        ("the global frame", Cause::GlobalAxes, identity),
+        ("a, rows for columns", Cause::TriadsTransposed, transpose(&pair.a.triad)),
+    ];
+    let vectors = [
+        ("d", None, d),
+        ("(d − d₀)", Some(Cause::InitialTurned), sub(d, d0)),
+        ("u_b", Some(Cause::MotionIgnored), pair.b.displacement),
+        ("u_a", Some(Cause::MotionIgnored), pair.a.displacement),
+    ];
+    for (of, cause, frame) in frames {
+        for (name, of_vector, vector) in vectors {
+            let along = apply_transposed(&frame, vector);
+            for i in 0..3 {
+                let cause = of_vector.unwrap_or(cause);
+                add_item(cause, format!("e{}·{name} along the axes of {of}", i + 1), along[i]);
+            }
+            if of_vector.is_none() {
+                let magnitudes = along.map(abs);
+                let sum = magnitudes[0] + magnitudes[1] + magnitudes[2];
+                let whose = format!("along the axes of {of}");
+                add_item(Cause::OtherLength, format!("|d₁| + |d₂| + |d₃| {whose}"), sum);
+                for i in 0..3 {
+                    let [j, k] = [(i + 1) % 3, (i + 2) % 3];
+                    let across = norm([along[j], along[k]]);
+                    add_item(
+                        Cause::OtherLength,
+                        format!("the distance from the axis e{} of {of}", i + 1),
+                        across,
+                    );
+                }
+            }
+        }
+    }
+    add_item(Cause::OtherLength, "the whole length |d|".into(), norm(d));
+    add_item(Cause::OtherLength, "|d − d₀|".into(), norm(sub(d, d0)));
+    let flows = pair.b.flow - pair.a.flow;
+    add_item(Cause::OtherParameters, "Ψ_b − Ψ_a".into(), flows);
+}
+
+/// The angles of every sequence of three axes, in the order of the rotations: three different axes, then the first one twice.
+fn sequences<S: Scalar>(r: &Matrix<S>) -> Vec<([usize; 3], [S; 3])> {
+    let mut found = Vec::new();
+    for i in 0..3 {
+        for (j, is_cyclic) in [((i + 1) % 3, true), ((i + 2) % 3, false)] {
+            let k = 3 - i - j;
+            let signed = |x: S| if is_cyclic { x } else { -x };
+            let three = [
+                atan2(-signed(r[j][k]), r[k][k]),
+                atan2(signed(r[i][k]), norm([r[i][i], r[i][j]])),
+                atan2(-signed(r[i][j]), r[i][i]),
+            ];
+            let two = [
+                atan2(r[j][i], -signed(r[k][i])),
+                atan2(norm([r[i][j], r[i][k]]), r[i][i]),
+                atan2(r[i][j], signed(r[i][k])),
+            ];
+            found.extend([([i, j, k], three), ([i, j, i], two)]);
+        }
+    }
+    found
+}
+
+/// Angles of any relative rotation.
+fn angles<S: Scalar<Real = f64>>(
+    pair: &Pair<S>,
+    initial: &Pair<f64>,
+    mut add_item: impl FnMut(Cause, String, S),
+) {
+    let lifted = |m: &Matrix<f64>| m.map(constant);
+    let (a, b) = (&pair.a.triad, &pair.b.triad);
+    let (a0, b0): (Matrix<S>, Matrix<S>) = (lifted(&initial.a.triad), lifted(&initial.b.triad));
+    let (q, q0) = (transposed_product(a, b), transposed_product(&a0, &b0));
+    let since = |now: &Matrix<S>, first: &Matrix<S>| product(now, &transpose(first));
+    let (of_a, of_b) = (since(a, &a0), since(b, &b0));
+    let rotations: [(&str, Cause, Matrix<S>); 11] = [
+        ("Q = AᵀB", Cause::OtherParameters, q),
+        ("Qᵀ = BᵀA", Cause::NodesSwapped, transpose(&q)),
+        ("Q Q₀ᵀ", Cause::OtherParameters, since(&q, &q0)),
+        ("Q₀ᵀ Q", Cause::OtherParameters, transposed_product(&q0, &q)),
+        ("B Aᵀ", Cause::GlobalAxes, since(b, a)),
+        ("A Bᵀ", Cause::GlobalAxes, since(a, b)),
+        ("B B₀ᵀ A₀ Aᵀ", Cause::GlobalAxes, since(&of_b, &of_a)),
+        ("A A₀ᵀ, the rotation of a", Cause::MotionIgnored, of_a),
+        ("B B₀ᵀ, the rotation of b", Cause::MotionIgnored, of_b),
+        ("A₀ᵀ B", Cause::MotionIgnored, transposed_product(&a0, b)),
+        ("Aᵀ B₀", Cause::MotionIgnored, transposed_product(a, &b0)),
+    ];
+    for (of, cause, r) in rotations {
+        for (axes, three) in sequences(&r) {
+            let of_sequence = if cause == Cause::OtherParameters { Cause::OtherOrder } else { cause };
+            let named = axes.map(|axis| format!("e{}", axis + 1)).join(" ");
+            for (n, x) in three.into_iter().enumerate() {
+                let place = ["first", "second", "third"][n];
+                add_item(of_sequence, format!("the {place} angle of the sequence {named} of {of}"), x);
+            }
+        }
+        let vector = so3::log(&r);
+        for (i, x) in vector.into_iter().enumerate() {
+            add_item(cause, format!("component {} of the rotation vector of {of}", i + 1), x);
+        }
+        let length = norm(vector);
+        add_item(cause, format!("the whole angle of {of}"), length);
+        add_item(cause, format!("the torsion of {of}"), so3::torsion(&r));
+        type Length = fn(f64) -> [f64; 3];
+        let functions: [(&str, Length); 6] = [
+            ("sin θ n, the axial vector,", |x| [x.sin(), x.cos(), -x.sin() / 2.0]),
+            ("2 sin(θ/2) n, twice the quaternion's vector,", |x| {
+                [2.0 * (x / 2.0).sin(), (x / 2.0).cos(), -(x / 2.0).sin() / 4.0]
+            }),
+            ("sin(θ/2) n, the quaternion's vector,", |x| {
+                [(x / 2.0).sin(), (x / 2.0).cos() / 2.0, -(x / 2.0).sin() / 8.0]
+            }),
+            ("2 tan(θ/2) n, twice the Rodrigues vector,", |x| {
+                [2.0 * (x / 2.0).tan(), TAN_SLOPE(x / 2.0), TAN_HALF(x / 2.0) / 2.0]
+            }),
+            ("tan(θ/2) n, the Rodrigues vector,", |x| {
+                [(x / 2.0).tan(), TAN_SLOPE(x / 2.0) / 2.0, TAN_HALF(x / 2.0) / 4.0]
+            }),
+            ("4 tan(θ/4) n, the Wiener-Milenković vector,", |x| {
+                [4.0 * (x / 4.0).tan(), TAN_SLOPE(x / 4.0), TAN_HALF(x / 4.0) / 4.0]
+            }),
+        ];
+        let along = direction(vector);
+        for (name, function) in functions {
+            let made = lift(length, function(length.real()));
+            for (i, x) in along.into_iter().enumerate() {
+                add_item(Cause::OtherParameters, format!("component {} of {name} of {of}", i + 1), x * made);
+            }
+        }
+        for (n, x) in r.as_flattened().iter().enumerate() {
+            let formula = format!("entry {}{} of {of}", n / 3 + 1, n % 3 + 1);
+            add_item(Cause::OtherParameters, formula, *x);
+        }
+    }
+    // An index or a sign mistyped.
+    let entries = q.as_flattened();
+    for (m, y) in entries.iter().enumerate() {
+        for (n, x) in entries.iter().enumerate().filter(|(n, _)| *n != m) {
+            for (sign, x) in [("", *x), ("−", -*x)] {
+                let name = |n: usize| format!("Q{}{}", n / 3 + 1, n % 3 + 1);
+                let formula = format!("atan2({}, {sign}{})", name(m), name(n));
+                add_item(Cause::OtherParameters, formula, atan2(*y, x));
+            }
+        }
+    }
+    let apart = sub(so3::log(&of_b), so3::log(&of_a));
+    for (of, along) in [
+        ("", apart),
+        (" along the axes of a", apply_transposed(a, apart)),
+        (" along the axes of a at first", apply_transposed(&a0, apart)),
+    ] {
+        for (i, x) in along.into_iter().enumerate() {
+            let formula = format!(
+                "component {} of the difference φ_b − φ_a of the rotation vectors of the nodes{of}",
+                i + 1
+            );
+            add_item(Cause::OtherParameters, formula, x);
+        }
+    }
+}
+
+/// A function whose Taylor coefficients at x are these, of a number with two orders of derivatives at most.
+fn lift<S: Scalar<Real = f64>>(x: S, taylor: [f64; 3]) -> S {
+    const { assert!(S::ORDER <= 2, "three coefficients are given") }
+    let mut all = [0.0; MAX_ORDER + 1];
+    all[..3].copy_from_slice(&taylor);
+    x.lift(&all)
+}
+
+/// All of them at a pair of nodes.
+fn items<S: Scalar<Real = f64>>(
+    pair: &Pair<S>,
+    initial: &Pair<f64>,
+    before: &Pair<f64>,
+    units: &[Unit],
+) -> Vec<Item<S>> {
+    let mut found = Vec::new();
+    if units.contains(&Unit::Length) {
+        lengths(pair, initial, before, |cause, formula, x| {
+            found.push(Item { cause, unit: Unit::Length, formula, x });
+        });
+    }
+    if units.contains(&Unit::Angle) {
+        angles(pair, initial, |cause, formula, x| {
+            found.push(Item { cause, unit: Unit::Angle, formula, x });
+        });
+    }
+    found
+}
+
+/// What numbers may be else, and how many were tried for each.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) hypotheses: Vec<Hypothesis>,
+    pub(super) tried: usize,
+}
+
+/// What else the numbers given may be.
+pub(super) fn of_dictionary(
+    case: &Case,
+    quantity: Quantity,
+    want: &Entries<f64>,
+    got: &Entries<f64>,
+) -> Found {
+    let Some(Step { state, .. }) = case.last() else { return Found::default() };
+    match quantity {
+        Quantity::Value => found(case, (&[0.0; DOFS], |x: f64| vec![x]), want, got),
+        Quantity::FirstDerivatives | Quantity::NodalForces => {
+            let seeds = std::array::from_fn(|j| <DualSVec64<DOFS> as Seeded<DOFS>>::seed(0.0, j));
+            found(case, (&seeds, |x: DualSVec64<DOFS>| x.gradient().to_vec()), want, got)
+        }
+        Quantity::Rate | Quantity::Acceleration => {
+            let seeds: [Dual2<f64>; DOFS] =
+                std::array::from_fn(|j| Dual2::new(0.0, state.velocity[j], state.acceleration[j]));
+            let is_rate = quantity == Quantity::Rate;
+            let read = move |x: Dual2<f64>| vec![if is_rate { x.v1 } else { x.v2 }];
+            found(case, (&seeds, read), want, got)
+        }
+        _ => Found::default(),
+    }
+}
+
+fn found<S: Scalar<Real = f64>>(
+    case: &Case,
+    (seeds, read): (&[S; DOFS], impl Fn(S) -> Vec<f64>),
+    want: &Entries<f64>,
+    got: &Entries<f64>,
+) -> Found {
+    let Some((last, path)) = case.path.split_last() else { return Found::default() };
+    let initial = &case.definition.initial;
+    let before = path.last().map_or(initial, |step| &step.state.pair);
+    let connector = case.connector();
+    let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
+    let present: Vec<Unit> = units.into_iter().flatten().collect();
+    let all = items(&last.state.pair.moved(seeds), initial, before, &present);
+    let at_first = items(initial, initial, initial, &present);
+    let mut found = Found::default();
+    for (k, wanted) in want.0.iter().enumerate() {
+        let (Some(wanted), Some(given), Some(unit)) = (wanted, &got.0[k], units[k]) else { continue };
+        let mut tried = 0;
+        let is_met = |made: &[f64], by: &[f64]| {
+            let largest = made.iter().chain(by).fold(0.0_f64, |most, x| most.max(x.abs()));
+            made.iter().zip(by).all(|(x, y)| (x - y).abs() <= MET * largest)
+        };
+        if is_met(wanted, given) {
+            continue;
+        }
+        let mut add = |cause: Cause, formula: &dyn Fn() -> String, x: S| {
+            for (sign, x) in [("", x), ("−", -x)] {
+                tried += 1;
+                let made = read(x);
+                if !is_met(&made, given) {
+                    continue;
+                }
+                let said = if sign.is_empty() { formula() } else { format!("minus {}", formula()) };
+                let made = Hypothesis::of_row(cause, k, made.into_iter().enumerate());
+                found.hypotheses.push(Hypothesis { is_searched: true, ..made.related(said) });
+            }
+        };
+        for (item, first) in all.iter().zip(&at_first).filter(|(item, _)| item.unit == unit) {
+            let Item { cause, formula, x, .. } = item;
+            let since = *x - S::from_real(first.x);
+            let is_own = is_met(&read(since), wanted);
+            if !is_own {
+                add(*cause, &|| format!("the change of {formula}"), since);
+            }
+            let kept = if is_own { Cause::InitialKept } else { *cause };
+            if !is_met(&read(*x), wanted) {
+                add(kept, &|| formula.clone(), *x);
+            }
+            for function in FUNCTIONS.iter().filter(|function| function.of == unit) {
+                let cause = if unit == Unit::Angle { Cause::OtherParameters } else { Cause::OtherLength };
+                let made = lift(*x, (function.taylor)(x.real(), first.x));
+                add(cause, &|| format!("{}, x {formula}", function.formula), made);
+            }
+        }
+        found.tried = found.tried.max(tried);
+    }
+    found
+}
