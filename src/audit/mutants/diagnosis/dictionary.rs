@@ -7,6 +7,7 @@ use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
+use crate::mutants::diagnosis::values::{at_rest, positions};
 use num_dual::{Dual2, DualSVec64};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::{DOFS, Pair};
@@ -14,7 +15,7 @@ use pintle_kinematics::scalar::elementary::{abs, atan2, direction, norm};
 use pintle_kinematics::scalar::{MAX_ORDER, Scalar, Seeded};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, add, apply_transposed, column, constant, product, sub, transpose, transposed_product,
+    Matrix, add, apply_transposed, column, constant, product, scale, sub, transpose, transposed_product,
 };
 
 /// A number is looked at more closely where all of its entries are met to this part of the largest.
@@ -24,8 +25,33 @@ const MET: f64 = 1e-8;
 struct Item<S> {
     cause: Cause,
     unit: Unit,
-    formula: String,
+    formula: Formula,
     x: S,
+}
+
+/// A formula in words.
+struct Formula {
+    words: String,
+    /// Of three numbers the place of this one, and the words for all of them, each in its component.
+    of_three: Option<(usize, String)>,
+}
+
+impl Formula {
+    fn one(words: impl Into<String>) -> Self {
+        Self { words: words.into(), of_three: None }
+    }
+
+    fn of_three(place: usize, words: String, all: &str) -> Self {
+        Self { words, of_three: Some((place, all.to_string())) }
+    }
+
+    /// What component k equals.
+    fn said(&self, k: usize) -> &str {
+        match &self.of_three {
+            Some((place, all)) if *place == k % 3 => all,
+            _ => &self.words,
+        }
+    }
 }
 
 /// A function f(x) with what its initial value x₀ has to do with it: Taylor coefficients f, f′, f″/2.
@@ -50,7 +76,7 @@ const TAN_SLOPE: fn(f64) -> f64 = |x| x.tan().mul_add(x.tan(), 1.0);
 const TAN_HALF: fn(f64) -> f64 = |x| x.tan() * TAN_SLOPE(x);
 
 /// The functions that strains, squares, quaternions and cosines are.
-const FUNCTIONS: [Function; 17] = {
+const FUNCTIONS: [Function; 18] = {
     const fn of(of: Unit, formula: &'static str, taylor: fn(f64, f64) -> [f64; 3]) -> Function {
         Function { of, formula, taylor }
     }
@@ -64,6 +90,9 @@ const FUNCTIONS: [Function; 17] = {
         }),
         of(Length, "ln(x/x₀)", |x, o| [(x / o).ln(), 1.0 / x, -0.5 / (x * x)]),
         of(Length, "x₀ ln(x/x₀)", |x, o| [o * (x / o).ln(), o / x, -0.5 * o / (x * x)]),
+        of(Length, "ln((1 + x)/(1 + x₀))", |x, o| {
+            [x.ln_1p() - o.ln_1p(), 1.0 / (1.0 + x), -0.5 / ((1.0 + x) * (1.0 + x))]
+        }),
         of(Length, "(x − x₀)/x₀", |x, o| [(x - o) / o, 1.0 / o, 0.0]),
         of(Length, "(x − x₀)/x", |x, o| [(x - o) / x, o / (x * x), -o / (x * x * x)]),
         of(Angle, "sin x − sin x₀", |x, o| of_part!(x, o, 1.0, f64::sin, f64::cos, |x| -x.sin() / 2.0)),
@@ -95,7 +124,7 @@ fn lengths<S: Scalar<Real = f64>>(
     pair: &Pair<S>,
     initial: &Pair<f64>,
     before: &Pair<f64>,
-    mut add_item: impl FnMut(Cause, String, S),
+    mut add_item: impl FnMut(Cause, Formula, S),
 ) {
     let lifted = |m: &Matrix<f64>| m.map(constant);
     let (d, d0) = (pair.separation(), constant(initial.separation()));
@@ -103,13 +132,18 @@ fn lengths<S: Scalar<Real = f64>>(
         let sums = [0, 1, 2].map(|i| direction(add(column(&pair.a.triad, i), column(&pair.b.triad, i))));
         transpose(&sums)
     };
+    let half: Matrix<S> = {
+        let sums = [0, 1, 2].map(|i| scale(add(column(&pair.a.triad, i), column(&pair.b.triad, i)), 0.5));
+        transpose(&sums)
+    };
     let identity: Matrix<S> = pintle_kinematics::vector::identity();
-    let frames: [(&str, Cause, Matrix<S>); 9] = [
+    let frames: [(&str, Cause, Matrix<S>); 10] = [
         ("a", Cause::AxesOfA, pair.a.triad),
         ("b", Cause::AxesOfB, pair.b.triad),
         ("a at first", Cause::InitialAxes, lifted(&initial.a.triad)),
         ("b at first", Cause::InitialAxes, lifted(&initial.b.triad)),
         ("a and b midway", Cause::AxesMidway, midway),
+        ("½ (a + b), shorter than 1", Cause::NotNormalised, half),
         ("a at the state before", Cause::StateBefore, lifted(&before.a.triad)),
         ("b at the state before", Cause::StateBefore, lifted(&before.b.triad)),
         ("the global frame", Cause::GlobalAxes, identity),
@@ -124,31 +158,32 @@ fn lengths<S: Scalar<Real = f64>>(
     for (of, cause, frame) in frames {
         for (name, of_vector, vector) in vectors {
             let along = apply_transposed(&frame, vector);
+            let all = format!("the coordinate of {name} along the axis of {of}");
             for i in 0..3 {
-                let cause = of_vector.unwrap_or(cause);
-                add_item(cause, format!("e{}·{name} along the axes of {of}", i + 1), along[i]);
+                let words = format!("the coordinate of {name} along e{} of {of}", i + 1);
+                add_item(of_vector.unwrap_or(cause), Formula::of_three(i, words, &all), along[i]);
             }
             if of_vector.is_none() {
                 let magnitudes = along.map(abs);
                 let sum = magnitudes[0] + magnitudes[1] + magnitudes[2];
                 let whose = format!("along the axes of {of}");
-                add_item(Cause::OtherLength, format!("|d₁| + |d₂| + |d₃| {whose}"), sum);
+                add_item(Cause::OtherLength, Formula::one(format!("|d₁| + |d₂| + |d₃| {whose}")), sum);
                 for i in 0..3 {
                     let [j, k] = [(i + 1) % 3, (i + 2) % 3];
                     let across = norm([along[j], along[k]]);
                     add_item(
                         Cause::OtherLength,
-                        format!("the distance from the axis e{} of {of}", i + 1),
+                        Formula::one(format!("the distance from the axis e{} of {of}", i + 1)),
                         across,
                     );
                 }
             }
         }
     }
-    add_item(Cause::OtherLength, "the whole length |d|".into(), norm(d));
-    add_item(Cause::OtherLength, "|d − d₀|".into(), norm(sub(d, d0)));
+    add_item(Cause::OtherLength, Formula::one("the whole length |d|"), norm(d));
+    add_item(Cause::OtherLength, Formula::one("|d − d₀|"), norm(sub(d, d0)));
     let flows = pair.b.flow - pair.a.flow;
-    add_item(Cause::OtherParameters, "Ψ_b − Ψ_a".into(), flows);
+    add_item(Cause::OtherParameters, Formula::one("Ψ_b − Ψ_a"), flows);
 }
 
 /// The angles of every sequence of three axes, in the order of the rotations: three different axes, then the first one twice.
@@ -178,7 +213,7 @@ fn sequences<S: Scalar>(r: &Matrix<S>) -> Vec<([usize; 3], [S; 3])> {
 fn angles<S: Scalar<Real = f64>>(
     pair: &Pair<S>,
     initial: &Pair<f64>,
-    mut add_item: impl FnMut(Cause, String, S),
+    mut add_item: impl FnMut(Cause, Formula, S),
 ) {
     let lifted = |m: &Matrix<f64>| m.map(constant);
     let (a, b) = (&pair.a.triad, &pair.b.triad);
@@ -201,20 +236,24 @@ fn angles<S: Scalar<Real = f64>>(
     ];
     for (of, cause, r) in rotations {
         for (axes, three) in sequences(&r) {
-            let of_sequence = if cause == Cause::OtherParameters { Cause::OtherOrder } else { cause };
+            let is_relative = matches!(cause, Cause::OtherParameters | Cause::NodesSwapped);
+            let of_sequence = if is_relative { Cause::OtherOrder } else { cause };
             let named = axes.map(|axis| format!("e{}", axis + 1)).join(" ");
             for (n, x) in three.into_iter().enumerate() {
                 let place = ["first", "second", "third"][n];
-                add_item(of_sequence, format!("the {place} angle of the sequence {named} of {of}"), x);
+                let words = format!("the {place} angle of the sequence {named} of {of}");
+                let all = format!("the angle of the sequence {named} of {of}");
+                add_item(of_sequence, Formula::of_three(n, words, &all), x);
             }
         }
         let vector = so3::log(&r);
         for (i, x) in vector.into_iter().enumerate() {
-            add_item(cause, format!("component {} of the rotation vector of {of}", i + 1), x);
+            let words = format!("component {} of the rotation vector of {of}", i + 1);
+            add_item(cause, Formula::of_three(i, words, &format!("the rotation vector of {of}")), x);
         }
         let length = norm(vector);
-        add_item(cause, format!("the whole angle of {of}"), length);
-        add_item(cause, format!("the torsion of {of}"), so3::torsion(&r));
+        add_item(cause, Formula::one(format!("the whole angle of {of}")), length);
+        add_item(cause, Formula::one(format!("the torsion of {of}")), so3::torsion(&r));
         type Length = fn(f64) -> [f64; 3];
         let functions: [(&str, Length); 6] = [
             ("sin θ n, the axial vector,", |x| [x.sin(), x.cos(), -x.sin() / 2.0]),
@@ -238,12 +277,14 @@ fn angles<S: Scalar<Real = f64>>(
         for (name, function) in functions {
             let made = lift(length, function(length.real()));
             for (i, x) in along.into_iter().enumerate() {
-                add_item(Cause::OtherParameters, format!("component {} of {name} of {of}", i + 1), x * made);
+                let words = format!("component {} of {name} of {of}", i + 1);
+                let all = format!("{name} of {of}");
+                add_item(Cause::OtherParameters, Formula::of_three(i, words, &all), x * made);
             }
         }
         for (n, x) in r.as_flattened().iter().enumerate() {
             let formula = format!("entry {}{} of {of}", n / 3 + 1, n % 3 + 1);
-            add_item(Cause::OtherParameters, formula, *x);
+            add_item(Cause::OtherParameters, Formula::one(formula), *x);
         }
     }
     // An index or a sign mistyped.
@@ -252,8 +293,9 @@ fn angles<S: Scalar<Real = f64>>(
         for (n, x) in entries.iter().enumerate().filter(|(n, _)| *n != m) {
             for (sign, x) in [("", *x), ("−", -*x)] {
                 let name = |n: usize| format!("Q{}{}", n / 3 + 1, n % 3 + 1);
-                let formula = format!("atan2({}, {sign}{})", name(m), name(n));
-                add_item(Cause::OtherParameters, formula, atan2(*y, x));
+                let formula =
+                    format!("the angle atan2({}, {sign}{}) of two entries of Q = AᵀB", name(m), name(n));
+                add_item(Cause::OtherOrder, Formula::one(formula), atan2(*y, x));
             }
         }
     }
@@ -263,12 +305,10 @@ fn angles<S: Scalar<Real = f64>>(
         (" along the axes of a", apply_transposed(a, apart)),
         (" along the axes of a at first", apply_transposed(&a0, apart)),
     ] {
+        let all = format!("the difference φ_b − φ_a of the rotation vectors of the nodes{of}");
         for (i, x) in along.into_iter().enumerate() {
-            let formula = format!(
-                "component {} of the difference φ_b − φ_a of the rotation vectors of the nodes{of}",
-                i + 1
-            );
-            add_item(Cause::OtherParameters, formula, x);
+            let words = format!("component {} of {all}", i + 1);
+            add_item(Cause::OtherParameters, Formula::of_three(i, words, &all), x);
         }
     }
 }
@@ -346,12 +386,14 @@ fn found<S: Scalar<Real = f64>>(
     let connector = case.connector();
     let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
     let present: Vec<Unit> = units.into_iter().flatten().collect();
+    let [own_now, own_first] = [positions(case), positions(&at_rest(case))];
     let all = items(&last.state.pair.moved(seeds), initial, before, &present);
     let at_first = items(initial, initial, initial, &present);
     let mut found = Found::default();
     for (k, wanted) in want.0.iter().enumerate() {
         let (Some(wanted), Some(given), Some(unit)) = (wanted, &got.0[k], units[k]) else { continue };
         let mut tried = 0;
+        let other = if unit == Unit::Angle { Cause::OtherParameters } else { Cause::OtherLength };
         let is_met = |made: &[f64], by: &[f64]| {
             let largest = made.iter().chain(by).fold(0.0_f64, |most, x| most.max(x.abs()));
             made.iter().zip(by).all(|(x, y)| (x - y).abs() <= MET * largest)
@@ -371,8 +413,16 @@ fn found<S: Scalar<Real = f64>>(
                 found.hypotheses.push(Hypothesis { is_searched: true, ..made.related(said) });
             }
         };
+        if let (0, Some(now), Some(first)) = (S::ORDER, own_now[k], own_first[k]) {
+            let is_angle = unit == Unit::Angle;
+            for function in FUNCTIONS.iter().filter(|function| (function.of == Unit::Angle) == is_angle) {
+                let [made, ..] = (function.taylor)(now, first);
+                add(other, &|| format!("{}, x the position", function.formula), S::from_real(made));
+            }
+        }
         for (item, first) in all.iter().zip(&at_first).filter(|(item, _)| item.unit == unit) {
             let Item { cause, formula, x, .. } = item;
+            let formula = formula.said(k);
             let since = *x - S::from_real(first.x);
             let is_own = is_met(&read(since), wanted);
             if !is_own {
@@ -380,12 +430,17 @@ fn found<S: Scalar<Real = f64>>(
             }
             let kept = if is_own { Cause::InitialKept } else { *cause };
             if !is_met(&read(*x), wanted) {
-                add(kept, &|| formula.clone(), *x);
+                add(kept, &|| formula.to_string(), *x);
+            }
+            if let Some(own) = own_first[k].filter(|own| *own != 0.0 && (own - first.x).abs() > MET) {
+                let less = *x - S::from_real(own);
+                if !is_met(&read(less), wanted) {
+                    add(*cause, &|| format!("{formula}, less the initial value of the component"), less);
+                }
             }
             for function in FUNCTIONS.iter().filter(|function| function.of == unit) {
-                let cause = if unit == Unit::Angle { Cause::OtherParameters } else { Cause::OtherLength };
                 let made = lift(*x, (function.taylor)(x.real(), first.x));
-                add(cause, &|| format!("{}, x {formula}", function.formula), made);
+                add(other, &|| format!("{}, x {formula}", function.formula), made);
             }
         }
         found.tried = found.tried.max(tried);

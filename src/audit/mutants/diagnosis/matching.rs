@@ -470,6 +470,8 @@ impl Matching<'_> {
                     rank.is_searched,
                     rank.times,
                     rank.cause,
+                    // Of formulas that were searched for, the shortest.
+                    rank.relation.as_ref().map_or(0, String::len),
                 )
             };
             order(x).cmp(&order(y))

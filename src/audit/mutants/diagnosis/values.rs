@@ -13,42 +13,20 @@ use pintle_kinematics::node::{DOFS, Pair, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, apply, column, cross, dot, product, scale, sub, transpose, transposed_product,
+    Matrix, apply, column, cross, dot, scale, sub, transpose, transposed_product,
 };
 use std::f64::consts::{PI, TAU};
 
 /// Positions of the components at the end of a case.
-fn positions(case: &Case) -> Components<f64> {
+pub(super) fn positions(case: &Case) -> Components<f64> {
     let asked = Request::new(&[Output::CP], [true; 6], 0);
     case.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
 }
 
-/// Which of the [`sequences`] is about e1, e2, e3, as Cardan angles are; and about e3, e1, e3, as Euler angles.
-const OF_CARDAN: [usize; 2] = [0, 1];
-const OF_EULER: [usize; 1] = [14];
-
-/// The angles of every sequence of three axes, in the order of the rotations and in that of the axes.
-fn sequences(r: &Matrix<f64>) -> Vec<[f64; 3]> {
-    let mut found = Vec::new();
-    for i in 0..3 {
-        for (j, sign) in [((i + 1) % 3, 1.0), ((i + 2) % 3, -1.0)] {
-            let k = 3 - i - j;
-            let three = [
-                (-sign * r[j][k]).atan2(r[k][k]),
-                (sign * r[i][k]).atan2(r[i][i].hypot(r[i][j])),
-                (-sign * r[i][j]).atan2(r[i][i]),
-            ];
-            let mut by_axis = [0.0; 3];
-            [i, j, k].into_iter().zip(three).for_each(|(axis, angle)| by_axis[axis] = angle);
-            let two = [
-                r[j][i].atan2(-sign * r[k][i]),
-                r[i][j].hypot(r[i][k]).atan2(r[i][i]),
-                r[i][j].atan2(sign * r[i][k]),
-            ];
-            found.extend([three, by_axis, two]);
-        }
-    }
-    found
+/// The same connector where nothing has moved.
+pub(super) fn at_rest(case: &Case) -> Case {
+    let initial = case.definition.initial;
+    Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() }
 }
 
 /// What mistakes make of values, where `want` are right and `got` were given.
@@ -56,10 +34,7 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
     let Some(Step { state, .. }) = case.last() else { return Vec::new() };
     let (pair, initial) = (&state.pair, &case.definition.initial);
     let connector = case.connector();
-    let mut still = case.clone();
-    still.path = vec![Step::between(initial, *initial)];
-    still.start = None;
-    let (now, first) = (positions(case), positions(&still));
+    let (now, first) = (positions(case), positions(&at_rest(case)));
     let mut earlier = case.clone();
     earlier.path.pop();
     let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
@@ -89,13 +64,6 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                 }
                 if is_angle {
                     of_function(now, first, &mut add);
-                } else {
-                    let mut of = |f: &dyn Fn(f64) -> f64| add(Cause::OtherLength, f(now) - f(first));
-                    of(&f64::ln_1p);
-                    of(&|x| x / (1.0 + x));
-                    of(&|x| -first * first / x);
-                    of(&|x| x + x * x / 2.0);
-                    found.extend(strains(k, now, first));
                 }
             }
         }
@@ -129,36 +97,7 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                 );
             }
         }
-        if matches!(measure, Measure::Distance | Measure::RadialDistance) {
-            let (d, d0) = (pair.separation(), initial.separation());
-            let [u, v, w] = [0, 1, 2].map(|i| dot(column(&pair.a.triad, i), d));
-            let [u0, v0, w0] = [0, 1, 2].map(|i| dot(column(&initial.a.triad, i), d0));
-            let from_b = |pair: &Pair<f64>| {
-                let of = |i: usize| dot(column(&pair.b.triad, i), pair.separation());
-                of(0).hypot(of(1))
-            };
-            for (what, x) in [
-                ("the whole length |d|", norm(d) - norm(d0)),
-                ("|d − d₀|", norm(sub(d, d0))),
-                ("the coordinate along e1a", u - u0),
-                ("the coordinate along e2a", v - v0),
-                ("the coordinate along e3a", w - w0),
-                ("the distance from the axis e3a", u.hypot(v) - u0.hypot(v0)),
-                ("the distance from the axis e3b", from_b(pair) - from_b(initial)),
-                ("the distance from the axis e2a", u.hypot(w) - u0.hypot(w0)),
-                ("the distance from the axis e1a", v.hypot(w) - v0.hypot(w0)),
-                (
-                    "|d₁| + |d₂| + |d₃|",
-                    (d[0].abs() + d[1].abs() + d[2].abs()) - (d0[0].abs() + d0[1].abs() + d0[2].abs()),
-                ),
-            ] {
-                found.push(Hypothesis::one(Cause::OtherLength, (k, 0), x).related(what));
-            }
-        }
         if let Some(i) = axis_of(measure) {
-            of_axes(pair, initial, i, first[k], &mut |cause, x| {
-                found.push(Hypothesis::one(cause, (k, 0), x))
-            });
             for j in (0..3).filter(|j| *j != i) {
                 let along = |pair: &Pair<f64>| dot(column(&pair.a.triad, j), pair.separation());
                 let other = Hypothesis::one(Cause::RowsSwapped, (k, 0), along(pair) - along(initial));
@@ -168,21 +107,6 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
     }
     found.extend(of_rotation(case, (want, got), (&now, &first)));
     found
-}
-
-/// Strains and squares of a position, less the same of its initial value.
-fn strains(k: usize, now: f64, first: f64) -> impl Iterator<Item = Hypothesis> {
-    let square = |x: f64| x * x;
-    [
-        ("l² − l₀², l the position", square(now) - square(first)),
-        ("(l² − l₀²)/2, l the position", (square(now) - square(first)) / 2.0),
-        ("ln (l/l₀), l the position", now.ln() - first.ln()),
-        ("the strain (l − l₀)/l₀", (now - first) / first),
-        ("(l² − l₀²)/(2 l₀), l the position", (square(now) - square(first)) / (2.0 * first)),
-        ("the strain (l² − l₀²)/(2 l₀²)", (square(now) - square(first)) / (2.0 * square(first))),
-    ]
-    .into_iter()
-    .map(move |(what, x)| Hypothesis::one(Cause::OtherLength, (k, 0), x).related(what))
 }
 
 /// The rows of a state.
@@ -209,7 +133,7 @@ fn of_rows(case: &Case, before: &Components<f64>) -> Vec<Hypothesis> {
         }
         all
     };
-    let at_rest = Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() };
+    let at_rest = at_rest(case);
     let earlier =
         if path.is_empty() { at_rest.clone() } else { Case { path: path.to_vec(), ..case.clone() } };
     let from = path.last().map_or(initial, |step| step.state.pair);
@@ -252,44 +176,6 @@ fn of_function(now: f64, first: f64, add: &mut impl FnMut(Cause, f64)) {
     of(Cause::SignLost, &|x| x.cos().acos());
 }
 
-/// A coordinate along other axes.
-fn of_axes(
-    pair: &Pair<f64>,
-    initial: &Pair<f64>,
-    i: usize,
-    first: Option<f64>,
-    add: &mut impl FnMut(Cause, f64),
-) {
-    let (d, d0) = (pair.separation(), initial.separation());
-    let [a, b, a0, b0] = [&pair.a, &pair.b, &initial.a, &initial.b].map(|node| column(&node.triad, i));
-    let midway = |a, b| {
-        let sum: [f64; 3] = pintle_kinematics::vector::add(a, b);
-        scale(sum, 1.0 / norm(sum))
-    };
-    let along = [
-        (Cause::AxesOfA, dot(a, d), dot(a0, d0)),
-        (Cause::AxesOfB, dot(b, d), dot(b0, d0)),
-        (Cause::AxesMidway, dot(midway(a, b), d), dot(midway(a0, b0), d0)),
-        (Cause::NotNormalised, f64::midpoint(dot(a, d), dot(b, d)), f64::midpoint(dot(a0, d0), dot(b0, d0))),
-        (Cause::GlobalAxes, d[i], d0[i]),
-        (Cause::InitialAxes, dot(a0, d), dot(a0, d0)),
-    ];
-    for (cause, now, then) in along {
-        add(cause, now - then);
-        add(cause, now);
-        if let Some(first) = first {
-            add(cause, now - first);
-        }
-    }
-    for (by, sign) in [(pair.b.displacement, 1.0), (pair.a.displacement, -1.0)] {
-        add(Cause::MotionIgnored, sign * dot(a, by));
-        add(Cause::MotionIgnored, sign * dot(a0, by));
-    }
-    for axis in [a, b] {
-        add(Cause::InitialTurned, dot(axis, sub(d, d0)));
-    }
-}
-
 /// Angles, or a rotation vector, by other parameters of the same relative rotation.
 fn of_rotation(
     case: &Case,
@@ -329,54 +215,19 @@ fn of_rotation(
     };
     let q = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
     let (q, q0) = (q(pair), q(initial));
-    // Printed constraints: cosines for angles.
-    for i in 0..3 {
-        for j in 0..3 {
-            for sign in [1.0, -1.0] {
-                add_as(Cause::OtherParameters, "", [sign * q[i][j]; 3], [sign * q0[i][j]; 3]);
-            }
-        }
-    }
     let is_vector = rotational.iter().flatten().all(|measure| {
         matches!(
             measure,
             Measure::RotationVector(_) | Measure::RotationVectorAtB(_) | Measure::Misalignment(_)
         )
     });
-    // Which of the sequences are those of the components.
-    let own: &[usize] = match rotational.iter().flatten().next() {
-        Some(Measure::Cardan(_)) => &OF_CARDAN,
-        Some(Measure::Euler(_)) => &OF_EULER,
-        _ => &[],
+    let principal = |q: &Matrix<f64>| match of_own {
+        Some(Measure::Cardan(_)) => Some(so3::cardan(q)),
+        Some(Measure::Euler(_)) => Some(so3::euler(q, 1.0)),
+        _ => None,
     };
-    for (of, of_first) in [(q, q0), (transpose(&q), transpose(&q0))] {
-        for (place, (angles, initial)) in sequences(&of).into_iter().zip(sequences(&of_first)).enumerate() {
-            let is_own = of == q && own.contains(&place);
-            if is_own {
-                add_as(Cause::TurnForgotten, "the principal angles of the rotation", angles, initial);
-            } else {
-                add_as(Cause::OtherOrder, "", angles, initial);
-            }
-            for n in 0..3 {
-                let mut alike = [angles[n]; 3];
-                if is_own {
-                    alike[n] = f64::NAN;
-                }
-                add_as(Cause::OtherOrder, "", alike, [initial[n]; 3]);
-            }
-        }
-    }
-    // The rotation vector of another rotation, and the difference of those of the nodes.
-    let [of_a, of_b] = [(&pair.a, &initial.a), (&pair.b, &initial.b)]
-        .map(|(now, then)| so3::log(&product(&now.triad, &transpose(&then.triad))));
-    let apart = sub(of_b, of_a);
-    for vector in [so3::log(&product(&q, &transpose(&q0))), so3::log(&product(&transpose(&q0), &q))] {
-        add_as(Cause::OtherParameters, "", vector, [0.0; 3]);
-    }
-    for vector in [apart, apply(&transpose(&pair.a.triad), apart), apply(&transpose(&initial.a.triad), apart)]
-    {
-        let what = "the difference φ_b − φ_a of the rotation vectors of the nodes";
-        add_as(Cause::OtherParameters, what, vector, [0.0; 3]);
+    if let (Some(now), Some(first)) = (principal(&q), principal(&q0)) {
+        add_as(Cause::TurnForgotten, "the principal angles of the rotation", now, first);
     }
     let is_flexion = |of: &Measure| matches!(of, Measure::ComponentFlexion(_));
     if rotational.iter().flatten().any(is_flexion) {
@@ -403,7 +254,6 @@ fn of_rotation(
         let what = "the difference of the Euler angles α and γ, not their sum";
         add_as(Cause::OtherOrder, what, [apart(&q); 3], [apart(&q0); 3]);
     }
-    add_as(Cause::OtherParameters, "", so3::log(&q), so3::log(&q0));
     if rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_))) {
         add_as(Cause::InitialKept, "", so3::log(&q), [0.0; 3]);
     }
