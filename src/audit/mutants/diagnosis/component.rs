@@ -269,44 +269,6 @@ impl Symptoms<'_> {
             }
             found.extend(flow_columns(k, row));
             found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
-            if matches!(measure, Some(Measure::RadialDistance | Measure::Distance)) {
-                let d = pair.separation();
-                let direct = scale(d, 1.0 / norm(d));
-                let axes = [0, 1, 2].map(|j| column(triads[0], j));
-                let outward = |j: usize| {
-                    let across = sub(d, scale(axes[j], along(&axes[j], &d)));
-                    scale(across, 1.0 / norm(across))
-                };
-                for (what, e) in [
-                    ("the row of the coordinate along e1a", axes[0]),
-                    ("the row of the coordinate along e2a", axes[1]),
-                    ("the row of the coordinate along e3a", axes[2]),
-                    ("the row of the distance from the axis e1a", outward(0)),
-                    ("the row of the distance from the axis e2a", outward(1)),
-                    ("the row of the whole length |d|", direct),
-                ] {
-                    let ends = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
-                    let all = ends.clone().chain(put(THETA_A, cross(e, d)));
-                    found.push(Hypothesis::of_row(Cause::OtherLength, k, all).related(what));
-                    found.push(Hypothesis::of_row(Cause::OtherLength, k, ends).related(what));
-                }
-                // The slope of a function of the length.
-                let d0 = separations[1];
-                let (l, first) = (norm(d), norm(d0));
-                for (what, slope) in [
-                    ("the row of l²", 2.0 * l),
-                    ("the row of ln l", 1.0 / l),
-                    ("the row of the strain (l − l₀)/l₀", 1.0 / first),
-                    ("the row of (l² − l₀²)/(2 l₀)", l / first),
-                    ("the row of the strain (l² − l₀²)/(2 l₀²)", l / (first * first)),
-                ] {
-                    let all = row.iter().map(|x| slope * x).enumerate();
-                    let is_length = matches!(measure, Some(Measure::Distance));
-                    found.extend(
-                        is_length.then(|| Hypothesis::of_row(Cause::OtherLength, k, all).related(what)),
-                    );
-                }
-            }
             if let Some(i) = measure.and_then(axis_of) {
                 let initial = &self.case.definition.initial.a.triad;
                 found.extend(along_axes(k, i, (triads, initial), pair.separation()));

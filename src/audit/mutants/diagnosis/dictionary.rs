@@ -9,7 +9,7 @@ use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::mutants::diagnosis::values::{at_rest, positions};
 use num_dual::{Dual2, DualSVec64};
-use pintle_kinematics::measure::Unit;
+use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{DOFS, Pair};
 use pintle_kinematics::scalar::elementary::{abs, atan2, direction, norm};
 use pintle_kinematics::scalar::{MAX_ORDER, Scalar, Seeded};
@@ -358,17 +358,19 @@ pub(super) fn of_dictionary(
 ) -> Found {
     let Some(Step { state, .. }) = case.last() else { return Found::default() };
     match quantity {
-        Quantity::Value => found(case, (&[0.0; DOFS], |x: f64| vec![x]), want, got),
+        Quantity::Value => found(case, "", (&[0.0; DOFS], |x: f64| vec![x]), want, got),
         Quantity::FirstDerivatives | Quantity::NodalForces => {
             let seeds = std::array::from_fn(|j| <DualSVec64<DOFS> as Seeded<DOFS>>::seed(0.0, j));
-            found(case, (&seeds, |x: DualSVec64<DOFS>| x.gradient().to_vec()), want, got)
+            let read = |x: DualSVec64<DOFS>| x.gradient().to_vec();
+            found(case, "the row of ", (&seeds, read), want, got)
         }
         Quantity::Rate | Quantity::Acceleration => {
             let seeds: [Dual2<f64>; DOFS] =
                 std::array::from_fn(|j| Dual2::new(0.0, state.velocity[j], state.acceleration[j]));
             let is_rate = quantity == Quantity::Rate;
             let read = move |x: Dual2<f64>| vec![if is_rate { x.v1 } else { x.v2 }];
-            found(case, (&seeds, read), want, got)
+            let of = if is_rate { "the rate of " } else { "the acceleration of " };
+            found(case, of, (&seeds, read), want, got)
         }
         _ => Found::default(),
     }
@@ -376,6 +378,7 @@ pub(super) fn of_dictionary(
 
 fn found<S: Scalar<Real = f64>>(
     case: &Case,
+    of: &str,
     (seeds, read): (&[S; DOFS], impl Fn(S) -> Vec<f64>),
     want: &Entries<f64>,
     got: &Entries<f64>,
@@ -385,6 +388,9 @@ fn found<S: Scalar<Real = f64>>(
     let before = path.last().map_or(initial, |step| &step.state.pair);
     let connector = case.connector();
     let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
+    let distances: [bool; 6] = std::array::from_fn(|k| {
+        matches!(connector.differentiated(k), Some(Measure::Distance | Measure::RadialDistance))
+    });
     let present: Vec<Unit> = units.into_iter().flatten().collect();
     let [own_now, own_first] = [positions(case), positions(&at_rest(case))];
     let all = items(&last.state.pair.moved(seeds), initial, before, &present);
@@ -408,7 +414,8 @@ fn found<S: Scalar<Real = f64>>(
                 if !is_met(&made, given) {
                     continue;
                 }
-                let said = if sign.is_empty() { formula() } else { format!("minus {}", formula()) };
+                let minus = if sign.is_empty() { "" } else { "minus " };
+                let said = format!("{minus}{of}{}", formula());
                 let made = Hypothesis::of_row(cause, k, made.into_iter().enumerate());
                 found.hypotheses.push(Hypothesis { is_searched: true, ..made.related(said) });
             }
@@ -423,19 +430,25 @@ fn found<S: Scalar<Real = f64>>(
         for (item, first) in all.iter().zip(&at_first).filter(|(item, _)| item.unit == unit) {
             let Item { cause, formula, x, .. } = item;
             let formula = formula.said(k);
+            // A distance has no axis that could be mistaken.
+            let cause = if distances[k] { Cause::OtherLength } else { *cause };
             let since = *x - S::from_real(first.x);
             let is_own = is_met(&read(since), wanted);
-            if !is_own {
-                add(*cause, &|| format!("the change of {formula}"), since);
-            }
-            let kept = if is_own { Cause::InitialKept } else { *cause };
+            let is_value = S::ORDER == 0;
             if !is_met(&read(*x), wanted) {
-                add(kept, &|| formula.to_string(), *x);
+                let cause = if is_value && is_own { Cause::InitialKept } else { cause };
+                add(cause, &|| formula.to_string(), *x);
             }
-            if let Some(own) = own_first[k].filter(|own| *own != 0.0 && (own - first.x).abs() > MET) {
+            // Derivatives know of no initial value.
+            if is_value && !is_own {
+                add(cause, &|| format!("the change of {formula}"), since);
+            }
+            if let Some(own) =
+                own_first[k].filter(|own| is_value && *own != 0.0 && (own - first.x).abs() > MET)
+            {
                 let less = *x - S::from_real(own);
                 if !is_met(&read(less), wanted) {
-                    add(*cause, &|| format!("{formula}, less the initial value of the component"), less);
+                    add(cause, &|| format!("{formula}, less the initial value of the component"), less);
                 }
             }
             for function in FUNCTIONS.iter().filter(|function| function.of == unit) {

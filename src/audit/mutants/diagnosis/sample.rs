@@ -12,7 +12,7 @@ const KEPT: usize = 16;
 /// Wrong numbers of a state, and what they must be.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// Its place among others, by chance: which ones are kept does not depend on their order.
+    /// Its place among others, by its state: which ones are kept depends on neither their order nor their names.
     order: f64,
     quantity: Quantity,
     got: Entries<f64>,
@@ -21,16 +21,11 @@ pub struct Sample {
     bound: Bound,
 }
 
-/// The name of a state without that of who is judged, which must not choose the states by which a cause is told.
-fn place(name: &str) -> &str {
-    name.rfind("state ").map_or(name, |at| &name[at..])
-}
-
 impl Sample {
     /// A copy of what is wrong at a state.
     pub fn new(symptoms: &Symptoms<'_>) -> Self {
         let Symptoms { quantity, got, want, case, bound } = *symptoms;
-        let order = Draw::new(place(&case.name)).unit();
+        let order = Draw::new(&format!("{:?}", case.last().map(|step| step.state.pair))).unit();
         Self {
             order,
             quantity,
