@@ -525,7 +525,8 @@ impl<R: Number> Mechanism<R> {
         }
     }
 
-    /// A beam: S is carried by M. Its rotations are equal throughout where they begin so, and so are their rates.
+    /// A beam: S is carried by M. Its rotations are equal throughout where they begin so, and so are their rates. The rows of a constraint
+    /// of any kind ([`mpc::Constraint::evaluate`]) are right here too, and dear: Bricard's mechanism then takes 1.6 times as long.
     fn beam(
         &self,
         index: usize,
