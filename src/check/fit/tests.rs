@@ -198,10 +198,17 @@ fn types() -> &'static [ConnectionType] {
 #[test]
 fn drawn_conventions_are_found() {
     let per_type: u32 = std::env::var("PINTLE_CONVENTIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    // One general state identifies what two do.
+    for states in [1, 2] {
+        conventions_are_found(per_type, states);
+    }
+}
+
+fn conventions_are_found(per_type: u32, count: usize) {
     let (mut tried, mut unique, mut slowest) = (0, 0, 0.0_f64);
     for connection in types() {
         let definition = of_type(connection);
-        let states = generic_states(&definition, "seen", 2, &Domain::default());
+        let states = generic_states(&definition, "seen", count, &Domain::default());
         let others = generic_states(&definition, "unseen", 2, &Domain::default());
         let mut draw = Draw::new(&format!("conventions of {}", connection.name));
         let (mut of_type, mut spent, mut longest) = (0, 0.0, 0.0_f64);
@@ -225,7 +232,7 @@ fn drawn_conventions_are_found() {
         }
         let mean = 1e3 * spent / f64::from(per_type);
         println!(
-            "{}: {per_type} found, {of_type} of them the only one, in {mean:.0} ms, {longest:.2} s at most",
+            "{}: {per_type} found at {count} states, {of_type} of them the only one, in {mean:.0} ms, {longest:.2} s at most",
             connection.name
         );
         unique += of_type;
