@@ -260,5 +260,14 @@ pub(crate) fn check<D: Door>(
     exchange.ask_again(&|_| layout)?;
     let requests = exchange.asked();
     exchange.close()?;
-    Ok(Checked { report, states, outside, left_out: 0, elsewhere: 0, not_offered, asked: requests })
+    Ok(Checked {
+        report,
+        states,
+        outside,
+        left_out: 0,
+        elsewhere: 0,
+        not_offered,
+        failed: None,
+        asked: requests,
+    })
 }

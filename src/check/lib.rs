@@ -98,6 +98,8 @@ pub struct Checked {
     pub elsewhere: u64,
     /// What it does not offer: values, rows, components of the connector.
     pub not_offered: Vec<&'static str>,
+    /// At how many states it failed, and what it said at the first.
+    pub failed: Option<String>,
     /// How many requests it got, for differences of its own values and all.
     pub asked: u64,
 }
@@ -129,7 +131,7 @@ impl Asked {
 impl Checked {
     /// What was not judged, a sentence each.
     pub fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = self.failed.iter().cloned().collect();
         if !self.not_offered.is_empty() {
             notes.push(format!("not offered, and not judged: {}", self.not_offered.join(", ")));
         }
@@ -201,11 +203,14 @@ fn check_connector<D: Door>(
         check.failing = None;
     }
     let not_offered = session.not_offered();
+    let (failures, failed) = session.failures();
+    let failed =
+        failed.map(|first| format!("the routine failed at {failures} of {states} states, first at {first}"));
     session.ask_again()?;
     let asked = session.asked();
     session.close()?;
     let elsewhere = elsewhere as u64;
-    Ok(Checked { report, states, outside, left_out, elsewhere, not_offered, asked })
+    Ok(Checked { report, states, outside, left_out, elsewhere, not_offered, failed, asked })
 }
 
 /// States of a history, each with the whole way to it: a routine with a memory is led along.

@@ -27,6 +27,10 @@ pub struct Session<'a, D> {
     opening: Value,
     /// To the state before which number a routine was led that commits.
     led: Option<usize>,
+    /// Whether it ever gave numbers; at how many states it failed, and the first of these, in words.
+    gave: bool,
+    failures: u64,
+    failed: Option<String>,
 }
 
 /// The first question, and what came.
@@ -89,6 +93,9 @@ impl<'a, D: Door> Session<'a, D> {
             memories,
             opening,
             led: None,
+            gave: false,
+            failures: 0,
+            failed: None,
         })
     }
 
@@ -137,6 +144,11 @@ impl<'a, D: Door> Session<'a, D> {
         quantities.map(|(name, _)| *name).chain((0..6).filter(has).map(|k| COMPONENT[k])).collect()
     }
 
+    /// At how many states it failed, and the first of them with what it said.
+    pub fn failures(&self) -> (u64, Option<&str>) {
+        (self.failures, self.failed.as_deref())
+    }
+
     /// How many requests it got.
     pub const fn asked(&self) -> u64 {
         self.exchange.asked()
@@ -164,9 +176,18 @@ impl<'a, D: Door> Session<'a, D> {
         }
         let components = self.components();
         let mut given = Vec::with_capacity(asked.len());
+        self.gave |= answers.iter().any(|answer| matches!(answer, Answer::Given(_)));
         for (asked, answer) in asked.iter().zip(answers) {
             given.push(match answer {
                 Answer::OutOfDomain(_) => None,
+                // A routine that works elsewhere has no numbers there.
+                Answer::Error(why) if self.gave && !self.has_memory() => {
+                    self.failures += 1;
+                    let at = || format!("state {} of the check: {why}", asked.number);
+                    self.failed.get_or_insert_with(at);
+                    let has = |k: usize| components[k] && self.connector.differentiated(k).is_some();
+                    Some(Given::nothing(asked.wants, std::array::from_fn(has)))
+                }
                 Answer::Error(why) => return Err(Misbehaviour::Failed { id: self.exchange.asked(), why }),
                 Answer::Given(own) => {
                     let of = (self.definition, &self.connector);

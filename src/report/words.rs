@@ -6,8 +6,8 @@ use std::borrow::Cow;
 
 /// Signs of reported forces, moments and nodal vectors: one paragraph for every page and every JSON header.
 pub const SIGNS: &str = "Forces and moments of components are internal: a positive one resists growth of its component \
-     (tension for AXIAL), so that CTF = CEF + CVF + CSF + CRF − CCF adds up. Nodal force vectors are residual-side, the \
-     transposed gradient of the component times its force; the force on the body is minus that. Displacements are \
+     (tension for AXIAL), so that CTF = CEF + CVF + CSF + CRF − CCF adds up. Nodal force vectors are residual-side: the \
+     transposed gradient of the component times its force, and of a held rotation the moment as printed. The force on the body is minus that. Displacements are \
      positions minus initial positions; rotations are positive counter-clockwise about their axis, from a to b.";
 
 /// What rows of derivatives are, and with respect to what.

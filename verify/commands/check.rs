@@ -71,6 +71,24 @@ fn python_routines_are_judged() {
     assert!(report.contains("is missing"), "TRANSLATOR has rotations: {report}");
 }
 
+/// A routine that fails at some states is judged at all: it has no numbers there, and where and why is said.
+#[test]
+fn failures_at_some_states_end_nothing() {
+    if !has_python() {
+        return;
+    }
+    let file = elements().join("fails_where_nodes_meet.py");
+    let text = format!(
+        "from {EXAMPLE} import cartesian\n\n\ndef evaluate(state, connector):\n    given = cartesian(state, connector)\n    \
+         1.0 / (0.0 if max(map(abs, state['b']['u'])) < 1e-9 else 1.0)\n    return given\n"
+    );
+    fs::write(&file, text).unwrap();
+    let ran = there(&brief("CARTESIAN", "--python", "fails_where_nodes_meet:evaluate")).assert().code(1);
+    let page = stdout(&ran);
+    assert!(page.contains("the routine failed at ") && page.contains("ZeroDivisionError"), "{page}");
+    assert!(page.contains("[diagnosis::not-a-number]"), "{page}");
+}
+
 /// A process in Python: `answer` makes the answer to `message` of whatever `id`.
 fn process(name: &str, hello: &str, open: &str, answer: &str, close: &str) -> String {
     let folder = elements();

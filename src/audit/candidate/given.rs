@@ -44,6 +44,22 @@ impl From<Numbers<f64>> for Given {
 }
 
 impl Given {
+    /// No number where there should be some: what a routine gives at a state at which it failed.
+    pub fn nothing(wants: &[Quantity], components: [bool; 6]) -> Self {
+        let mut given = Self::default();
+        for quantity in wants {
+            match quantity {
+                Quantity::ElementForces => given.1.forces = Some([f64::NAN; DOFS]),
+                Quantity::ElementStiffness => given.1.stiffness = Some(Box::new([[f64::NAN; DOFS]; DOFS])),
+                _ => {
+                    let of = |has: bool| has.then(|| vec![f64::NAN; quantity.entries()]);
+                    given.0.set(*quantity, Entries(components.map(of)));
+                }
+            }
+        }
+        given
+    }
+
     fn scalars(mut self, quantity: Quantity, of: Components<f64>) -> Self {
         self.0.set(quantity, Entries(of.map(|x| x.map(|x| vec![x]))));
         self

@@ -55,7 +55,7 @@ use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differ
 use crate::oracles::referee::Referee;
 use crate::oracles::truth::Truth;
 use crate::sampling::coverage::{Coverage, Lack};
-use crate::sampling::{SPECIAL, about_initial_by, along_initial, special_initial};
+use crate::sampling::{SPECIAL, about_initial_by, along_initial, beside_half_turn, special_initial};
 use crate::settings::Settings;
 use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
@@ -90,6 +90,9 @@ pub struct Candidate<'a> {
 
 /// How many states are asked for at once.
 pub(in crate::candidate) const AT_ONCE: usize = 32;
+
+/// How far the ends of every other history are from half a turn of an angle (rad): their number and that of three angles have no divisor.
+const BESIDE_HALF_TURNS: [f64; 10] = [3e-3, -1e-4, 1e-6, -3e-3, 1e-2, -1e-8, 1e-5, -8e-3, 1e-3, -1e-6];
 
 /// Of how many states wrong tables are kept, to say why they are.
 pub(in crate::candidate) const KEPT: usize = 16;
@@ -269,8 +272,13 @@ impl<'a> Candidate<'a> {
             // The first is the initial state.
             let case = if i >= regular {
                 near_initial(self.definition, length, &name, &mut near)
-            } else if i > 0 && of_history.contains(&i) {
-                along_initial(self.definition, length, &name, None, &mut draw)
+            } else if let Some(n) = of_history.iter().position(|of| i > 0 && *of == i) {
+                let case = along_initial(self.definition, length, &name, None, &mut draw);
+                let landed = |case: &Case| {
+                    let distance = *BESIDE_HALF_TURNS.get(n / 2 % BESIDE_HALF_TURNS.len())?;
+                    beside_half_turn(case, n / 2, distance).filter(|_| n % 2 == 1)
+                };
+                case.map(|case| landed(&case).unwrap_or(case))
             } else if let Some(n) = special.iter().position(|of_special| *of_special == i) {
                 special_initial(self.definition, n, length, &name, &mut draw)
             } else {
@@ -621,11 +629,18 @@ impl<'a> Candidate<'a> {
                     is_drawn: false,
                 });
                 let answers = routine(&questions.collect::<Vec<_>>())?;
-                let values = |given: Option<Given>| {
+                let values_of = |given: Option<Given>| {
                     let given = given.map(|given| self.read(given, wants, asked)).unwrap_or_default();
-                    std::array::from_fn(|k| given.0.entries(Quantity::Value).get(k, 0))
+                    let value = |k: usize| {
+                        let x = given.0.entries(Quantity::Value).get(k, 0)?;
+                        // Beside half a turn an angle may go on on its other side: no derivative of it is a jump.
+                        let is_angle = connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Angle);
+                        let turns = values(k).filter(|_| is_angle).map_or(0.0, |at| ((at - x) / TAU).round());
+                        Some(x + TAU * turns)
+                    };
+                    std::array::from_fn(value)
                 };
-                Ok(answers.into_iter().map(values).collect())
+                Ok(answers.into_iter().map(values_of).collect())
             },
             is_differenced,
             &|j| dof_size(j, case.length) * near,

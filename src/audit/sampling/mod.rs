@@ -14,6 +14,6 @@ pub(crate) use region::{about_initial_by, rates, regions_drawn};
 
 pub use domain::{Turning, about_1, about_3, aligned, is_in_table, needs_length, spin_axis, turning, types};
 pub use region::{
-    Extent, Motion, Region, SPECIAL, about_initial, along_initial, cases, cases_drawn, cube_orientations,
-    definition, draw_case, extent, pair, random_case, special_initial,
+    Extent, Motion, Region, SPECIAL, about_initial, along_initial, beside_half_turn, cases, cases_drawn,
+    cube_orientations, definition, draw_case, extent, pair, random_case, special_initial,
 };

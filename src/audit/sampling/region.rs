@@ -1,14 +1,17 @@
 //! Regions of configuration space, and a case drawn from each.
 
+use crate::case::quantity::Quantity;
 use crate::case::{Case, Step};
+use crate::oracles::oracle::Narrow;
 use crate::sampling::domain::{
     Turning, aligned, angle_at_start, is_in_table, misaligned, needs_length, needs_tilt, spin_axis, turning,
     turns_shafts_over,
 };
-use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::catalog::{COMPONENT, ConnectionType};
 use pintle_kinematics::connector::{Definition, Output, Request};
 use pintle_kinematics::draw::Draw;
-use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::node::{DOFS, Node, Pair, THETA_B};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::so3::turn;
@@ -618,6 +621,64 @@ pub fn along_initial(
         let case = Case { name, definition: definition.clone(), start: None, path, length };
         case.is_clear(0.0, CLEAR).then_some(case)
     })
+}
+
+/// The same history, b turned on until an angle is so far from an odd number of half turns (rad, below or beyond): where principal angles
+/// change their sign. The angles take turns by `place`. `None` where no angle can be brought there.
+pub fn beside_half_turn(case: &Case, place: usize, distance: f64) -> Option<Case> {
+    /// How far b turns in an increment.
+    const INCREMENT: f64 = 0.5;
+    let definition = &case.definition;
+    if definition.planar || !(definition.moves[1] && definition.rotates[1]) {
+        return None;
+    }
+    let connector = case.connector();
+    let angles = [3, 4, 5].map(|k| {
+        let measure = connector.position_measure(k)?;
+        let is_free = !connector.is_constrained(k) && !measure.is_one_form();
+        (measure.unit() == Unit::Angle && is_free).then_some((k, measure))
+    });
+    let angles: Vec<_> = angles.into_iter().flatten().collect();
+    let (k, measure) = *angles.get(place.checked_rem(angles.len())?)?;
+    let is_vector = matches!(measure, Measure::RotationVector(_));
+    let mut landed = case.clone();
+    // Newton's method: the angle is a function of how far b turns along its gradient.
+    for _ in 0..8 {
+        let asked = Request::new(&[Output::CP], [true; 6], 0);
+        let (found, _) = landed.evaluation(&asked)?;
+        let step = *landed.last()?;
+        let (x, gradient) = if is_vector {
+            let [Some(x), Some(y), Some(z)] = [3, 4, 5].map(|k| found.position[k]) else { return None };
+            let length = norm([x, y, z]);
+            (length, vector::apply(&step.state.pair.a.triad, scale([x, y, z], 1.0 / length)))
+        } else {
+            let row = Narrow::of(&landed)?.nested_dual();
+            let row = row.entries(Quantity::FirstDerivatives).0[k].clone()?;
+            (found.position[k]?, [row[THETA_B], row[THETA_B + 1], row[THETA_B + 2]])
+        };
+        let goal = PI * (2.0 * ((x / PI - 1.0) / 2.0).round() + 1.0) + distance;
+        let square: f64 = gradient.iter().map(|g| g * g).sum();
+        let by = scale(gradient, (goal - x) / square);
+        let size = norm(by);
+        if !size.is_finite() || size > 2.0 * PI {
+            return None;
+        }
+        if (goal - x).abs() < 1e-3 * distance.abs() {
+            break;
+        }
+        let parts = (size / INCREMENT).ceil().max(1.0);
+        let mut before = step.state.pair;
+        for part in 1..=parts as usize {
+            let mut after = step.state.pair;
+            after.b.triad = product(&turn(scale(by, part as f64 / parts)), &after.b.triad);
+            let mut made = Step::between(&before, after);
+            (made.state.velocity, made.state.acceleration) = (step.state.velocity, step.state.acceleration);
+            landed.path.push(made);
+            before = after;
+        }
+    }
+    landed.name = format!("{}, {distance:e} rad from half a turn of {}", case.name, COMPONENT[k]);
+    landed.is_clear(0.0, distance.abs() / 2.0).then_some(landed)
 }
 
 /// Random rates of the degrees of freedom that there are.

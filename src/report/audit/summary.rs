@@ -51,6 +51,10 @@ pub(super) fn against_tolerance(worst: &Finding) -> String {
         if x.is_nan() { "nothing".to_string() } else { digits }
     };
     let Finding { entry, got, want, tolerance, units, .. } = worst;
+    // What is given or missing against the declaration says so itself.
+    if got.is_nan() && want.is_nan() {
+        return entry.clone();
+    }
     format!(
         "{entry}: {}, must be {}, tolerance {}: {} tolerances",
         exact(*got),

@@ -222,6 +222,7 @@ impl Symptoms<'_> {
             let made = conventions(row, triads).into_iter().chain(levers(row, separations));
             found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
             found.extend(mistyped_levers(k, row, separations[0]));
+            found.extend(shared_levers(k, row, separations[0]));
             let held = cross(part(row, XB), separations[1]);
             let held = sub(add(part(row, THETA_A), held), cross(part(row, XB), separations[0]));
             let held = Hypothesis::of_row(Cause::Linearised, k, put(THETA_A, held));
@@ -235,7 +236,7 @@ impl Symptoms<'_> {
                 ));
             }
             let measure = connector.differentiated(k);
-            if measure.is_some_and(|measure| measure.unit() == Unit::Angle) {
+            if k >= 3 {
                 for axis in axes(triads) {
                     let of = |sign: f64| put(THETA_B, axis.map(|x| sign * x)).into_iter();
                     let both = |sign: f64| of(sign).chain(put(THETA_A, axis.map(|x| -sign * x)));
@@ -433,8 +434,18 @@ impl Symptoms<'_> {
                 is(Cause::Coriolis, linear + turning);
                 is(Cause::Coriolis, linear + moving);
                 is(Cause::Coriolis, linear + turning + moving);
-                is(Cause::Coriolis, want - turning);
-                is(Cause::Coriolis, want - moving);
+                // One part with the other sign, or twice; and the part that mixes the nodes.
+                let of_node = |from: usize| {
+                    let mut v = [0.0; DOFS];
+                    v[from..from + XB].copy_from_slice(&velocity[from..from + XB]);
+                    twice(matrix, &v)
+                };
+                let mixed = quadratic - of_node(0) - of_node(XB);
+                for part in [turning, moving, quadratic - turning - moving, mixed] {
+                    for times in [-1.0, -2.0, 1.0] {
+                        is(Cause::Coriolis, want + times * part);
+                    }
+                }
                 is(Cause::Coriolis, linear + turning + moving + (quadratic - turning - moving) / 2.0);
                 is(Cause::Coriolis, linear + turning + moving + 2.0 * (quadratic - turning - moving));
                 // Of the rates of b alone, in the quadratic part alone, or in the linear one.
@@ -544,6 +555,25 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
         of(by(coefficient)).related(format!("the row of the inverse Jacobian with {what}"))
     });
     made.into_iter().chain(of_others).collect()
+}
+
+/// Rows whose directions are held, and whose lever g × d stands at a, at b or at both.
+fn shared_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
+    let lever = cross(part(row, XB), d);
+    let of = |(at_a, at_b, what): (f64, f64, &'static str)| {
+        let both = put(THETA_A, scale(lever, at_a)).into_iter().chain(put(THETA_B, scale(lever, at_b)));
+        Hypothesis::of_row(Cause::LeverAtB, k, both).related(what)
+    };
+    [
+        (0.5, 0.5, "the force with half of the moment f × d on each node"),
+        (-0.5, -0.5, "the force with half of the moment d × f on each node"),
+        (1.0, 0.0, "the force with the moment f × d on a"),
+        (0.0, 1.0, "the force with the moment f × d on b"),
+        (0.0, -1.0, "the force with the moment d × f on b"),
+    ]
+    .into_iter()
+    .map(of)
+    .collect()
 }
 
 /// Rows whose lever g × d has a product mistyped: of the other sign, or left out.

@@ -498,7 +498,13 @@ impl Matching<'_> {
             wrong[*n].retain(|place, _| !explains.entries.contains_key(place));
         }
         let relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
-        let sentence = equation(&place, &relation, cause, &self.at(chosen.states[0], open));
+        // A formula that was searched for says all but that it is another.
+        let meaning = match cause {
+            Cause::OtherLength if chosen.is_searched => "another length",
+            Cause::OtherParameters if chosen.is_searched => "another number of the rotation",
+            _ => cause.meaning(),
+        };
+        let sentence = equation(&place, &relation, meaning, &self.at(chosen.states[0], open));
         Some(Explained { cause, code: cause.code(), sentence, also })
     }
 
@@ -574,9 +580,9 @@ impl Matching<'_> {
 }
 
 /// What numbers equal, and what that means.
-pub(super) fn equation(place: &str, relation: &str, cause: Cause, at: &str) -> String {
+pub(super) fn equation(place: &str, relation: &str, meaning: &str, at: &str) -> String {
     let equals = if place.contains(", ") { "equal" } else { "equals" };
-    format!("{place} {equals} {relation}: {}{at}", cause.meaning())
+    format!("{place} {equals} {relation}: {meaning}{at}")
 }
 
 /// A factor; what is next to ±1 by how much it is off.

@@ -277,6 +277,9 @@ pub(super) fn single_precision(symptoms: &[&Symptoms<'_>], words: &dyn Words) ->
     short_numbers((Cause::SinglePrecision, LOST), is_single, symptoms, words)
 }
 
+/// Of a row by which a short entry is off at most.
+const LEAST_OF_ROW: f64 = 1e-4;
+
 /// Numbers that are all short or right, and wrong by less than some part of their conditioned scales.
 fn short_numbers(
     (cause, most): (Cause, f64),
@@ -285,9 +288,17 @@ fn short_numbers(
     words: &dyn Words,
 ) -> Option<Diagnosis> {
     let errors = errors(symptoms);
+    // An entry that is short by chance, as zero is, is off by more.
+    let is_near = |one: &Symptoms<'_>, k: usize, error: f64| {
+        let row = one.want.entries(one.quantity).0[k].as_deref().unwrap_or_default();
+        let value = one.want.entries(Quantity::Value).get(k, 0).filter(|_| one.quantity == Quantity::Value);
+        value.is_some()
+            || error <= most.max(LEAST_OF_ROW) * row.iter().fold(0.0, |size: f64, x| size.max(x.abs()))
+    };
     let is_meant = |one: &Symptoms<'_>, (k, i, x): (usize, usize, f64)| {
         let want = one.want.entries(one.quantity).get(k, i).unwrap_or(x);
-        is_short(x) || (x - want).abs() <= one.bound.tolerance(one.quantity, k, i)
+        let error = (x - want).abs();
+        is_short(x) && is_near(one, k, error) || error <= one.bound.tolerance(one.quantity, k, i)
     };
     let is_little = errors.largest.iter().all(|largest| *largest < most);
     let all = symptoms.iter().all(|one| one.got.iter().all(|number| is_meant(one, number)));
@@ -298,7 +309,7 @@ fn everywhere(cause: Cause, errors: &Errors, words: &dyn Words) -> Diagnosis {
     let count = errors.largest.len();
     let place = place(&errors.cells, words);
     let at = Matching::at_states(count, count);
-    told(cause, equation(&place, cause.relation(), cause, &at), &errors.cells)
+    told(cause, equation(&place, cause.relation(), cause.meaning(), &at), &errors.cells)
 }
 
 /// Values that are right to 24 bits of what they are formed of at every state, and have more digits: single precision on the way.

@@ -45,7 +45,7 @@ pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
     let region: BTreeSet<Cell> = lost.iter().flat_map(of_table).collect();
     let place = words.region(&region);
     let (cause, at) = (Cause::NotANumber, Matching::at_states(lost.len(), tables.len()));
-    let sentence = equation(&place, cause.relation(), cause, &at);
+    let sentence = equation(&place, cause.relation(), cause.meaning(), &at);
     found.causes.push(Explained { cause, code: cause.code(), sentence, also: Vec::new() });
     Some(found)
 }
@@ -132,7 +132,10 @@ impl Words for TableWords<'_> {
             let of_columns = if columns.len() == self.width || self.table.columns.is_empty() {
                 String::new()
             } else {
-                format!("/∂{}", ranges(&columns, &name).join(" and ∂"))
+                // A column that there is not has no name.
+                let named: Vec<String> =
+                    ranges(&columns, &name).into_iter().filter(|name| !name.is_empty()).collect();
+                format!("/∂{}", named.join(" and ∂"))
             };
             rows.push((row.clone(), of_columns));
         }
