@@ -471,7 +471,7 @@ impl Subject {
             let most = checks
                 .iter()
                 .filter(|check| check.quantity == Some(quantity))
-                .max_by_key(|check| check.judged());
+                .max_by_key(|check| check.seen.states());
             let Some(seen) = most.map(|check| check.seen.clone()) else { continue };
             checks.iter_mut().filter(of_it).for_each(|check| check.seen = seen.clone());
         }

@@ -159,6 +159,53 @@ pub(super) const ALL: &[Wrong] = &[
         (&["diagnosis::other-parameters", "diagnosis::linearised"], "1 + φ^"),
     ),
     Wrong::new(
+        ("AXIAL", "a root that is smooth at zero, its row too"),
+        &[F, DF],
+        |right, numbers| {
+            let of = |x: f64| x.mul_add(x, 1e-6).sqrt();
+            let (l, l0) = (norm(right.d()), norm(right.initial().separation()));
+            one(numbers, F, (0, 0), |_| of(l) - of(l0));
+            row(numbers, DF, 0, |row| row.iter_mut().for_each(|x| *x *= l / of(l)));
+        },
+        (&["diagnosis::regularised"], "ε = 0.001"),
+    ),
+    Wrong::new(
+        ("RADIAL-THRUST", "a millionth added to a divisor"),
+        &[DF],
+        |right, numbers| {
+            let along = apply_transposed(&right.pair().a.triad, right.d());
+            let r = along[0].hypot(along[1]);
+            row(numbers, DF, 0, |row| row.iter_mut().for_each(|x| *x *= r / (r + 1e-6)));
+        },
+        (&["diagnosis::regularised"], "l/(l + ε)"),
+    ),
+    Wrong::new(
+        ("UNIVERSAL", "no rotation beside half a turn"),
+        &[F],
+        |right, numbers| {
+            let angle = so3::cardan_first(&right.q());
+            if (angle.abs() - std::f64::consts::PI).abs() < 0.012 {
+                one(numbers, F, (3, 0), |_| 0.0);
+            }
+        },
+        (&["diagnosis::near-only", "diagnosis::component-zero"], "ur1"),
+    ),
+    Wrong::new(
+        ("PROJECTION CARTESIAN", "half of the moment on each node"),
+        &[DF],
+        |right, numbers| {
+            for i in 0..3 {
+                let d = right.d();
+                row(numbers, DF, i, |row| {
+                    let lever = scale(cross([row[XB], row[XB + 1], row[XB + 2]], d), 0.5);
+                    put(row, THETA_A, lever);
+                    put(row, THETA_B, lever);
+                });
+            }
+        },
+        (&["diagnosis::lever-at-b"], "∂u1"),
+    ),
+    Wrong::new(
         ("AXIAL", "no row where the nodes are near each other"),
         &[DF],
         |right, numbers| {

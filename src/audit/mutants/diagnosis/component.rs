@@ -12,6 +12,7 @@ use crate::mutants::diagnosis::patterns::{
     without_numbers,
 };
 use crate::mutants::diagnosis::seen::Seen;
+use crate::mutants::diagnosis::smoothed::of_smoothed;
 use crate::mutants::diagnosis::values::{axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
@@ -195,6 +196,7 @@ impl Symptoms<'_> {
             }
         }
         found.extend(elsewhere(self.case, self.quantity));
+        found.extend(of_smoothed(self.case, self.quantity, self.wanted(), self.got));
         match self.quantity {
             Quantity::Value => found.extend(of_values(self.case, self.wanted(), self.got)),
             Quantity::FirstDerivatives | Quantity::NodalForces => found.extend(self.of_rows()),

@@ -21,6 +21,7 @@
 //! | `dictionary` | values, rows and rates that are another number of the nodes |
 //! | `elsewhere` | all of them, at other nodes than those that are meant |
 //! | `matching` | one number at all states: constant factors, offsets, bounds, regularised norms, squares |
+//! | `smoothed` | lengths that were made smooth at zero |
 //! | `seen` | numbers near special states, and nowhere else |
 //! | `patterns` | digits: lost near special states, or few everywhere |
 
@@ -32,6 +33,7 @@ mod matching;
 mod patterns;
 mod sample;
 mod seen;
+mod smoothed;
 mod table;
 mod values;
 

@@ -43,7 +43,7 @@ const RAD: &str = "rad";
 const LENGTHS: &str = "lengths of the connector";
 
 /// Special kinds of states of any connector, and the units of distances from them.
-pub(super) const PLACES: [(&str, &str); 11] = [
+pub(super) const PLACES: [(&str, &str); 17] = [
     ("nothing has moved", RAD),
     ("b has not turned against a since the initial state", RAD),
     ("the axes of a and b coincide", RAD),
@@ -55,7 +55,19 @@ pub(super) const PLACES: [(&str, &str); 11] = [
     ("the second angle is at ±π/2", RAD),
     ("the nodes coincide", LENGTHS),
     ("b is on the axis e3a", LENGTHS),
+    ("ur1 is at 0 or ±π", RAD),
+    ("ur2 is at 0 or ±π", RAD),
+    ("ur3 is at 0 or ±π", RAD),
+    ("ur1 is at ±π/2", RAD),
+    ("ur2 is at ±π/2", RAD),
+    ("ur3 is at ±π/2", RAD),
 ];
+
+/// From which of them on they are places of single angles.
+const OF_ANGLES: usize = 11;
+
+const ACOS: &str = "acos, or 1 − cos";
+const ASIN: &str = "asin, or a tangent";
 
 /// What loses digits there.
 const FORMULAS: [&str; PLACES.len()] = [
@@ -70,6 +82,12 @@ const FORMULAS: [&str; PLACES.len()] = [
     "asin of an entry of Q, or a division by its cosine",
     "a division by the distance, or a difference of large numbers",
     "the root of a difference of squares, or a division by the radius",
+    ACOS,
+    ACOS,
+    ACOS,
+    ASIN,
+    ASIN,
+    ASIN,
 ];
 
 /// How far the end of a case is from each of [`PLACES`].
@@ -86,6 +104,14 @@ pub(super) fn distances(case: &Case) -> [f64; PLACES.len()] {
     let has_moved =
         |now: &Node<f64>, then: &Node<f64>| now.triad != then.triad || now.displacement != then.displacement;
     let nothing = !has_moved(&pair.a, &initial.a) && !has_moved(&pair.b, &initial.b);
+    let connector = case.connector();
+    let asked = Request::new(&[Output::CP], [true; 6], 0);
+    let position = case.evaluation(&asked).map_or([None; 6], |(found, _)| found.position);
+    let from = |k: usize, place: f64| {
+        let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
+        let off = |x: f64| (x - place) - PI * ((x - place) / PI).round();
+        position[k].filter(|_| is_angle).map_or(f64::INFINITY, off)
+    };
     let all = [
         if nothing { 0.0 } else { 1.0 },
         since,
@@ -98,33 +124,26 @@ pub(super) fn distances(case: &Case) -> [f64; PLACES.len()] {
         tilted.abs() - PI / 2.0,
         norm(pair.separation()) / case.length,
         across[0].hypot(across[1]) / case.length,
+        from(3, 0.0),
+        from(4, 0.0),
+        from(5, 0.0),
+        from(3, PI / 2.0),
+        from(4, PI / 2.0),
+        from(5, PI / 2.0),
     ];
     all.map(f64::abs)
 }
 
-/// How far a state is from special ones; those of a component count where that has wrong numbers.
+/// How far a state is from special ones; those of an angle count where it has wrong numbers.
 fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Special> {
     let case = symptoms.case;
     if case.last().is_none() {
         return Vec::new();
     }
-    let special = |at, formula, distance: f64| Special { at, formula, distance: distance.abs() };
     let told = PLACES.into_iter().zip(FORMULAS).zip(distances(case));
-    let mut found: Vec<Special> =
-        told.map(|(((at, _), formula), distance)| special(at, formula, distance)).collect();
-    let connector = case.connector();
-    let asked = Request::new(&[Output::CP], [true; 6], 0);
-    if let Some((at, _)) = case.evaluation(&asked) {
-        for k in components {
-            let (Some(x), Some(measure)) = (at.position[*k], connector.differentiated(*k)) else { continue };
-            let from = |period: f64, x: f64| x - period * (x / period).round();
-            if measure.unit() == Unit::Angle {
-                found.push(special("the angle is near 0 or ±π", "acos, or 1 − cos", from(PI, x)));
-                found.push(special("the angle is near ±π/2", "asin, or a tangent", from(PI, x - PI / 2.0)));
-            }
-        }
-    }
-    found
+    let all = told.map(|(((at, _), formula), distance)| Special { at, formula, distance });
+    let is_meant = |n: &usize| *n < OF_ANGLES || components.contains(&(3 + (n - OF_ANGLES) % 3));
+    all.enumerate().filter(|(n, _)| is_meant(n)).map(|(_, special)| special).collect()
 }
 
 /// Whether errors are smaller the nearer states are to a special kind: what loses digits there has larger ones.

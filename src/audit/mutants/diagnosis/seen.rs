@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 /// So near states must be where all wrong ones are, in radians or lengths of the connector.
 const FAR: f64 = 0.3;
 
-/// So many states tell, wrong ones and right ones: chance puts all the wrong ones nearest in one of two thousand times.
-const TELL: [u32; 2] = [3, 20];
+/// So many states tell, wrong ones and right ones: chance puts all the wrong ones nearest in one of five thousand times.
+const TELL: [u32; 2] = [3, 30];
 
 /// So many tell where some are right that are nearer than any wrong one, for there rounding hides what is wrong.
 const TELL_BETWEEN: [u32; 2] = [4, 30];
@@ -41,6 +41,7 @@ pub struct Seen {
     places: BTreeMap<(usize, i32), Bin>,
     /// Of each component how many of its values were right, below zero and above, and how large.
     right: BTreeMap<(usize, bool), (usize, f64)>,
+    states: usize,
 }
 
 impl Seen {
@@ -57,8 +58,14 @@ impl Seen {
         self.right.get(&(k, is_above)).copied().unwrap_or_default()
     }
 
+    /// How many states.
+    pub const fn states(&self) -> usize {
+        self.states
+    }
+
     /// Adds a state.
     pub fn add(&mut self, case: &Case, is_wrong: bool) {
+        self.states += 1;
         for (kind, distance) in distances(case).into_iter().enumerate() {
             // On the set itself numbers may be none, or be excused.
             if !distance.is_finite() || distance == 0.0 && !is_wrong {
@@ -88,6 +95,7 @@ impl Seen {
 
     /// Adds others.
     pub fn merge(&mut self, others: Self) {
+        self.states += others.states;
         others.places.into_iter().for_each(|(place, one)| self.put(place, one));
         for (place, (count, largest)) in others.right {
             let known = self.right.entry(place).or_default();
@@ -148,13 +156,16 @@ impl Near {
         } else {
             format!("only within {} {unit} of states where {at}", short(farthest, 2))
         };
+        let are = if place.contains(", ") { "are" } else { "is" };
         let sentence = format!(
-            "{place} is wrong {within}, at {wrong} states, and right at {right} from {} {unit} on: {}",
+            "{place} {are} wrong {within}, at {wrong} states, and right at {right} from {} {unit} on: {}",
             short(nearest, 2),
             cause.meaning()
         );
+        let is_zero = found.causes.first().is_some_and(|one| one.cause == Cause::ComponentZero);
+        let sentence = if is_zero { format!("{sentence}; it equals zero there") } else { sentence };
         let mut causes = vec![Explained { cause, code: cause.code(), sentence, also: Vec::new() }];
-        if found.is_whole() {
+        if found.is_whole() && !is_zero {
             causes.extend(found.causes);
         }
         Diagnosis { causes, unexplained: 0 }
