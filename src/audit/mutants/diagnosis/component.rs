@@ -561,6 +561,10 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
 
 /// Rows whose directions are held, and whose lever g × d stands at a, at b or at both.
 fn shared_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
+    // What no displacement changes has no lever.
+    if part(row, XB).iter().all(|x| *x == 0.0) {
+        return Vec::new();
+    }
     let lever = cross(part(row, XB), d);
     let of = |(at_a, at_b, what): (f64, f64, &'static str)| {
         let both = put(THETA_A, scale(lever, at_a)).into_iter().chain(put(THETA_B, scale(lever, at_b)));

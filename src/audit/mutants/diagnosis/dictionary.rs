@@ -387,7 +387,9 @@ fn found<S: Scalar<Real = f64>>(
     let initial = &case.definition.initial;
     let before = path.last().map_or(initial, |step| &step.state.pair);
     let connector = case.connector();
-    let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
+    // A pure number is a cosine.
+    let unit = |measure: Measure| if measure.unit() == Unit::Length { Unit::Length } else { Unit::Angle };
+    let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(unit));
     let distances: [bool; 6] = std::array::from_fn(|k| {
         matches!(connector.differentiated(k), Some(Measure::Distance | Measure::RadialDistance))
     });
@@ -421,7 +423,7 @@ fn found<S: Scalar<Real = f64>>(
             }
         };
         if let (0, Some(now), Some(first)) = (S::ORDER, own_now[k], own_first[k]) {
-            let is_angle = unit == Unit::Angle;
+            let is_angle = connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Angle);
             for function in FUNCTIONS.iter().filter(|function| (function.of == Unit::Angle) == is_angle) {
                 let [made, ..] = (function.taylor)(now, first);
                 add(other, &|| format!("{}, x the position", function.formula), S::from_real(made));
