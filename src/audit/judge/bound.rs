@@ -14,8 +14,8 @@
 //! | nodal forces of a unit force, their derivatives | as a first and a second derivative; without the value in F where the force is not conjugate to the component |
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
-//! Of somebody else's routine all of them are three times as large ([`OF_OTHERS`]), and the entries of a row by the three displacements, or
-//! rotations, of a node have the tolerance of the largest of them ([`in_blocks`]).
+//! Of somebody else's routine all of them are three times as large (`OF_OTHERS`), and the entries of a row by the three displacements, or
+//! rotations, of a node have the tolerance of the largest of them (`in_blocks`).
 //!
 //! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set, in
 //! radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ, rounding may bring the
