@@ -206,8 +206,9 @@ def check(
     `springs` are six stiffnesses, None for none, of an element that gives element_forces. `convention`, `offers`,
     `components` and `memory` are those of the protocol; the others those of `pintle check`.
 
-    Raises RoutineError where the routine raises, from its exception; ValueError where it answers in another
-    shape, or answers the same question differently, or where there is no such connector.
+    Raises RoutineError where the routine raises at the first states, from its exception (where it raises at some
+    others, it has no numbers there, and the report says so); ValueError where it answers in another shape, or
+    answers the same question differently, or where there is no such connector.
     """
     is_jitted = _is_jitted(routine)
     if is_jitted and memory:

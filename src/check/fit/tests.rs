@@ -292,7 +292,7 @@ fn a_wrong_entry_is_named_under_the_right_convention() {
         }
         println!("{}: {} of {per_type} wrong entries named", connection.name, named - before);
     }
-    println!("{named} of {tried} wrong entries named");
+    println!("{}\n{named} of {tried} wrong entries named", missed.join("\n"));
     assert_eq!(tried, types().len() * per_type);
     assert!(100 * named >= 99 * tried, "{named} of {tried}\n{}", missed.join("\n"));
 }

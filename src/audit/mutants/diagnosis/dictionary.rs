@@ -462,3 +462,29 @@ fn found<S: Scalar<Real = f64>>(
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::FUNCTIONS;
+
+    /// The derivatives of each function are those of its values; zero where nothing has moved.
+    #[test]
+    fn functions_have_their_derivatives() {
+        let h = 1e-4;
+        for function in &FUNCTIONS {
+            for (x, first) in [(0.7, 0.4), (1.3, 0.9)] {
+                let at = |x: f64| (function.taylor)(x, first);
+                let [[f, slope, half], [up, ..], [down, ..]] = [at(x), at(x + h), at(x - h)];
+                let differences = [(up - down) / (2.0 * h), (up - 2.0 * f + down) / (2.0 * h * h)];
+                for (told, found) in [slope, half].into_iter().zip(differences) {
+                    assert!(
+                        (told - found).abs() < 1e-6 * (1.0 + told.abs()),
+                        "{}: {told} {found}",
+                        function.formula
+                    );
+                }
+                assert!((function.taylor)(x, x)[0].abs() < 1e-15, "{}", function.formula);
+            }
+        }
+    }
+}

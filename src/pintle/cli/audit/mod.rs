@@ -134,7 +134,7 @@ pub(crate) struct Audit {
     /// Decks (.inp), TOML or JSON scenes (.toml, .json) or gallery:NAME; without any, the catalogue and the gallery
     #[arg(id = "scene", value_name = "SCENE")]
     scenes: Vec<String>,
-    /// States of the nodes of the scene (.csv or .json); without it, those of the scene, or states drawn about the initial one
+    /// States of the nodes of the scene (.csv, .json, or a printed .dat); without it, those of the scene, or states drawn about the initial one
     #[arg(long, value_name = "FILE")]
     at: Option<PathBuf>,
     /// Component forces of connectors at the states (.csv or .json), as for `pintle eval`: what presses on frictions
