@@ -635,7 +635,9 @@ pub fn beside_half_turn(case: &Case, place: usize, distance: f64) -> Option<Case
     let connector = case.connector();
     let angles = [3, 4, 5].map(|k| {
         let measure = connector.position_measure(k)?;
-        let is_free = !connector.is_constrained(k) && !measure.is_one_form();
+        // A flexion of half a turn is a singular set.
+        let winds = measure.winds() || matches!(measure, Measure::RotationVector(_));
+        let is_free = winds && !connector.is_constrained(k) && !measure.is_one_form();
         (measure.unit() == Unit::Angle && is_free).then_some((k, measure))
     });
     let angles: Vec<_> = angles.into_iter().flatten().collect();
