@@ -13,7 +13,7 @@ use crate::mutants::diagnosis::patterns::{
 };
 use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::smoothed::of_smoothed;
-use crate::mutants::diagnosis::values::{axis_of, of_values};
+use crate::mutants::diagnosis::values::{INITIAL_AXES_OF_B, axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
 use pintle_kinematics::catalog::COMPONENT;
@@ -488,9 +488,6 @@ impl Symptoms<'_> {
         found
     }
 }
-
-/// What is given along the axes that b has at first.
-pub(super) const INITIAL_AXES_OF_B: &str = "what is expected along the initial axes of b";
 
 /// Which axis of b nodal rates are resolved along, and where these stand.
 const fn resolved_at(measure: Measure) -> Option<(usize, usize)> {

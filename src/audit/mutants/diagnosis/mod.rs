@@ -22,6 +22,7 @@
 //! | `elsewhere` | all of them, at other nodes than those that are meant |
 //! | `matching` | one number at all states: constant factors, offsets, bounds, regularised norms, squares |
 //! | `smoothed` | lengths that were made smooth at zero |
+//! | `places` | special states: where they are |
 //! | `seen` | numbers near special states, and nowhere else |
 //! | `patterns` | digits: lost near special states, or few everywhere |
 
@@ -31,6 +32,7 @@ mod dictionary;
 mod elsewhere;
 mod matching;
 mod patterns;
+mod places;
 mod sample;
 mod seen;
 mod smoothed;

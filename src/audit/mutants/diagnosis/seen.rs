@@ -3,7 +3,7 @@
 
 use crate::case::Case;
 use crate::mutants::cause::Cause;
-use crate::mutants::diagnosis::patterns::{PLACES, distances};
+use crate::mutants::diagnosis::places::{PLACES, distances};
 use crate::mutants::diagnosis::{Diagnosis, Explained};
 use pintle_scene::grammar::number as short;
 use std::collections::BTreeMap;

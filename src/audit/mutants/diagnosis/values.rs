@@ -4,7 +4,6 @@ use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::columns::along;
-use crate::mutants::diagnosis::component::INITIAL_AXES_OF_B;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces;
 use pintle_kinematics::connector::{Components, Output, Request};
@@ -16,6 +15,9 @@ use pintle_kinematics::vector::{
     Matrix, apply, column, cross, dot, scale, sub, transpose, transposed_product,
 };
 use std::f64::consts::{PI, TAU};
+
+/// What is given along the axes that b has at first.
+pub(super) const INITIAL_AXES_OF_B: &str = "what is expected along the initial axes of b";
 
 /// Positions of the components at the end of a case.
 pub(super) fn positions(case: &Case) -> Components<f64> {
