@@ -260,14 +260,5 @@ pub(crate) fn check<D: Door>(
     exchange.ask_again(&|_| layout)?;
     let requests = exchange.asked();
     exchange.close()?;
-    Ok(Checked {
-        report,
-        states,
-        outside,
-        left_out: 0,
-        elsewhere: 0,
-        not_offered,
-        failed: None,
-        asked: requests,
-    })
+    Ok(Checked::without_history(report, (states, outside), not_offered, requests))
 }

@@ -129,6 +129,16 @@ impl Asked {
 }
 
 impl Checked {
+    /// Of what has neither domain nor turns: a constraint, a friction.
+    fn without_history(
+        report: Report,
+        (states, outside): (u64, u64),
+        not_offered: Vec<&'static str>,
+        asked: u64,
+    ) -> Self {
+        Self { report, states, outside, left_out: 0, elsewhere: 0, not_offered, failed: None, asked }
+    }
+
     /// What was not judged, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.failed.iter().cloned().collect();

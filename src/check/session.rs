@@ -182,7 +182,7 @@ impl<'a, D: Door> Session<'a, D> {
                 Answer::OutOfDomain(_) => None,
                 // A routine that works elsewhere has no numbers there.
                 Answer::Error(why) if self.gave && !self.has_memory() => {
-                    self.failures += 1;
+                    self.failures += u64::from(asked.is_drawn);
                     let at = || format!("state {} of the check: {why}", asked.number);
                     self.failed.get_or_insert_with(at);
                     let has = |k: usize| components[k] && self.connector.differentiated(k).is_some();

@@ -17,7 +17,7 @@
 
 use crate::scalar::{Real, Scalar, each, unrolled};
 use crate::vector;
-use crate::vector::{Matrix, Vector, add, column, cross, cross_real, dot, dot_real, scale, sub};
+use crate::vector::{Matrix, Vector, add, column, cross, cross_real, dot, dot_real, scale, skew, sub};
 use serde::{Deserialize, Serialize};
 
 /// The number of degrees of freedom of two nodes: translation, rotation and material flow of each.
@@ -469,12 +469,6 @@ fn placed<R: Real, const N: usize>(first: usize, at: usize, three: Vector<R>) ->
 /// a − b.
 fn difference<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
     [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
-}
-
-/// The matrix v^ with v^ x = v × x.
-pub(crate) fn skew<R: Real>(v: Vector<R>) -> Matrix<R> {
-    let zero = R::ZERO;
-    [[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]]
 }
 
 /// The row of a one-form that acts along a direction e carried by node a, on the rotation of a against that of b, and on the flow

@@ -67,8 +67,8 @@ pub fn turn<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
 
 /// J_l(φ) of the rotation vector φ in radians: δθ = J_l δφ, with exp((φ + δφ)^) = exp(δθ^) exp(φ^) to first order.
 ///
-/// J_l = 1 + (1 − cos|φ|)/|φ|² φ^ + (|φ| − sin|φ|)/|φ|³ φ^², of the factor k(|φ|²) = sin(|φ|/2)/|φ| of [`exp`] and its derivative, so that
-/// nothing cancels near φ = 0. Of numbers with up to three orders of derivatives; 8 u of the largest entry on doubles, where |φ| ≤ 10.
+/// J_l = 1 + (1 − cos|φ|)/|φ|² φ^ + (|φ| − sin|φ|)/|φ|³ φ^². It is formed of the factor k(|φ|²) = sin(|φ|/2)/|φ| of [`exp`] and its
+/// derivative: nothing cancels near φ = 0. Of numbers with up to three orders of derivatives; 8 u of the largest entry on doubles, where |φ| ≤ 10.
 /// Spatial: rows by the total rotation vector are rows by δθ times J_l.
 ///
 /// ```
@@ -420,8 +420,8 @@ pub struct ContinuousLog<S: Scalar> {
 ///
 /// *Turn rule.* The set |φ| = 2πk, k ≠ 0, is a single rotation, the identity: the exact continuation of a path that misses it
 /// by any distance swings around it and never counts a turn. Continuation therefore means counting turns at the resolution
-/// of the history. Away from whole turns k makes φ nearest to the reference; where |sin(|φ|/2)| < 0.05 and the reference
-/// is beyond half a turn, k stays on the reference's own turn, k = ±round(|reference|/2π). The caller keeps a reference
+/// of the history. Away from whole turns k makes φ nearest to the reference. Where |sin(|φ|/2)| < 0.05 and the reference is
+/// beyond half a turn, k stays on the turn of the reference: k = ±round(|reference|/2π). The caller keeps a reference
 /// taken outside that zone ([`ContinuousLog::is_reference`]).
 ///
 /// At R = I exactly with k ≠ 0 the axis is the reference's, and derivatives are taken along it only (those across do not
@@ -733,8 +733,8 @@ fn sign_after<R: Real>(turns: R) -> R {
 inlined_for_doubles! {
     /// α_1 and α_2, the flexion α about q resolved in the directions e1, e2 midway between a and b; β has made `turns` turns.
     ///
-    /// With the quaternion (w, x, y, z) and K(c) = 2 acos(c)/√(1 − c²) at c = cos α/2 = |(w, z)|: (α_1, α_2) = K (x, y), regular without
-    /// flexion, singular at α = π.
+    /// (α_1, α_2) = K (x, y), with the quaternion (w, x, y, z) and K(c) = 2 acos(c)/√(1 − c²) at c = cos α/2 = |(w, z)|.
+    /// Regular without flexion, singular at α = π.
     pub fn component_flexions<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>, turns: S::Real) -> [S; 2] {
         let [w, x, y, z] = half_torsion(r, spin);
         let cosine = norm([w, z]);

@@ -134,6 +134,13 @@ pub fn transposed_product<S: Scalar>(a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> 
     product(&transpose(a), b)
 }
 
+/// The matrix v^ with v^ x = v × x, of the unit of v.
+#[inline(always)]
+pub fn skew<S: Scalar>(v: Vector<S>) -> Matrix<S> {
+    let zero = S::zero();
+    [[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]]
+}
+
 /// The identity.
 #[inline(always)]
 pub fn identity<S: Scalar>() -> Matrix<S> {

@@ -581,7 +581,7 @@ impl<'a> Candidate<'a> {
             let right = answers.as_ref().map(|answers| &answers.differences);
             let by = if right.is_some() { Oracle::WideDifferences } else { Oracle::WideDual };
             let right = right.unwrap_or_else(|| &others);
-            let first = initial_positions(case);
+            let first = case.at_rest().positions();
             for table in element::tables(element, (&self.springs, self.tangent), right, &first, bound) {
                 let mut check = table.check_against(by, wide, &case.name, Some(case));
                 // It is told when every state was seen.
@@ -634,8 +634,8 @@ impl<'a> Candidate<'a> {
                     let value = |k: usize| {
                         let x = given.0.entries(Quantity::Value).get(k, 0)?;
                         // Beside half a turn an angle may go on on its other side: no derivative of it is a jump.
-                        let is_angle = connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Angle);
-                        let turns = values(k).filter(|_| is_angle).map_or(0.0, |at| ((at - x) / TAU).round());
+                        let winds = connector.differentiated(k).is_some_and(|measure| measure.winds());
+                        let turns = values(k).filter(|_| winds).map_or(0.0, |at| ((at - x) / TAU).round());
                         Some(x + TAU * turns)
                     };
                     std::array::from_fn(value)
@@ -656,14 +656,6 @@ impl<'a> Candidate<'a> {
         checks.push(check);
         Ok(checks)
     }
-}
-
-/// The positions from which displacements are counted.
-fn initial_positions(case: &Case) -> Components<f64> {
-    let initial = case.definition.initial;
-    let rest = Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() };
-    let asked = Request::new(&[Output::CP], [true; 6], 0);
-    rest.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
 }
 
 impl Asked {

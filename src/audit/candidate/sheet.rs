@@ -4,7 +4,6 @@
 //! the product. That is measured by the sum of what the angles move, by the sum of squares, and by the largest.
 
 use crate::candidate::Given;
-use crate::candidate::initial_positions;
 use crate::case::Case;
 use crate::case::quantity::Quantity;
 use pintle_kinematics::connector::{Components, Output, Request};
@@ -46,7 +45,7 @@ pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -
     if found.iter().zip(&wanted).all(|(x, y)| (x - y).abs() < SAME) {
         return false;
     }
-    let first = initial_positions(case);
+    let first = case.at_rest().positions();
     let position = |of: &[f64]| -> Vec<f64> {
         of.iter().zip(&angles).map(|(x, k)| x + first[*k].unwrap_or(0.0)).collect()
     };

@@ -7,7 +7,7 @@ pub mod stage;
 
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{
-    Branch, Connector, Definition, Evaluation, Increment, Request, State, Tally, Turns,
+    Branch, Components, Connector, Definition, Evaluation, Increment, Output, Request, State, Tally, Turns,
 };
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::{DOFS, Node, Pair};
@@ -96,6 +96,19 @@ impl Case {
         let step = self.last()?;
         let mut tally = Tally::default();
         Some((connector.evaluate(&step.state, &step.increment, &branch, request, &mut tally), tally))
+    }
+
+    /// CP of the components at the end: lengths, and angles with their turns (rad).
+    pub fn positions(&self) -> Components<f64> {
+        let asked = Request::new(&[Output::CP], [true; 6], 0);
+        self.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
+    }
+
+    /// The same connector where nothing has moved.
+    #[must_use]
+    pub fn at_rest(&self) -> Self {
+        let initial = self.definition.initial;
+        Self { start: None, path: vec![Step::between(&initial, initial)], ..self.clone() }
     }
 
     /// Whether the initial state is clear of the singular sets by `start`, and the end by `end`, in radians and in lengths of

@@ -14,11 +14,13 @@
 //! | nodal forces of a unit force, their derivatives | as a first and a second derivative; without the value in F where the force is not conjugate to the component |
 //! | an acceleration | Σ_j tol_j abs(q̈_j) + C u F₂ max(1, 1/δ) max_j (q̇_j/s_j)² |
 //!
-//! Of somebody else's routine all of them are three times as large (`OF_OTHERS`), and the entries of a row by the three displacements, or
-//! rotations, of a node have the tolerance of the largest of them (`in_blocks`).
+//! Of somebody else's routine:
 //!
-//! Beside the third derivatives, which are not computed, stands their Cauchy estimate: within the distance δ of a singular set, in
-//! radians or lengths, they are at most those of the second divided by δ. Where C u is no small part of δ, rounding may bring the
+//! - all of them are three times as large (`OF_OTHERS`);
+//! - the entries of a row by the three displacements, or rotations, of a node have the tolerance of the largest (`in_blocks`).
+//!
+//! Third derivatives are not computed. Within the distance δ of a singular set, in radians or lengths, they are at most the second ones divided by
+//! δ: Cauchy's estimate. Where C u is no small part of δ, rounding may bring the
 //! state that much closer. A derivative that grows like 1/δ grows by `1/(1 − C u/δ)` more than its slope says. So do the tolerances
 //! of all derivatives, by 2 at most. Beside a set rows are directions that a rounding turns by u/δ. At a symmetric state an entry
 //! is an extremum, which changes by the square of that alone. On a set ∂f is the steepest of the derivatives on its sides, along
@@ -37,8 +39,8 @@ use pintle_kinematics::vector::{Matrix, transposed_product};
 pub const C: f64 = 4.0;
 
 /// By how much larger the scales of somebody else's routine are. C u of F is what our formulas need on the triads given. Others form triads
-/// themselves, of quaternions, vectors or products. Each of the two is a rotation to C u only, and its lengths enter a number as its own rounding
-/// does: e1a·e2b = −1 comes out as −1 + 9 u, where no turn moves it.
+/// themselves, of quaternions, vectors or products. Each of the two is a rotation to C u only. Its lengths enter a number as the rounding of that
+/// does: e1a·e2b = −1 comes out as −1 + 9 u, and no turn moves it there.
 pub(crate) const OF_OTHERS: f64 = 3.0;
 
 /// The largest scale of a block for each of its entries. The entries of a row by the displacements, or rotations, of a node are one vector. Our

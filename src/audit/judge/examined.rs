@@ -1,5 +1,6 @@
-//! Numbers at the end of a case, the product's or another's, and how they are compared with what an oracle says: the verdict, the mutants
-//! that prove that the comparison would have spoken, and the reason where they are wrong.
+//! Numbers at the end of a case, the product's or another's, compared with what an oracle says.
+//!
+//! A comparison gives the verdict, the mutants that prove that it would have spoken, and the reason where numbers are wrong.
 
 use crate::case::Case;
 use crate::case::quantity::{Numbers, Quantity};
@@ -11,7 +12,7 @@ use crate::judge::outcome::{Against, Check};
 use crate::judge::verdict::{Score, Verdict, Wanted};
 use crate::laws as invariant;
 use crate::laws::Demand;
-use crate::mutants::diagnosis::Symptoms;
+use crate::mutants::diagnosis::{Places, Symptoms, places};
 use crate::mutants::mutant;
 use crate::mutants::mutant::{Mutant, mutants};
 use crate::oracles::oracle::{Answer, Narrow};
@@ -45,8 +46,8 @@ pub struct Examined<'a> {
     pub is_smooth: [bool; 6],
     state: &'a State<f64>,
     is_own: bool,
-    /// Whether the numbers are those of somebody else's routine.
-    is_of_others: bool,
+    /// How far the state is from special ones, of numbers of somebody else's routine.
+    places: Option<Places>,
     conditioned: Conditioned,
     turns: [f64; 6],
     /// Whether a displacement counts from an origin that rounding decided.
@@ -85,7 +86,7 @@ impl<'a> Examined<'a> {
             is_smooth: nearness.map(|near| near > 0.0),
             state: &step.state,
             is_own,
-            is_of_others: false,
+            places: None,
             turns: branch.turns.map(|turns| turns.turns),
             counts_from_rounding: narrow.undetermined_origins().iter().any(Option::is_some),
             made: Default::default(),
@@ -116,7 +117,7 @@ impl<'a> Examined<'a> {
     /// The same with the tolerances of somebody else's routine.
     pub(crate) fn of_others(self) -> Self {
         let bound = self.bound.of_others(self.state);
-        Self { bound, is_of_others: true, ..self }
+        Self { bound, places: Some(places(self.case)), ..self }
     }
 
     /// Every mistake in a quantity, of components that are on no singular set.
@@ -175,14 +176,14 @@ impl<'a> Examined<'a> {
         check.add(judgement, score, self.case);
         check.compares(|k| got.0[k].is_some(), |k| answer.numbers.0[k].is_some());
         check.name_stage(|| invalid_stage(self.state, self.numbers));
-        if self.is_of_others {
+        if let Some(places) = &self.places {
             let right = got.iter().filter_map(|(k, i, x)| {
                 let want = self.trusted.entries(quantity).get(k, i)?;
                 let tolerance = self.bound.tolerance(quantity, k, i);
                 ((x - want).abs() <= tolerance).then_some((k, want, tolerance))
             });
             let is_number = matches!(quantity, Quantity::Value | Quantity::Rate | Quantity::Acceleration);
-            check.has_seen(self.case, right.filter(|_| is_number));
+            check.has_seen(places, right.filter(|_| is_number));
         }
         if check.verdict.is_mismatch() {
             // Where the bound rests on what is wrong, what is right is what the oracle says.

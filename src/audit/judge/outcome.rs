@@ -9,7 +9,7 @@ use crate::judge::comparison::Comparison;
 use crate::judge::verdict::{Finding, Judgement, Score, Verdict};
 use crate::laws::demanded::Invariant;
 use crate::model::ModelReport;
-use crate::mutants::diagnosis::{Cause, Diagnosis, Sample, Seen, Symptoms, diagnose_all};
+use crate::mutants::diagnosis::{Cause, Diagnosis, Places, Sample, Seen, Symptoms, diagnose_all};
 use crate::oracles::certificate::Certificate;
 use crate::oracles::oracle::{Answer, Oracle};
 use crate::settings::Settings;
@@ -240,8 +240,8 @@ impl Check {
     }
 
     /// Keeps how far a state is from special ones, whether something is wrong there, and which values are right: component, value, tolerance.
-    pub(super) fn has_seen(&mut self, case: &Case, right: impl Iterator<Item = (usize, f64, f64)>) {
-        self.seen.add(case, self.verdict.is_mismatch());
+    pub(super) fn has_seen(&mut self, places: &Places, right: impl Iterator<Item = (usize, f64, f64)>) {
+        self.seen.add(places, self.verdict.is_mismatch());
         right.for_each(|(k, want, tolerance)| self.seen.add_right(k, want, tolerance));
     }
 

@@ -227,8 +227,8 @@ impl MpcCase {
         found
     }
 
-    /// The arm of a rigid beam, carried by the other node or with the other sign.
-    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 2] {
+    /// The arm of a rigid beam, carried by the other node, with the other sign, or not carried in the rows.
+    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 3] {
         const OF: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
         let mut by_slave = self.changed(|state, _| state.master.rotation = state.slave.rotation);
         for row in by_slave.jacobian[..RHO].iter_mut().flatten() {
@@ -242,8 +242,12 @@ impl MpcCase {
         for row in reversed.jacobian[..RHO].iter_mut().flatten() {
             row[THETA_M..THETA_M + 3].iter_mut().for_each(|x| *x = -*x);
         }
+        let mut at_first = self.changed(|state, _| state.master.rotation = identity());
+        at_first.jacobian[RHO..].fill(None);
+        let of_first = "the row with the arm at first, X_S − X_M in place of C_M (X_S − X_M)";
         let relation = "x_S − x_M − C_S (X_S − X_M): the arm turns with S";
         [
+            Elsewhere::new(Cause::InitialAxes, of_first, &at_first, &OF[1..]),
             Elsewhere::new(Cause::LeverAtB, relation, &by_slave, &OF),
             Elsewhere::new(Cause::LeverReversed, "x_S − x_M + C_M (X_S − X_M)", &reversed, &OF),
         ]
@@ -357,7 +361,7 @@ impl MpcCase {
 
     /// Another vector of the rotation whose vector is ρ, and rows that belong to other Jacobians of it.
     fn other_rotations(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
-        let mut found = Vec::new();
+        let mut found = self.other_hinges(got);
         let rho = vector(&got.residual, RHO);
         let angle = dot(rho, rho).sqrt();
         let mut add_mapped = |cause: Cause, relation: &str, value: Option<f64>, map: &Matrix<f64>| {
@@ -415,19 +419,63 @@ impl MpcCase {
         ] {
             add_mapped(Cause::OtherJacobian, relation, None, &map);
         }
-        if self.constraint.kind().entry().angles.is_empty() {
-            let [s, m] = [&self.state.slave, &self.state.master].map(|body| so3::log(&body.rotation));
+        let [of_s, of_m] = [&self.state.slave, &self.state.master].map(|body| so3::log(&body.rotation));
+        let apart = sub(of_s, of_m);
+        let turns = |axes: [Option<Vector<f64>>; 2]| {
+            let along = axes.into_iter().zip(got.taken);
+            along.fold([0.0; 3], |sum, (axis, angle)| add(sum, scale(axis.unwrap_or([0.0; 3]), angle)))
+        };
+        let initial = self.constraint.initial_axes();
+        let carried = initial.map(|axis| axis.map(|axis| apply(&self.state.master.rotation, axis)));
+        let has_angles = !self.constraint.kind().entry().angles.is_empty();
+        let differences = [
+            ("φ_S − φ_M, the difference of rotation vectors", apart),
+            ("φ_S − φ_M − Σ φ a: rotation vectors added", sub(apart, turns(initial))),
+            ("φ_S − φ_M − Σ φ C_M a: rotation vectors added", sub(apart, turns(carried))),
+        ];
+        for (relation, value) in differences.into_iter().take(if has_angles { 3 } else { 1 }) {
             let mut other = got.clone();
-            put(&mut other.residual, RHO, sub(s, m));
+            put(&mut other.residual, RHO, value);
+            found.push(Elsewhere::new(Cause::OtherParameters, relation, &other, &VALUES));
+        }
+        if !has_angles {
+            let mut other = got.clone();
             for (i, row) in other.jacobian[RHO..FLOW].iter_mut().enumerate() {
                 let mut small = [0.0; DOFS];
                 (small[THETA_S + i], small[THETA_M + i]) = (1.0, -1.0);
                 *row = row.map(|_| small);
             }
-            let relation = "φ_S − φ_M, the difference of rotation vectors";
-            found.push(Elsewhere::new(Cause::OtherParameters, relation, &other, &VALUES));
             let relation = "δθS − δθM, the rows of small rotations";
             found.push(Elsewhere::new(Cause::Linearised, relation, &other, &[Quantity::FirstDerivatives]));
+        }
+        found
+    }
+
+    /// Columns of the hinges by axes that are turned by less than they should be, or by the other node.
+    fn other_hinges(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
+        let State { slave, master, .. } = &self.state;
+        // ρ is of C_S [C_2 C_1 C_M]ᵀ: a spin of M along an axis changes it as a hinge about that axis does.
+        let spun: Matrix<f64> = transpose(&[0, 1, 2].map(|i| column(&got.jacobian, RHO, THETA_M + i)));
+        let hinges: Vec<Vector<f64>> = self.constraint.initial_axes().into_iter().flatten().collect();
+        let by = |relation: &str, cause: Cause, turned: &dyn Fn(Vector<f64>) -> Vector<f64>| {
+            let mut other = got.clone();
+            other.jacobian[..RHO].fill(None);
+            other.jacobian[FLOW] = None;
+            for (h, axis) in hinges.iter().enumerate() {
+                put_column(&mut other.jacobian, RHO, PHI + h, apply(&spun, turned(*axis)));
+            }
+            Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives])
+        };
+        let mut found = Vec::new();
+        if !hinges.is_empty() {
+            let relation = "the row with the initial axes of the hinges in their columns";
+            found.push(by(relation, Cause::InitialAxes, &|axis| axis));
+            let relation = "the row with axes of the hinges that turn with S in their columns";
+            found.push(by(relation, Cause::AxesOfA, &|axis| apply(&slave.rotation, axis)));
+        }
+        if hinges.len() == 2 {
+            let relation = "the row with the second hinge's axis not turned by the first in its column";
+            found.push(by(relation, Cause::MotionIgnored, &|axis| apply(&master.rotation, axis)));
         }
         found
     }

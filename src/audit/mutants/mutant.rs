@@ -5,7 +5,7 @@ use crate::case::quantity::{Entries, Numbers, OneOrMany, Quantity};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node;
 use pintle_kinematics::node::{DOFS, Pair};
-use pintle_kinematics::vector::{Matrix, Vector, apply_transposed, cross, sub};
+use pintle_kinematics::vector::{Matrix, Vector, apply_transposed, cross, skew, sub};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -312,7 +312,6 @@ fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
 /// The second variations of the map from nodal to relative variations, for a row with g = ∂f/∂x_b and h = ∂f/∂θ_b.
 pub(super) fn second_variation(row: &[f64], pair: &Pair<f64>) -> Vec<(usize, usize, f64)> {
     let (g, h, d) = (part(row, node::XB), part(row, node::THETA_B), pair.separation());
-    let skew = |v: Vector<f64>| [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]];
     let (spin_g, spin_h) = (skew(g), skew(h));
     let along: f64 = (0..3).map(|i| g[i] * d[i]).sum();
     let mut terms = Vec::new();

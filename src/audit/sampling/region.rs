@@ -10,7 +10,7 @@ use crate::sampling::domain::{
 use pintle_kinematics::catalog::{COMPONENT, ConnectionType};
 use pintle_kinematics::connector::{Definition, Output, Request};
 use pintle_kinematics::draw::Draw;
-use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Node, Pair, THETA_B};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
@@ -633,30 +633,26 @@ pub fn beside_half_turn(case: &Case, place: usize, distance: f64) -> Option<Case
         return None;
     }
     let connector = case.connector();
-    let angles = [3, 4, 5].map(|k| {
-        let measure = connector.position_measure(k)?;
-        // A flexion of half a turn is a singular set.
-        let winds = measure.winds() || matches!(measure, Measure::RotationVector(_));
-        let is_free = winds && !connector.is_constrained(k) && !measure.is_one_form();
-        (measure.unit() == Unit::Angle && is_free).then_some((k, measure))
-    });
-    let angles: Vec<_> = angles.into_iter().flatten().collect();
+    let measure_of = |k: usize| connector.position_measure(k).filter(|_| !connector.is_constrained(k));
+    // A flexion of half a turn is a singular set.
+    let has_half_turn = |of: &Measure| of.winds() || matches!(of, Measure::RotationVector(_));
+    let angles: Vec<(usize, Measure)> =
+        [3, 4, 5].into_iter().filter_map(|k| Some((k, measure_of(k).filter(has_half_turn)?))).collect();
     let (k, measure) = *angles.get(place.checked_rem(angles.len())?)?;
     let is_vector = matches!(measure, Measure::RotationVector(_));
     let mut landed = case.clone();
     // Newton's method: the angle is a function of how far b turns along its gradient.
     for _ in 0..8 {
-        let asked = Request::new(&[Output::CP], [true; 6], 0);
-        let (found, _) = landed.evaluation(&asked)?;
+        let position = landed.positions();
         let step = *landed.last()?;
         let (x, gradient) = if is_vector {
-            let [Some(x), Some(y), Some(z)] = [3, 4, 5].map(|k| found.position[k]) else { return None };
+            let [Some(x), Some(y), Some(z)] = [3, 4, 5].map(|k| position[k]) else { return None };
             let length = norm([x, y, z]);
             (length, vector::apply(&step.state.pair.a.triad, scale([x, y, z], 1.0 / length)))
         } else {
             let row = Narrow::of(&landed)?.nested_dual();
             let row = row.entries(Quantity::FirstDerivatives).0[k].clone()?;
-            (found.position[k]?, [row[THETA_B], row[THETA_B + 1], row[THETA_B + 2]])
+            (position[k]?, [row[THETA_B], row[THETA_B + 1], row[THETA_B + 2]])
         };
         let goal = PI * (2.0 * ((x / PI - 1.0) / 2.0).round() + 1.0) + distance;
         let square: f64 = gradient.iter().map(|g| g * g).sum();
@@ -666,7 +662,8 @@ pub fn beside_half_turn(case: &Case, place: usize, distance: f64) -> Option<Case
             return None;
         }
         if (goal - x).abs() < 1e-3 * distance.abs() {
-            break;
+            landed.name = format!("{}, {distance:e} rad from half a turn of {}", case.name, COMPONENT[k]);
+            return landed.is_clear(0.0, distance.abs() / 2.0).then_some(landed);
         }
         let parts = (size / INCREMENT).ceil().max(1.0);
         let mut before = step.state.pair;
@@ -679,8 +676,7 @@ pub fn beside_half_turn(case: &Case, place: usize, distance: f64) -> Option<Case
             before = after;
         }
     }
-    landed.name = format!("{}, {distance:e} rad from half a turn of {}", case.name, COMPONENT[k]);
-    landed.is_clear(0.0, distance.abs() / 2.0).then_some(landed)
+    None
 }
 
 /// Random rates of the degrees of freedom that there are.

@@ -7,10 +7,10 @@ use crate::connector::{
 use crate::force::Wrench;
 use crate::force::dual::dual_basis;
 use crate::measure::Measure;
-use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB, skew};
+use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB};
 use crate::scalar::{Duals, Real};
 use crate::so3;
-use crate::vector::{Matrix, Vector, add, apply, column, dot, identity, scale, sub};
+use crate::vector::{Matrix, Vector, add, apply, column, dot, identity, scale, skew, sub};
 
 /// What is wanted besides the rows themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -15,9 +15,8 @@ use crate::mpc::{
     Constraint, DOFS, Dofs, Evaluation, FLOW, PHI, PSI_S, RHO, ROWS, Rows, State, THETA_M, THETA_S,
     Translation, XS,
 };
-use crate::node::skew;
 use crate::scalar::{Duals, Real};
-use crate::vector::{Vector, cross, dot, scale};
+use crate::vector::{Vector, cross, dot, scale, skew};
 
 /// A matrix over the degrees of freedom.
 pub type DofMatrix<R> = Box<[Dofs<R>; DOFS]>;

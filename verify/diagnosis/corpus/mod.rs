@@ -23,6 +23,7 @@ use pintle_kinematics::node::{Node, Pair, THETA_A, THETA_B};
 use pintle_kinematics::so3::{self, turn};
 use pintle_kinematics::vector::{self, Matrix, Vector, cross, scale, sub};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 pub(crate) const F: Quantity = Quantity::Value;
 pub(crate) const DF: Quantity = Quantity::FirstDerivatives;
@@ -106,7 +107,7 @@ impl Right<'_> {
 
     /// Q = AᵀB.
     pub(crate) fn q(&self) -> Matrix<f64> {
-        vector::transposed_product(&self.pair().a.triad, &self.pair().b.triad)
+        relative(self.pair())
     }
 
     /// Whether component k is an angle.
@@ -123,6 +124,16 @@ impl Right<'_> {
     pub(crate) fn rates(&self) -> [[f64; 14]; 2] {
         [self.state.velocity, self.state.acceleration]
     }
+}
+
+/// Q = AᵀB of a pair.
+pub(crate) fn relative(pair: &Pair<f64>) -> Matrix<f64> {
+    vector::transposed_product(&pair.a.triad, &pair.b.triad)
+}
+
+/// An angle on the sheet of the right one.
+pub(crate) fn continued(mine: f64, right: f64) -> f64 {
+    mine + TAU * ((right - mine) / TAU).round()
 }
 
 /// Changes every entry of a quantity: component, place, number.
@@ -402,7 +413,6 @@ fn composed_triads_raise_no_alarm() {
         });
         let worst: Vec<_> =
             report.subjects[0].checks.iter().map(|check| (check.largest, &check.worst)).collect();
-        println!("{} {:?}", connection.name, worst.iter().map(|check| check.0).fold(0.0, f64::max));
         assert_eq!(report.mismatches(), 0, "{}: {worst:?}", connection.name);
         compared += report.compared();
     }

@@ -1,12 +1,12 @@
 //! Other formulas: small motions, increments, lengths and Jacobians that are not meant, fewer digits.
 
-use super::{ACC, DDF, DF, F, FORCE, RATE, Right, STIFF, Wrong, each, one, part, put, row};
+use super::{ACC, DDF, DF, F, FORCE, RATE, Right, STIFF, Wrong, each, one, part, put, relative, row};
 use pintle_audit::Numbers;
 use pintle_kinematics::connector::State;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{add, apply, cross, dot, product, scale, sub, transpose, transposed_product};
+use pintle_kinematics::vector::{add, apply, cross, dot, product, scale, sub, transpose};
 
 /// The state before: numbers there.
 fn at_rest(right: &Right<'_>) -> Numbers<f64> {
@@ -65,7 +65,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("REVOLUTE", "the printed constraint e1a·e3b for the second angle"),
         &[F],
         |right, numbers| {
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             one(numbers, F, (4, 0), |_| right.q()[0][2] - q0[0][2]);
         },
         (&["diagnosis::other-parameters"], "ur2"),
@@ -240,7 +240,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("ROTATION", "the rotation vector of Q Q₀ᵀ for the difference"),
         &[F],
         |right, numbers| {
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             let phi = so3::log(&product(&right.q(), &transpose(&q0)));
             each(numbers, F, |k, _, _| phi[k - 3]);
         },

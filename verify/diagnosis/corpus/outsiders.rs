@@ -1,22 +1,12 @@
 //! Routines of a second reader who had not seen the causes, as far as the check did not name them, or named them misleadingly.
 
-use super::{ACC, DDF, DF, F, RATE, Right, Wrong, each, one, put, row};
+use super::{ACC, DDF, DF, F, RATE, Right, Wrong, continued, each, one, put, relative, row};
 use pintle_kinematics::node::{Node, Pair, THETA_A, THETA_B, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3::{self, turn};
 use pintle_kinematics::vector::{
-    Matrix, Vector, apply, apply_transposed, column, cross, dot, product, scale, sub, transpose,
-    transposed_product,
+    Matrix, Vector, apply, apply_transposed, column, cross, dot, product, scale, skew, sub, transpose,
 };
-use std::f64::consts::TAU;
-
-fn relative(pair: &Pair<f64>) -> Matrix<f64> {
-    transposed_product(&pair.a.triad, &pair.b.triad)
-}
-
-fn continued(mine: f64, right: f64) -> f64 {
-    mine + TAU * ((right - mine) / TAU).round()
-}
 
 /// The rotation vector of a node since the initial state.
 fn total(now: &Node<f64>, first: &Node<f64>) -> Vector<f64> {
@@ -41,8 +31,7 @@ fn angle(right: &Right<'_>) -> f64 {
 /// The row of component i of the rotation vector by an inverse Jacobian 1 − φ^/2 + c φ^².
 fn by_coefficient(right: &Right<'_>, i: usize, of: fn(f64) -> f64) -> Vector<f64> {
     let phi = so3::log(&right.q());
-    let [x, y, z] = phi;
-    let hat = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let hat = skew(phi);
     let square = product(&hat, &hat);
     let c = of(norm(phi));
     let line = [0, 1, 2].map(|j| f64::from(u8::from(i == j)) - hat[i][j] / 2.0 + c * square[i][j]);
@@ -154,7 +143,10 @@ pub(super) const ALL: &[Wrong] = &[
         ("CARTESIAN", "triads turned by 1 + φ^"),
         &[F],
         |right, numbers| {
-            *numbers = read_as(right, |[x, y, z]| [[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]]);
+            *numbers = read_as(right, |phi| {
+                let hat = skew(phi);
+                [0, 1, 2].map(|i| [0, 1, 2].map(|j| hat[i][j] + f64::from(u8::from(i == j))))
+            });
         },
         (&["diagnosis::other-parameters", "diagnosis::linearised"], "1 + φ^"),
     ),

@@ -1,13 +1,13 @@
 //! What is wrong at special states only: no number at all, or fewer digits the nearer they are.
 
-use super::{DF, F, Right, Wrong, each, one, row};
+use super::{DF, F, Right, Wrong, each, one, relative, row};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{Vector, column, dot, product, transpose, transposed_product};
+use pintle_kinematics::vector::{Vector, column, dot, product, transpose};
 
 /// The rotation of b against a since the initial state.
 fn since(right: &Right<'_>) -> [[f64; 3]; 3] {
-    let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+    let q0 = relative(right.initial());
     product(&right.q(), &transpose(&q0))
 }
 
@@ -35,7 +35,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("FLEXION-TORSION", "the flexion by acos"),
         &[F],
         |right, numbers| {
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             one(numbers, F, (3, 0), |_| right.q()[2][2].clamp(-1.0, 1.0).acos() - q0[2][2].acos());
         },
         (&["diagnosis::digits-lost"], "ur1"),
@@ -44,7 +44,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("CARDAN", "the second angle by asin"),
         &[F],
         |right, numbers| {
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             one(numbers, F, (4, 0), |_| right.q()[0][2].clamp(-1.0, 1.0).asin() - q0[0][2].asin());
         },
         (&["diagnosis::digits-lost"], "ur2"),
@@ -53,7 +53,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("EULER", "the second angle by acos"),
         &[F],
         |right, numbers| {
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             let of = |q: [[f64; 3]; 3]| q[2][2].clamp(-1.0, 1.0).acos();
             // On the sheet of the right one.
             let mine = of(right.q()) - of(q0);

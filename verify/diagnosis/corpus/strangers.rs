@@ -1,23 +1,12 @@
 //! Routines of a reader who had not seen the causes: clamps, axes of the other node, factors next to 1, flows in other columns.
 
-use super::{ACC, DF, F, FORCE, RATE, Wrong, each, one, part, put, row};
+use super::{ACC, DF, F, FORCE, RATE, Wrong, continued, each, one, part, put, relative, row};
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
     Matrix, add, apply, apply_transposed, column, cross, dot, product, scale, sub, transpose,
-    transposed_product,
 };
-use std::f64::consts::TAU;
-
-fn relative(pair: &Pair<f64>) -> Matrix<f64> {
-    transposed_product(&pair.a.triad, &pair.b.triad)
-}
-
-/// An angle on the sheet of the right one.
-fn continued(mine: f64, right: f64) -> f64 {
-    mine + TAU * ((right - mine) / TAU).round()
-}
 
 /// The first Cardan angle by an arccosine, its sign put back.
 fn by_acos(q: &Matrix<f64>) -> f64 {

@@ -1,6 +1,6 @@
 //! Values.
 
-use super::{F, Right, Wrong, each, one};
+use super::{F, Right, Wrong, each, one, relative};
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
@@ -107,7 +107,7 @@ pub(super) const ALL: &[Wrong] = &[
         &[F],
         |right, numbers| {
             let q = right.q();
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             one(numbers, F, (3, 0), |_| (-q[1][2] / q[2][2]).atan() - (-q0[1][2] / q0[2][2]).atan());
         },
         (&["diagnosis::folded", "diagnosis::half-turn"], "ur1"),
@@ -116,7 +116,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("CYLINDRICAL", "the first angle by acos of one entry"),
         &[F],
         |right, numbers| {
-            let (q, q0) = (right.q(), transposed_product(&right.initial().a.triad, &right.initial().b.triad));
+            let (q, q0) = (right.q(), relative(right.initial()));
             let angle =
                 |q: [[f64; 3]; 3]| (q[2][2] / (1.0 - q[0][2] * q[0][2]).sqrt()).clamp(-1.0, 1.0).acos();
             one(numbers, F, (3, 0), |_| angle(q) - angle(q0));
@@ -128,7 +128,7 @@ pub(super) const ALL: &[Wrong] = &[
         &[F],
         |right, numbers| {
             let of = |q: [[f64; 3]; 3]| [q[2][1].atan2(q[2][2]), (-q[2][0]).asin(), q[1][0].atan2(q[0][0])];
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             each(numbers, F, |k, _, _| of(right.q())[k - 3] - of(q0)[k - 3]);
         },
         (&["diagnosis::other-order"], "ur1, ur2, ur3"),
@@ -139,7 +139,7 @@ pub(super) const ALL: &[Wrong] = &[
         |right, numbers| {
             let of =
                 |q: [[f64; 3]; 3]| [(-q[1][2]).atan2(q[2][2]), q[0][2].asin(), (-q[0][1]).atan2(q[0][0])];
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             each(numbers, F, |k, _, _| of(right.q())[k - 3] - of(q0)[k - 3]);
         },
         (&["diagnosis::other-order"], "ur1, ur2, ur3"),
@@ -152,7 +152,7 @@ pub(super) const ALL: &[Wrong] = &[
                 let [_, x, y, z] = so3::quaternion(q);
                 [2.0 * x, 2.0 * y, 2.0 * z]
             };
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             each(numbers, F, |k, _, _| of(&right.q())[k - 3] - of(&q0)[k - 3]);
         },
         (&["diagnosis::other-parameters"], "ur1, ur2, ur3"),
@@ -161,7 +161,7 @@ pub(super) const ALL: &[Wrong] = &[
         ("ALIGN", "the skew part of Q Q₀ᵀ for its rotation vector"),
         &[F],
         |right, numbers| {
-            let q0 = transposed_product(&right.initial().a.triad, &right.initial().b.triad);
+            let q0 = relative(right.initial());
             let r = product(&right.q(), &transpose(&q0));
             let skew = [(r[2][1] - r[1][2]) / 2.0, (r[0][2] - r[2][0]) / 2.0, (r[1][0] - r[0][1]) / 2.0];
             each(numbers, F, |k, _, _| skew[k - 3]);

@@ -22,7 +22,7 @@ use pintle_kinematics::node::{DOF, DOFS, PSI_A, Pair, THETA_A, THETA_B, XA, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, Vector, add, apply, column, cross, product, scale, sub, transpose, transposed_product,
+    Matrix, Vector, add, apply, column, cross, product, scale, skew, sub, transpose, transposed_product,
 };
 use std::collections::BTreeSet;
 
@@ -533,8 +533,7 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
     };
     // J⁻¹ = 1 − φ^/2 + (1 − (θ/2) cot(θ/2))/θ² φ^²: with another coefficient.
     let theta = norm(phi);
-    let [x, y, z] = phi;
-    let hat = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let hat = skew(phi);
     let square = product(&hat, &hat);
     let by = |coefficient: f64| {
         let entry = |i: usize, j: usize| {

@@ -1,5 +1,8 @@
-//! What else of the nodes a number may be, each with its formula in words: coordinates along other axes, other lengths, angles of other
-//! sequences, rotation vectors and cosines of other relative rotations, and functions of them.
+//! What else of the nodes a number may be, each with its formula in words:
+//!
+//! - coordinates along other axes, and other lengths;
+//! - angles of other sequences, rotation vectors and cosines of other relative rotations;
+//! - functions of them.
 //!
 //! All are formed on dual numbers, so that rows, rates and accelerations of a mistake are known as its values are.
 
@@ -7,7 +10,6 @@ use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
-use crate::mutants::diagnosis::values::{at_rest, positions};
 use num_dual::{Dual2, DualSVec64};
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{DOFS, Pair};
@@ -376,6 +378,12 @@ pub(super) fn of_dictionary(
     }
 }
 
+/// Whether numbers agree, to a part of the largest.
+fn is_met(made: &[f64], by: &[f64]) -> bool {
+    let largest = made.iter().chain(by).fold(0.0_f64, |most, x| most.max(x.abs()));
+    made.iter().zip(by).all(|(x, y)| (x - y).abs() <= MET * largest)
+}
+
 fn found<S: Scalar<Real = f64>>(
     case: &Case,
     of: &str,
@@ -394,7 +402,7 @@ fn found<S: Scalar<Real = f64>>(
         matches!(connector.differentiated(k), Some(Measure::Distance | Measure::RadialDistance))
     });
     let present: Vec<Unit> = units.into_iter().flatten().collect();
-    let [own_now, own_first] = [positions(case), positions(&at_rest(case))];
+    let [own_now, own_first] = [case.positions(), case.at_rest().positions()];
     let all = items(&last.state.pair.moved(seeds), initial, before, &present);
     let at_first = items(initial, initial, initial, &present);
     let mut found = Found::default();
@@ -402,10 +410,6 @@ fn found<S: Scalar<Real = f64>>(
         let (Some(wanted), Some(given), Some(unit)) = (wanted, &got.0[k], units[k]) else { continue };
         let mut tried = 0;
         let other = if unit == Unit::Angle { Cause::OtherParameters } else { Cause::OtherLength };
-        let is_met = |made: &[f64], by: &[f64]| {
-            let largest = made.iter().chain(by).fold(0.0_f64, |most, x| most.max(x.abs()));
-            made.iter().zip(by).all(|(x, y)| (x - y).abs() <= MET * largest)
-        };
         if is_met(wanted, given) {
             continue;
         }
@@ -426,7 +430,8 @@ fn found<S: Scalar<Real = f64>>(
             let is_angle = connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Angle);
             for function in FUNCTIONS.iter().filter(|function| (function.of == Unit::Angle) == is_angle) {
                 let [made, ..] = (function.taylor)(now, first);
-                add(other, &|| format!("{}, x the position", function.formula), S::from_real(made));
+                let cause = if is_angle { Cause::OtherParameters } else { Cause::OtherLength };
+                add(cause, &|| format!("{}, x the position", function.formula), S::from_real(made));
             }
         }
         for (item, first) in all.iter().zip(&at_first).filter(|(item, _)| item.unit == unit) {
@@ -465,7 +470,58 @@ fn found<S: Scalar<Real = f64>>(
 
 #[cfg(test)]
 mod tests {
-    use super::FUNCTIONS;
+    use super::{Dual2, FUNCTIONS, Seeded, is_met, items};
+    use crate::case::quantity::Quantity;
+    use crate::oracles::force::product_with_forces;
+    use crate::sampling::{Region, draw_case};
+    use num_dual::DualSVec64;
+    use pintle_kinematics::catalog::ConnectionType;
+    use pintle_kinematics::draw::Draw;
+    use pintle_kinematics::measure::Unit;
+    use pintle_kinematics::node::DOFS;
+
+    /// Coordinates, lengths and angles of the types that they define are among the numbers, and have the values, rows, rates and accelerations of
+    /// the catalogue's formulas, which share none of this.
+    #[test]
+    fn numbers_of_the_catalogue_are_in_it() {
+        let mut compared = 0;
+        for (name, of) in [
+            ("CARTESIAN", 0..3),
+            ("AXIAL", 0..1),
+            ("RADIAL-THRUST", 0..1),
+            ("CARDAN", 3..6),
+            ("EULER", 3..6),
+            ("ROTATION", 3..6),
+            ("FLEXION-TORSION", 3..4),
+        ] {
+            for n in 0..6 {
+                let mut draw = Draw::new(&format!("dictionary {name} {n}"));
+                let connection = ConnectionType::named(name, None).unwrap();
+                let case = draw_case(&connection, Region::Wide, &mut draw).unwrap();
+                let (state, initial) = (&case.last().unwrap().state, &case.definition.initial);
+                let right = product_with_forces(&case).unwrap();
+                let unit = [if of.start < 3 { Unit::Length } else { Unit::Angle }];
+                let rows = std::array::from_fn(|j| <DualSVec64<DOFS> as Seeded<DOFS>>::seed(0.0, j));
+                let rows = items(&state.pair.moved(&rows), initial, initial, &unit);
+                let rates: [Dual2<f64>; DOFS] =
+                    std::array::from_fn(|j| Dual2::new(0.0, state.velocity[j], state.acceleration[j]));
+                let rates = items(&state.pair.moved(&rates), initial, initial, &unit);
+                for k in of.clone() {
+                    let want = |quantity: Quantity| right.entries(quantity).0[k].clone().unwrap();
+                    let row = want(Quantity::FirstDerivatives);
+                    let moves = [want(Quantity::Rate), want(Quantity::Acceleration)].concat();
+                    let has_row = |n: &usize| is_met(&rows[*n].x.gradient(), &row);
+                    let found = (0..rows.len()).filter(has_row).find(|n| {
+                        let x = rates[*n].x;
+                        is_met(&[x.v1], &moves[..1]) && is_met(&[x.v2], &moves[1..])
+                    });
+                    assert!(found.is_some(), "{name}, component {k}, state {n}");
+                    compared += 1;
+                }
+            }
+        }
+        assert_eq!(compared, 6 * (3 + 1 + 1 + 3 + 3 + 3 + 1));
+    }
 
     /// The derivatives of each function are those of its values; zero where nothing has moved.
     #[test]

@@ -8,7 +8,7 @@ use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
 use pintle_kinematics::node::{DOFS, Node, Pair, XB};
 use pintle_kinematics::so3::{self, turn};
-use pintle_kinematics::vector::{Matrix, Vector, identity, product as times, transpose};
+use pintle_kinematics::vector::{self, Matrix, Vector, identity, product as times, skew, transpose};
 
 /// A case whose pairs are others, with the increments between them.
 fn mapped(case: &Case, of: impl Fn(&Pair<f64>) -> Pair<f64>, is_initial_too: bool) -> Case {
@@ -98,8 +98,9 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
         ("what is expected with rotations of nodes taken as angles about z, y, x in this order", |phi| {
             product_of([0, 1, 2].map(|axis| about_axis(axis, phi[axis])))
         }),
-        ("what is expected with 1 + φ^ for the rotations of nodes", |[x, y, z]| {
-            [[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]]
+        ("what is expected with 1 + φ^ for the rotations of nodes", |phi| {
+            let (one, hat): (Matrix<f64>, _) = (identity(), skew(phi));
+            [0, 1, 2].map(|i| vector::add(one[i], hat[i]))
         }),
         ("what is expected with the rotations of nodes the other way round", |phi| turn(phi.map(|x| -x))),
     ];

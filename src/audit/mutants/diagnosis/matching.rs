@@ -62,6 +62,10 @@ pub(super) trait Words {
     fn region(&self, places: &BTreeSet<Cell>) -> String;
     /// The symbols, in a sentence, of the triads of the first and the second node.
     fn triads(&self) -> [&'static str; 2];
+    /// What a cause means.
+    fn meaning(&self, cause: Cause) -> &'static str {
+        cause.meaning()
+    }
     /// Whether any of the places is a rotation of the first, and of the second node.
     fn rotations(&self, places: &BTreeSet<Cell>) -> [bool; 2];
 }
@@ -502,7 +506,7 @@ impl Matching<'_> {
         let meaning = match cause {
             Cause::OtherLength if chosen.is_searched => "another length",
             Cause::OtherParameters if chosen.is_searched => "another number of the rotation",
-            _ => cause.meaning(),
+            _ => self.words.meaning(cause),
         };
         let sentence = equation(&place, &relation, meaning, &self.at(chosen.states[0], open));
         Some(Explained { cause, code: cause.code(), sentence, also })

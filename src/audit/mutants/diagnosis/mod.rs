@@ -45,6 +45,7 @@ use serde::Serialize;
 
 pub use crate::mutants::cause::Cause;
 pub use component::{Symptoms, conventions, diagnose, diagnose_all};
+pub use places::{Places, places};
 pub use sample::Sample;
 pub use seen::Seen;
 pub use table::{diagnose_table, diagnose_tables};

@@ -4,7 +4,7 @@ use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::mutants::diagnosis::component::Symptoms;
 use crate::mutants::diagnosis::matching::{Cell, Matching, Words, equation};
-use crate::mutants::diagnosis::places::{FORMULAS, OF_ANGLES, PLACES, distances};
+use crate::mutants::diagnosis::places::{FORMULAS, OF_ANGLES, PLACES, places};
 use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use pintle_kinematics::scalar::U;
@@ -38,7 +38,7 @@ fn specials(symptoms: &Symptoms<'_>, components: &BTreeSet<usize>) -> Vec<Specia
     if case.last().is_none() {
         return Vec::new();
     }
-    let told = PLACES.into_iter().zip(FORMULAS).zip(distances(case));
+    let told = PLACES.into_iter().zip(FORMULAS).zip(places(case));
     let all = told.map(|(((at, _), formula), distance)| Special { at, formula, distance });
     let is_meant = |n: &usize| *n < OF_ANGLES || components.contains(&(3 + (n - OF_ANGLES) % 3));
     all.enumerate().filter(|(n, _)| is_meant(n)).map(|(_, special)| special).collect()
@@ -84,28 +84,17 @@ pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> 
     let at = common(&states, NEAR)?;
     let Special { at, formula, .. } = states.first()?.get(at)?;
     let (place, of) = (place(&cells, words), Matching::at_states(states.len(), states.len()));
-    let sentence = format!("{place} is no number where {at}{of}: {formula}; {}", Cause::NotANumber.meaning());
+    let is = if place.contains(", ") { "are" } else { "is" };
+    let sentence =
+        format!("{place} {is} no number where {at}{of}: {formula}; {}", Cause::NotANumber.meaning());
     Some(told(Cause::NotANumber, sentence, &cells))
 }
 
 /// Numbers that are wrong by little, and more the nearer their states are to special ones.
 pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
-    let mut cells: BTreeSet<Cell> = BTreeSet::new();
-    let mut lost = Vec::new();
-    for one in symptoms {
-        let mut most = 0.0_f64;
-        for (k, i, want) in one.want.entries(one.quantity).iter() {
-            let Some(got) = one.got.get(k, i) else { continue };
-            let (error, tolerance) = ((got - want).abs(), one.bound.tolerance(one.quantity, k, i));
-            if error > tolerance {
-                cells.insert((k, i));
-                most = most.max(error * C * U / tolerance);
-            }
-        }
-        if most > LOST {
-            return None;
-        }
-        lost.push(most);
+    let Errors { cells, largest: lost, .. } = errors(symptoms);
+    if lost.iter().any(|lost| *lost > LOST) {
+        return None;
     }
     let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
     // Of a row as a whole.
@@ -146,7 +135,9 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
     let (n, _) = nearest?;
     let Special { at, formula, .. } = states.first()?.get(n)?;
     let (place, of) = (place(&cells, words), Matching::at_states(count, count));
-    let sentence = format!("{place} loses digits where {at}{of}: {formula}; {}", Cause::DigitsLost.meaning());
+    let loses = if place.contains(", ") { "lose" } else { "loses" };
+    let sentence =
+        format!("{place} {loses} digits where {at}{of}: {formula}; {}", Cause::DigitsLost.meaning());
     Some(told(Cause::DigitsLost, sentence, &cells))
 }
 

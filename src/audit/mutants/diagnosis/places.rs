@@ -1,7 +1,6 @@
 //! Special kinds of states, at which formulas lose digits or have no number, and how far a state is from each.
 
 use crate::case::Case;
-use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::scalar::elementary::norm;
@@ -60,8 +59,11 @@ pub(super) const FORMULAS: [&str; PLACES.len()] = [
     ASIN,
 ];
 
-/// How far the end of a case is from each of [`PLACES`].
-pub(super) fn distances(case: &Case) -> [f64; PLACES.len()] {
+/// How far a state is from each of [`PLACES`], in their units.
+pub type Places = [f64; PLACES.len()];
+
+/// How far the end of a case is from each of them.
+pub fn places(case: &Case) -> Places {
     let Some(step) = case.last() else { return [f64::NAN; PLACES.len()] };
     let (pair, initial) = (&step.state.pair, &case.definition.initial);
     let relative = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
@@ -75,8 +77,7 @@ pub(super) fn distances(case: &Case) -> [f64; PLACES.len()] {
         |now: &Node<f64>, then: &Node<f64>| now.triad != then.triad || now.displacement != then.displacement;
     let nothing = !has_moved(&pair.a, &initial.a) && !has_moved(&pair.b, &initial.b);
     let connector = case.connector();
-    let asked = Request::new(&[Output::CP], [true; 6], 0);
-    let position = case.evaluation(&asked).map_or([None; 6], |(found, _)| found.position);
+    let position = case.positions();
     let from = |k: usize, place: f64| {
         let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
         let off = |x: f64| (x - place) - PI * ((x - place) / PI).round();

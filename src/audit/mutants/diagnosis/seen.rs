@@ -1,9 +1,8 @@
 //! What a check has seen of all its states, right ones too. Wrong numbers near a special kind of states, and right ones elsewhere, are a
 //! guard, a clamp, a series or another formula that begins there.
 
-use crate::case::Case;
 use crate::mutants::cause::Cause;
-use crate::mutants::diagnosis::places::{PLACES, distances};
+use crate::mutants::diagnosis::places::{PLACES, Places};
 use crate::mutants::diagnosis::{Diagnosis, Explained};
 use pintle_scene::grammar::number as short;
 use std::collections::BTreeMap;
@@ -11,7 +10,7 @@ use std::collections::BTreeMap;
 /// So near states must be where all wrong ones are, in radians or lengths of the connector.
 const FAR: f64 = 0.3;
 
-/// So many states tell, wrong ones and right ones: chance puts all the wrong ones nearest in one of five thousand times.
+/// So many states tell, wrong ones and right ones: chance puts all the wrong ones nearest in one of five thousand times, of each kind.
 const TELL: [u32; 2] = [3, 30];
 
 /// So many tell where some are right that are nearer than any wrong one, for there rounding hides what is wrong.
@@ -64,9 +63,9 @@ impl Seen {
     }
 
     /// Adds a state.
-    pub fn add(&mut self, case: &Case, is_wrong: bool) {
+    pub fn add(&mut self, distances: &Places, is_wrong: bool) {
         self.states += 1;
-        for (kind, distance) in distances(case).into_iter().enumerate() {
+        for (kind, distance) in distances.iter().copied().enumerate() {
             // On the set itself numbers may be none, or be excused.
             if !distance.is_finite() || distance == 0.0 && !is_wrong {
                 continue;

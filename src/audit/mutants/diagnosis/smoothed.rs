@@ -4,7 +4,6 @@ use crate::case::Case;
 use crate::case::quantity::{Entries, Quantity};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
-use crate::mutants::diagnosis::values::{at_rest, positions};
 use pintle_kinematics::measure::Measure;
 use pintle_scene::grammar::number as short;
 
@@ -16,7 +15,7 @@ pub(super) fn of_smoothed(
     got: &Entries<f64>,
 ) -> Vec<Hypothesis> {
     let connector = case.connector();
-    let (now, first) = (positions(case), positions(&at_rest(case)));
+    let (now, first) = (case.positions(), case.at_rest().positions());
     let mut found = Vec::new();
     for (k, wanted) in want.0.iter().enumerate() {
         let is_length =

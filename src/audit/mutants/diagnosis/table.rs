@@ -1,5 +1,6 @@
 //! Numbers in a list: of multi-point constraints, frictions, slopes of behaviour.
 
+use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::table::{Convention, Entry, ResultTable};
 use crate::mutants::diagnosis::component::is_derivative;
@@ -165,6 +166,17 @@ impl Words for TableWords<'_> {
 
     fn triads(&self) -> [&'static str; 2] {
         ["C_S", "C_M"]
+    }
+
+    fn meaning(&self, cause: Cause) -> &'static str {
+        let is_of_constraint = MpcCase::QUANTITIES.contains(&self.table.quantity);
+        match cause {
+            Cause::AxesOfA if is_of_constraint => "axes of S for those that are meant",
+            Cause::AxesOfB if is_of_constraint => "axes of M for those that are meant",
+            Cause::InitialAxes if is_of_constraint => "axes or an arm that do not turn with M",
+            Cause::InitialTurned if is_of_constraint => "the initial separation turned with M",
+            _ => cause.meaning(),
+        }
     }
 
     fn rotations(&self, places: &BTreeSet<Cell>) -> [bool; 2] {

@@ -19,24 +19,12 @@ use std::f64::consts::{PI, TAU};
 /// What is given along the axes that b has at first.
 pub(super) const INITIAL_AXES_OF_B: &str = "what is expected along the initial axes of b";
 
-/// Positions of the components at the end of a case.
-pub(super) fn positions(case: &Case) -> Components<f64> {
-    let asked = Request::new(&[Output::CP], [true; 6], 0);
-    case.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
-}
-
-/// The same connector where nothing has moved.
-pub(super) fn at_rest(case: &Case) -> Case {
-    let initial = case.definition.initial;
-    Case { start: None, path: vec![Step::between(&initial, initial)], ..case.clone() }
-}
-
 /// What mistakes make of values, where `want` are right and `got` were given.
 pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) -> Vec<Hypothesis> {
     let Some(Step { state, .. }) = case.last() else { return Vec::new() };
     let (pair, initial) = (&state.pair, &case.definition.initial);
     let connector = case.connector();
-    let (now, first) = (positions(case), positions(&at_rest(case)));
+    let (now, first) = (case.positions(), case.at_rest().positions());
     let mut earlier = case.clone();
     earlier.path.pop();
     let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
@@ -135,7 +123,7 @@ fn of_rows(case: &Case, before: &Components<f64>) -> Vec<Hypothesis> {
         }
         all
     };
-    let at_rest = at_rest(case);
+    let at_rest = case.at_rest();
     let earlier =
         if path.is_empty() { at_rest.clone() } else { Case { path: path.to_vec(), ..case.clone() } };
     let from = path.last().map_or(initial, |step| step.state.pair);
