@@ -415,6 +415,14 @@ impl Measure {
         }
     }
 
+    /// A formula of the same number that keeps its digits where [`Self::formula`] loses them, next to its singular set.
+    pub const fn kept_formula(self) -> Option<&'static str> {
+        match self {
+            Self::Torsion => Some("β = 2 atan2(q3, q0), (q0, q1, q2, q3) the quaternion of Q"),
+            _ => None,
+        }
+    }
+
     /// The manual's symbol of the position, as used in stops: l, x, α, φ1 …
     pub const fn symbol(self) -> &'static str {
         match self {

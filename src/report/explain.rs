@@ -125,6 +125,8 @@ struct Component {
     role: &'static str,
     force: Option<&'static str>,
     position: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kept: Option<&'static str>,
     unit: Unit,
     constraint: Option<String>,
     otherwise: Option<String>,
@@ -233,6 +235,9 @@ impl Explanation {
             );
             write!(out, "{head}")?;
             line(out, "position", component.position)?;
+            if let Some(kept) = component.kept {
+                line(out, "", &format!("{kept}, keeps the digits that this one loses next to α = π"))?;
+            }
             if let Some(constraint) = &component.constraint {
                 line(out, "enforced", constraint)?;
             }
@@ -423,6 +428,7 @@ fn component(connection: &ConnectionType, k: usize) -> Option<Component> {
         role: words::role(slot),
         force: (!matches!(slot, Slot::Measured(_))).then_some(FORCE[k]),
         position: position.formula(),
+        kept: position.kept_formula(),
         unit: position.unit(),
         constraint: connection.constraint(k),
         otherwise,

@@ -46,7 +46,9 @@ pub use refusal::Refusal;
 pub use time::integrate::Method;
 pub use time::keep::{Keeping, Kept};
 pub use time::run::{Ended, Options, Solvable, Stick, solve, solve_keeping};
-pub use time::solution::{ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Solution, What};
+pub use time::solution::{
+    ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Scales, Solution, What,
+};
 
 #[cfg(test)]
 mod tests;

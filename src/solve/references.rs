@@ -34,6 +34,7 @@ pub static REFERENCES: &[(&str, &str)] = &[
     deck!("ellipse_slide"),
     deck!("failure"),
     deck!("failure_hang"),
+    deck!("flyball"),
     deck!("four_bar"),
     deck!("free_top"),
     deck!("friction_decay"),

@@ -533,6 +533,11 @@ fn explain_mpc(
 
 /// The connection type of a name, or of a pair of names.
 fn connection(name: &str, second: Option<&str>) -> Result<ConnectionType, Failure> {
+    // One name of two words, without quotes.
+    if let Some(one) = second.and_then(|second| ConnectionType::named(&format!("{name} {second}"), None).ok())
+    {
+        return Ok(one);
+    }
     ConnectionType::named(name, second).map_err(|error| {
         let remedy = match &error {
             NameError::Unknown { nearest: None, .. } => "; `pintle list` shows the types there are",

@@ -22,6 +22,8 @@ pub struct Facts<'a> {
     pub scene: &'a str,
     /// The digits asked for.
     pub digits: usize,
+    /// The size of the model.
+    pub length: f64,
     /// How far the witness is from it, where there is one.
     pub difference: Option<&'a Difference>,
     /// Why it ended early.
@@ -153,7 +155,7 @@ pub fn human<R: Number>(
     }
     if let Some(last) = last {
         writeln!(out)?;
-        state(out, solution, last, &number)?;
+        state(out, solution, last, (&number, digits, facts.length))?;
     }
     if let Some(why) = facts.ended {
         writeln!(out)?;
@@ -166,8 +168,15 @@ fn state<R: Number>(
     out: &mut dyn Write,
     solution: &Solution<R>,
     frame: &Frame<R>,
-    number: &dyn Fn(R) -> String,
+    (number, digits, length): (&dyn Fn(R) -> String, usize, f64),
 ) -> io::Result<()> {
+    let scales = solution.scales(length);
+    // A number is known to the last digit of the largest of its kind.
+    let known = |x: R, scale: f64| {
+        let beyond = (x.to_f64().abs() / scale).log10().ceil().min(0.0);
+        let known = digits as f64 + beyond;
+        if known < 1.0 { "0".to_string() } else { x.digits(known as usize) }
+    };
     let mut rows = Vec::new();
     for ((_, title), of) in solution.connectors.iter().zip(&frame.connectors) {
         for k in (0..6).filter(|k| of.wanted[*k] || of.free[*k]) {
@@ -178,10 +187,10 @@ fn state<R: Number>(
             }
             rows.push(vec![
                 format!("{title} {}", COMPONENT[k]),
-                number(of.displacement[k]),
-                number(of.velocity[k]),
-                if of.open[k] { "open".to_string() } else { number(of.total[k]) },
-                number(of.friction[k]),
+                known(of.displacement[k], if k < 3 { length } else { 1.0 }),
+                known(of.velocity[k], scales.velocity[k / 3]),
+                if of.open[k] { "open".to_string() } else { known(of.total[k], scales.force[k / 3]) },
+                known(of.friction[k], scales.force[k / 3]),
             ]);
         }
     }
@@ -191,10 +200,10 @@ fn state<R: Number>(
     writeln!(
         out,
         "energies: kinetic {}, stored {}, dissipated {}, external work {}; balance {:.0e}",
-        number(energies.kinetic),
-        number(energies.stored),
-        number(energies.dissipated),
-        number(energies.external),
+        known(energies.kinetic, scales.energy),
+        known(energies.stored, scales.energy),
+        known(energies.dissipated, scales.energy),
+        known(energies.external, scales.energy),
         energies.balance.to_f64()
     )
 }

@@ -1,16 +1,18 @@
-//! One-step methods of high order: extrapolation of the midpoint rule (Gragg, Bulirsch, Stoer) and Gauss collocation, which witness each
-//! other.
+//! One-step methods of high order, which witness each other: extrapolation of the midpoint rule (Gragg, Bulirsch, Stoer) and collocation
+//! at the points of Gauss. Where motion is stiff, collocation at the points of Radau takes the place of extrapolation, and both solve with a
+//! Jacobian ([`crate::time::stiff`]).
 
 use crate::motion::linear::System;
 use crate::motion::mode::Switch;
 use crate::motion::rows::Trouble;
 use crate::number::Number;
+use crate::time::stiff::{Jacobian, Stages};
 
 /// How a solution goes on in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Extrapolation of the midpoint rule.
+    /// Extrapolation of the midpoint rule; Radau collocation where motion is stiff.
     #[default]
     Extrapolation,
     /// Gauss collocation.
@@ -42,10 +44,18 @@ pub(crate) type Flow<'a, R> = dyn FnMut(R, &[R]) -> Result<Slope<R>, Trouble> + 
 /// A method with its numbers.
 #[derive(Clone, Debug)]
 pub(crate) enum Rule<R> {
-    /// At most so many columns.
-    Extrapolation(usize),
-    /// The points c and the matrix a of stages, the weights, and the weights without the last stage.
-    Collocation { points: Vec<R>, matrix: Vec<Vec<R>>, weights: Vec<R>, fewer: Vec<R> },
+    /// At most so many columns, and what takes their place where motion is stiff.
+    Extrapolation(usize, Tableau<R>),
+    Collocation(Tableau<R>),
+}
+
+/// The points c and the matrix a of stages, the weights, and the weights without a stage.
+#[derive(Clone, Debug)]
+pub(crate) struct Tableau<R> {
+    points: Vec<R>,
+    matrix: Vec<Vec<R>>,
+    weights: Vec<R>,
+    fewer: Vec<R>,
 }
 
 /// What grows where a step is much better than it has to be.
@@ -57,28 +67,30 @@ const FEW: usize = 7;
 impl<R: Number> Rule<R> {
     /// The rule for a method and a number of digits.
     pub(crate) fn new(method: Method, digits: usize) -> Self {
+        let stages = 6 + digits / 4;
         match method {
             Method::Extrapolation => {
                 let most = if R::ROUNDING > f64::EPSILON / 4.0 { FEW } else { usize::MAX };
-                Self::Extrapolation((7 + digits / 4).min(most))
+                Self::Extrapolation((7 + digits / 4).min(most), collocation(radau(stages)))
             }
-            Method::Collocation => gauss(6 + digits / 4),
+            Method::Collocation => Self::Collocation(collocation(gauss(stages))),
         }
     }
 
     /// A step of length h from y at t, where the slope is known. `allowed` is the largest error of each number; the last of them is the
-    /// relative error itself.
+    /// relative error itself. With a Jacobian where motion is stiff.
     pub(crate) fn step(
         &self,
         flow: &mut Flow<'_, R>,
-        (t, y, slope): (R, &[R], &Slope<R>),
+        start: (R, &[R], &Slope<R>),
         h: R,
         allowed: &[R],
+        jacobian: Option<&Jacobian<R>>,
     ) -> Result<Tried<R>, Trouble> {
-        match self {
-            Self::Extrapolation(columns) => extrapolate(flow, (t, y, slope), h, allowed, *columns),
-            Self::Collocation { points, matrix, weights, fewer } => {
-                collocate(flow, (t, y, slope), h, allowed, (points, matrix, weights, fewer))
+        match (self, jacobian) {
+            (Self::Extrapolation(columns, _), None) => extrapolate(flow, start, h, allowed, *columns),
+            (Self::Extrapolation(_, tableau) | Self::Collocation(tableau), _) => {
+                collocate(flow, start, h, allowed, tableau, jacobian)
             }
         }
     }
@@ -159,15 +171,17 @@ const ITERATIONS: usize = 150;
 /// What iterations may leave of what is allowed.
 const LEFT: f64 = 1e-3;
 
-/// Points, matrix, weights, and the weights without the last stage.
-type Tableau<'a, R> = (&'a [R], &'a [Vec<R>], &'a [R], &'a [R]);
+fn too_long<R: Number>(y: &[R]) -> Tried<R> {
+    Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new() }
+}
 
 fn collocate<R: Number>(
     flow: &mut Flow<'_, R>,
     (t, y, slope): (R, &[R], &Slope<R>),
     h: R,
     allowed: &[R],
-    (points, matrix, weights, fewer): Tableau<'_, R>,
+    Tableau { points, matrix, weights, fewer }: &Tableau<R>,
+    jacobian: Option<&Jacobian<R>>,
 ) -> Result<Tried<R>, Trouble> {
     let stages = points.len();
     let mut rates = vec![slope.rates.clone(); stages];
@@ -182,26 +196,44 @@ fn collocate<R: Number>(
         }
         y.iter().zip(sum).map(|(y, moved)| *y + moved).collect()
     };
+    let newton = match jacobian.map(|jacobian| Stages::new(matrix, jacobian, h.to_f64())) {
+        None => None,
+        Some(None) => return Ok(too_long(y)),
+        Some(found) => found,
+    };
     let mut before = f64::INFINITY;
     for iteration in 0.. {
         let mut change: f64 = 0.0;
+        let mut lacks = Vec::with_capacity(stages);
         for i in 0..stages {
             let stage = combine(&matrix[i], &rates);
             let found = flow(t + h * points[i], &stage)?;
-            let moved = found.rates.iter().zip(&rates[i]).map(|(new, old)| h * (*new - *old));
-            change = change.max(excess(moved, allowed));
-            rates[i] = found.rates;
             switches[i] = found.switches;
+            let by: Vec<R> = found.rates.iter().zip(&rates[i]).map(|(new, old)| *new - *old).collect();
+            if newton.is_some() {
+                lacks.push(by);
+                continue;
+            }
+            change = change.max(excess(by.iter().map(|by| h * *by), allowed));
+            rates[i] = found.rates;
+        }
+        if let Some(newton) = &newton {
+            let Some(changes) = newton.changes(&lacks) else { return Ok(too_long(y)) };
+            for (rates, changes) in rates.iter_mut().zip(changes) {
+                change = change.max(excess(changes.iter().map(|by| h * *by), allowed));
+                rates.iter_mut().zip(changes).for_each(|(rate, by)| *rate = *rate + by);
+            }
         }
         // What further iterations would change, for each contracts as this one did; or what rounding leaves, below what is allowed.
         let contracts = iteration > 0 && change < before;
         let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
-        if ahead < LEFT || change < 0.05 && is_slow {
+        let most = if newton.is_some() { 0.5 } else { 0.05 };
+        if ahead < LEFT || change < most && is_slow {
             break;
         }
         if iteration > 3 && change > before * 0.8 || iteration > ITERATIONS || !change.is_finite() {
-            return Ok(Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new() });
+            return Ok(too_long(y));
         }
         before = change;
     }
@@ -220,20 +252,9 @@ fn collocate<R: Number>(
     Ok(Tried { end, error, growth, inner })
 }
 
-/// Gauss collocation with s stages, of order 2 s.
-fn gauss<R: Number>(stages: usize) -> Rule<R> {
-    let (one, half) = (R::integer(1), R::ratio(1, 2));
-    let points: Vec<R> = (0..stages)
-        .map(|i| {
-            let guess = (std::f64::consts::PI * (i as f64 + 0.75) / (stages as f64 + 0.5)).cos();
-            let mut x = R::from_f64(guess);
-            for _ in 0..8 {
-                let (value, slope) = legendre(stages, x);
-                x = x - value / slope;
-            }
-            (one - x) * half
-        })
-        .collect();
+/// Collocation at these points of a step.
+fn collocation<R: Number>(points: Vec<R>) -> Tableau<R> {
+    let one = R::integer(1);
     let integrals = |points: &[R], to: R| -> Vec<R> {
         // Σ w_j c_jᵏ = toᵏ⁺¹/(k + 1)
         let mut system = System::new(points.len(), 1);
@@ -251,9 +272,37 @@ fn gauss<R: Number>(stages: usize) -> Rule<R> {
     };
     let matrix = points.iter().map(|c| integrals(&points, *c)).collect();
     let weights = integrals(&points, one);
-    let mut fewer = integrals(points.get(..stages - 1).unwrap_or_default(), one);
+    let mut fewer = integrals(points.get(..points.len() - 1).unwrap_or_default(), one);
     fewer.push(R::ZERO);
-    Rule::Collocation { points, matrix, weights, fewer }
+    Tableau { points, matrix, weights, fewer }
+}
+
+/// The points of Gauss, from the last to the first: with s of them the order is 2 s.
+fn gauss<R: Number>(stages: usize) -> Vec<R> {
+    let guess = |i: usize| (std::f64::consts::PI * (i as f64 + 0.75) / (stages as f64 + 0.5)).cos();
+    (0..stages).map(|i| root(guess(i), |x| legendre(stages, x))).collect()
+}
+
+/// The points of Radau, the last of them the end of the step: with s of them the order is 2 s − 1, and what is stiff decays at once.
+fn radau<R: Number>(stages: usize) -> Vec<R> {
+    let guess = |i: usize| -(std::f64::consts::TAU * i as f64 / (2.0 * stages as f64 - 1.0)).cos();
+    let difference = |x: R| {
+        let [(value, slope), (other, of_other)] = [stages, stages - 1].map(|n| legendre(n, x));
+        (value + other, slope + of_other)
+    };
+    let mut points: Vec<R> = (1..stages).map(|i| root(guess(i), difference)).collect();
+    points.insert(0, R::integer(1));
+    points
+}
+
+/// (1 − x)/2 of the root x next to a guess.
+fn root<R: Number>(guess: f64, of: impl Fn(R) -> (R, R)) -> R {
+    let mut x = R::from_f64(guess);
+    for _ in 0..8 {
+        let (value, slope) = of(x);
+        x = x - value / slope;
+    }
+    (R::integer(1) - x) * R::ratio(1, 2)
 }
 
 /// P_n and its derivative.
@@ -292,7 +341,7 @@ mod tests {
         for i in 0..steps {
             let t = R::from_f64(h * i as f64);
             let slope = flow(t, &y).unwrap();
-            let tried = rule.step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed).unwrap();
+            let tried = rule.step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed, None).unwrap();
             assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
             y = tried.end;
         }

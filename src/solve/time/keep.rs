@@ -6,6 +6,7 @@ use crate::motion::state::State;
 use crate::number::Number;
 use crate::time::run::Run;
 use crate::time::solution::{Event, Frame};
+use crate::time::step::Quiet;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -23,6 +24,8 @@ pub struct Kept<R> {
     h: f64,
     fastest: f64,
     is_new: bool,
+    #[serde(default)]
+    quiet: Quiet,
     stretched: Vec<R>,
     stiffness: Vec<R>,
     beginnings: Beginnings,
@@ -74,6 +77,7 @@ impl<R: Number> Run<'_, R> {
             h: self.h,
             fastest: self.fastest,
             is_new: self.is_new,
+            quiet: self.quiet,
             stretched: self.stretched.clone(),
             stiffness: self.mechanism.stiffness.clone(),
             beginnings: self.beginnings.clone(),
@@ -99,6 +103,7 @@ impl<R: Number> Run<'_, R> {
         self.h = kept.h;
         self.fastest = kept.fastest;
         self.is_new = kept.is_new;
+        self.quiet = kept.quiet;
         self.stretched = kept.stretched;
         self.mechanism.stiffness = kept.stiffness;
         self.beginnings = kept.beginnings;

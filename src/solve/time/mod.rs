@@ -3,6 +3,7 @@
 //! | module | question |
 //! |---|---|
 //! | `integrate` | two methods of high order |
+//! | `stiff` | … where something decays much faster than what moves |
 //! | `step` | from a state to the next: one step, the event within it, back to the constraints |
 //! | `happen` | what changes at an event, and which impulses? |
 //! | `choose` | what sticks and what slips after an event? |
@@ -19,5 +20,6 @@ pub(crate) mod keep;
 pub(crate) mod run;
 pub(crate) mod solution;
 pub(crate) mod step;
+pub(crate) mod stiff;
 pub(crate) mod still;
 pub(crate) mod work;

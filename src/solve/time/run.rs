@@ -11,6 +11,7 @@ use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule};
 use crate::time::keep::{Keeping, Kept};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
+use crate::time::step::Quiet;
 use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::scalar::Wide;
 use pintle_kinematics::vector::Vector;
@@ -99,6 +100,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) fastest: f64,
     /// Whether the mode has just begun.
     pub(crate) is_new: bool,
+    /// Steps since the last event, and whether motion has been found to be stiff.
+    pub(crate) quiet: Quiet,
     /// The energy in the spring of each friction as slip began, where stick is elastic.
     pub(crate) stretched: Vec<R>,
     /// Whether the step is static.
@@ -267,6 +270,7 @@ impl<'a, R: Number> Run<'a, R> {
             h: 0.0,
             fastest: 0.0,
             is_new: false,
+            quiet: Quiet::default(),
             stretched: Vec::new(),
             is_still: false,
             is_launched: options.from.is_some(),

@@ -200,18 +200,27 @@ fn apart<R: Number>(one: &[R; 3], two: &[R; 3]) -> f64 {
     so3::log(&between).iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max)
 }
 
+/// The largest numbers of each kind: what errors are relative to.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// Of translations, and of rotations.
+    pub velocity: [f64; 2],
+    /// Forces, and moments.
+    pub force: [f64; 2],
+    /// Energies and works.
+    pub energy: f64,
+}
+
+impl<R: Number> Energies<R> {
+    /// Kinetic energy, external work, dissipation, stored energy.
+    fn works(&self) -> [R; 4] {
+        [self.kinetic, self.external, self.dissipated, self.stored]
+    }
+}
+
 impl<R: Number> Solution<R> {
-    /// How far another solution with the same frames is from this one. `length` is the size of the model.
-    pub fn difference(&self, other: &Self, length: f64) -> Difference {
-        let mut found = Difference { same_events: true, ..Difference::default() };
-        let duration = self.frames.last().map_or(1.0, |frame| frame.time.to_f64()).max(f64::MIN_POSITIVE);
-        found.same_events =
-            self.events.len() == other.events.len() && self.frames.len() == other.frames.len();
-        for (one, two) in self.events.iter().zip(&other.events) {
-            found.same_events &= one.connector == two.connector && one.what == two.what;
-            found.event = found.event.max((one.time - two.time).to_f64().abs() / duration);
-            found.compared += 1;
-        }
+    /// The largest numbers of each kind. A force counts as a moment too, at an arm as long as the model, and the other way round.
+    pub fn scales(&self, length: f64) -> Scales {
         let largest = |of: &dyn Fn(&Frame<R>) -> Vec<R>| {
             let all = self.frames.iter().flat_map(of).map(|x| x.to_f64().abs());
             all.fold(f64::MIN_POSITIVE, f64::max)
@@ -226,12 +235,26 @@ impl<R: Number> Solution<R> {
                 frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec()).collect()
             })
         };
-        let works = |of: &Frame<R>| {
-            let Energies { kinetic, external, dissipated, stored, .. } = of.energies;
-            [kinetic, external, dissipated, stored]
-        };
-        let energy = largest(&|frame| works(frame).to_vec()).max(self.liveliest);
-        let (speeds, forces) = ([speed(0), speed(3)], [force(0), force(3)]);
+        let (forces, moments) = (force(0), force(3));
+        Scales {
+            velocity: [speed(0), speed(3)],
+            force: [forces.max(moments / length), moments.max(forces * length)],
+            energy: largest(&|frame| frame.energies.works().to_vec()).max(self.liveliest),
+        }
+    }
+
+    /// How far another solution with the same frames is from this one. `length` is the size of the model.
+    pub fn difference(&self, other: &Self, length: f64) -> Difference {
+        let mut found = Difference { same_events: true, ..Difference::default() };
+        let duration = self.frames.last().map_or(1.0, |frame| frame.time.to_f64()).max(f64::MIN_POSITIVE);
+        found.same_events =
+            self.events.len() == other.events.len() && self.frames.len() == other.frames.len();
+        for (one, two) in self.events.iter().zip(&other.events) {
+            found.same_events &= one.connector == two.connector && one.what == two.what;
+            found.event = found.event.max((one.time - two.time).to_f64().abs() / duration);
+            found.compared += 1;
+        }
+        let Scales { velocity: speeds, force: forces, energy } = self.scales(length);
         let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {
             for (x, y) in one.iter().zip(two) {
                 *into = into.max((*x - *y).to_f64().abs() / scale);
@@ -244,7 +267,13 @@ impl<R: Number> Solution<R> {
         // Frames at events differ in their times; those asked for do not.
         for (i, j) in smooth(&self.frames).into_iter().zip(smooth(&other.frames)) {
             let (one, two) = (&self.frames[i], &other.frames[j]);
-            compare(&mut found.energy, &mut found.compared, &works(one), &works(two), energy);
+            compare(
+                &mut found.energy,
+                &mut found.compared,
+                &one.energies.works(),
+                &two.energies.works(),
+                energy,
+            );
             for (one, two) in one.nodes.iter().zip(&two.nodes) {
                 let count = &mut found.compared;
                 compare(&mut found.displacement, count, &one.displacement, &two.displacement, length);

@@ -10,7 +10,9 @@ use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule, Slope, Tried};
 use crate::time::run::Run;
+use crate::time::stiff;
 use pintle_kinematics::vector::Vector;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::Ordering;
 
 /// The part of the usual length of a step that the first one in a mode has.
@@ -21,6 +23,17 @@ const DIFFERENCE: f64 = 1e-3;
 
 /// The part of the way to rest that one step goes.
 const APPROACH: f64 = 0.6;
+
+/// After how many steps without an event a stiff motion is looked for, again and again.
+const EVERY: usize = 16;
+
+/// Since the last event.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Quiet {
+    steps: usize,
+    /// Whether motion is stiff: implicit steps.
+    is_stiff: bool,
+}
 
 /// Where nodes are, how fast, and how far each has turned.
 type Moved<R> = (Vec<Pose<R>>, Vec<[R; DOFS]>, Vec<Vector<R>>);
@@ -185,22 +198,42 @@ impl<R: Number> Run<'_, R> {
         h: R,
     ) -> Result<Tried<R>, Trouble> {
         let allowed = self.allowed(y, h.to_f64());
+        let start = (base.time, y, slope);
         let mut evaluations = 0;
         let mut flow = |time: R, y: &[R]| {
             evaluations += 1;
             self.flow(base, time, y).map(|(slope, _)| slope)
         };
-        let mut tried = self.rule.step(&mut flow, (base.time, y, slope), h, &allowed);
+        let jacobian =
+            if self.quiet.is_stiff { Some(stiff::midway(&mut flow, start, h, &allowed)?) } else { None };
+        let mut tried = self.rule.step(&mut flow, start, h, &allowed, jacobian.as_ref());
         // Near rest the direction of a slip changes at once, and stages do not contract.
         let turns = |slider: &Slider| slider.components.len() > 1;
         if tried.as_ref().is_ok_and(|tried| tried.error.is_infinite())
             && self.mechanism.sliders.iter().any(turns)
         {
             let other: Rule<R> = Rule::new(Method::Extrapolation, self.options.digits);
-            tried = other.step(&mut flow, (base.time, y, slope), h, &allowed);
+            tried = other.step(&mut flow, start, h, &allowed, jacobian.as_ref());
         }
         self.solution.evaluations += evaluations;
         tried
+    }
+
+    /// Now and then, whether motion has become stiff: whether something decays much faster than steps go.
+    fn look_for_decay(&mut self) -> Result<(), Refusal> {
+        self.quiet.steps += 1;
+        if self.quiet.is_stiff || !self.quiet.steps.is_multiple_of(EVERY) {
+            return Ok(());
+        }
+        let (base, y) = (self.state.clone(), self.packed());
+        let allowed = self.allowed(&y, self.h);
+        let mut flow = |time: R, y: &[R]| self.flow(&base, time, y).map(|(slope, _)| slope);
+        let found = flow(base.time, &y).and_then(|slope| {
+            let jacobian = stiff::jacobian(&mut flow, (base.time, &y, &slope), &allowed)?;
+            Ok(stiff::is_stiff(&jacobian, &slope.rates, &allowed, self.h))
+        });
+        self.quiet.is_stiff = found.map_err(|trouble| self.say(trouble))?;
+        Ok(())
     }
 
     /// Goes on to a time, over all events before it.
@@ -278,6 +311,7 @@ impl<R: Number> Run<'_, R> {
                     self.h = if is_last { grown.max(self.h) } else { grown };
                     let time = if is_last { goal } else { base.time + h };
                     self.commit(&base, time, &tried.end)?;
+                    self.look_for_decay()?;
                 }
                 Some(Crossing::Inside(part)) => {
                     // Back before the end of the step: what is negative within it must be so at its end.
@@ -305,6 +339,7 @@ impl<R: Number> Run<'_, R> {
                     let usual = self.h;
                     self.locate(h, &slope.switches, &ended)?;
                     self.h = usual.min(h.to_f64());
+                    self.quiet = Quiet::default();
                 }
             }
         }

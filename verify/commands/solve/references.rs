@@ -119,13 +119,22 @@ fn kind(name: &str) -> String {
 /// What is smaller in units of the decks counts as rounding of this size.
 const NOTHING: f64 = 1e-3;
 
-fn scale_of(all: &[(String, Vec<f64>)], of: &str) -> f64 {
-    let same = all.iter().filter(|(name, _)| kind(name) == kind(of));
-    same.flat_map(|(_, column)| column).fold(NOTHING, |most: f64, x| most.max(x.abs()))
+/// The largest of the same kind. A force counts as a moment too, at an arm as long as the model, and the other way round.
+fn scale_of(all: &[(String, Vec<f64>)], of: &str, length: f64) -> f64 {
+    let largest = |kind_of: &str| {
+        let same = all.iter().filter(|(name, _)| kind(name) == kind_of);
+        same.flat_map(|(_, column)| column).fold(NOTHING, |most: f64, x| most.max(x.abs()))
+    };
+    let own = kind(of);
+    match own.as_str() {
+        "CTFfalse" => largest(&own).max(largest("CTFtrue") / length),
+        "CTFtrue" => largest(&own).max(largest("CTFfalse") * length),
+        _ => largest(&own),
+    }
 }
 
 /// The solution as it is stored: numbers as texts, a line for each column.
-fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
+fn stored<R: Number>(one: &Solution<R>, error: f64, length: f64) -> String {
     let is_wide = R::ROUNDING < f64::EPSILON / 4.0;
     let digits = if error > 0.0 { (-error.log10()).floor() as usize } else { DIGITS };
     let digits = digits.min(DIGITS);
@@ -170,12 +179,12 @@ fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
     let kept: Vec<&(String, Vec<R>)> = table
         .iter()
         .filter(|(name, all)| {
-            let scale = scale_of(&doubles, name);
+            let scale = scale_of(&doubles, name, length);
             all.iter().any(|x| x.to_f64().abs() > 1e-15 * scale)
         })
         .collect();
     for (i, (name, all)) in kept.iter().enumerate() {
-        let scale = scale_of(&doubles, name);
+        let scale = scale_of(&doubles, name, length);
         let comma = if i + 1 < kept.len() { "," } else { "" };
         let all = all.iter().map(|x| number(*x, scale)).collect();
         let _ = writeln!(text, "  \"{name}\": [{}]{comma}", list(all));
@@ -188,7 +197,7 @@ fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
 fn written<R: Solvable>(scene: &Scene, [options, witness]: [&Options; 2], length: f64) -> String {
     let (one, other): (Solution<R>, Solution<R>) =
         rayon::join(|| solved(scene, options), || solved(scene, witness));
-    stored(&one, one.difference(&other, length).largest())
+    stored(&one, one.difference(&other, length).largest(), length)
 }
 
 /// The page of a problem.
@@ -288,6 +297,7 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
     for (name, deck) in REFERENCES.iter().filter(|(name, _)| only.as_deref().is_none_or(|only| only == *name))
     {
         let scene = Scene::parse(&format!("{name}.inp"), deck).unwrap();
+        let length = pintle_model::evaluate::Model::compile(&scene).unwrap().length;
         let path = folder(name).join("solution.json");
         if is_writing {
             let begin = std::time::Instant::now();
@@ -297,7 +307,6 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
                 ..Options::default()
             };
             let witness = Options { method: Method::Collocation, ..options.clone() };
-            let length = pintle_model::evaluate::Model::compile(&scene).unwrap().length;
             let text = if what == "doubles" {
                 written::<f64>(&scene, [&options, &witness], length)
             } else {
@@ -317,7 +326,7 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
             solution.events.iter().any(|event| (event.time - time).abs() < 1e-9 * end(&scene))
         };
         for (of, column) in &found {
-            let scale = scale_of(&found, of).max(1e-300);
+            let scale = scale_of(&found, of, length).max(1e-300);
             let stored: Vec<f64> = match columns.get(of) {
                 Some(all) => {
                     all.as_array().unwrap().iter().map(|x| x.as_str().unwrap().parse().unwrap()).collect()

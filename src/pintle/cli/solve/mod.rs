@@ -277,6 +277,7 @@ fn solved<R: Solvable>(
     let facts = report::Facts {
         scene: &scene.name,
         digits: usize::from(arguments.digits),
+        length,
         difference: difference.as_ref(),
         ended: why.as_deref(),
         witness_ended: witness_ended.as_deref(),

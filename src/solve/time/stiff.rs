@@ -1,0 +1,184 @@
+//! Stiff motion: something decays much faster than what moves, as between a hard spring and a hard dashpot.
+//!
+//! Explicit steps then are as short as what has long decayed would need. Stages of collocation are solved for instead, by Newton's method with
+//! the Jacobian A of the flow ẏ = f(t, y). It need not be exact: the stages are those of f, whatever A leads to them.
+
+use crate::motion::rows::Trouble;
+use crate::number::{Number, larger};
+use crate::time::integrate::{Flow, Slope};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
+
+/// By which part of its size each number is moved for a difference.
+const DIFFERENCE: f64 = 6e-8;
+
+/// Motion is stiff where a part decays so often within a step: explicit ones are not stable for much more.
+const DECAYS: f64 = 1.0;
+
+/// And where rates change by less than this part of what they would if it had not decayed.
+const LEFT: f64 = 0.02;
+
+/// The most iterations for eigenvalues.
+const ITERATIONS: usize = 10_000;
+
+/// The Jacobian of a flow: a column for each number.
+pub(crate) type Jacobian<R> = Vec<Vec<R>>;
+
+/// The Jacobian at y, by differences. `allowed` is the largest error of each number, and last the relative one: together they tell sizes.
+pub(crate) fn jacobian<R: Number>(
+    flow: &mut Flow<'_, R>,
+    (t, y, slope): (R, &[R], &Slope<R>),
+    allowed: &[R],
+) -> Result<Jacobian<R>, Trouble> {
+    let relative = allowed.last().copied().unwrap_or(R::integer(1));
+    let mut found = Vec::with_capacity(y.len());
+    for (j, most) in allowed.iter().enumerate().take(y.len()) {
+        let step = larger(y[j].magnitude(), *most / relative) * R::from_f64(DIFFERENCE);
+        let mut moved = y.to_vec();
+        moved[j] = moved[j] + step;
+        let there = flow(t, &moved)?;
+        found.push(there.rates.iter().zip(&slope.rates).map(|(then, now)| (*then - *now) / step).collect());
+    }
+    Ok(found)
+}
+
+/// The Jacobian in the middle of a step, for iterations converge by how much it changes.
+pub(crate) fn midway<R: Number>(
+    flow: &mut Flow<'_, R>,
+    (t, y, slope): (R, &[R], &Slope<R>),
+    h: R,
+    allowed: &[R],
+) -> Result<Jacobian<R>, Trouble> {
+    let half = h * R::ratio(1, 2);
+    let there: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + half * *rate).collect();
+    let rates = flow(t + half, &there)?;
+    jacobian(flow, (t + half, &there, &rates), allowed)
+}
+
+/// Whether motion is stiff for steps of length h: something decays that fast, and rates change far less, for of that nothing is left.
+pub(crate) fn is_stiff<R: Number>(jacobian: &Jacobian<R>, rates: &[R], allowed: &[R], h: f64) -> bool {
+    let n = jacobian.len();
+    let matrix = DMatrix::from_fn(n, n, |i, j| h * jacobian[j][i].to_f64());
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return false;
+    }
+    let size = |of: &DVector<f64>| {
+        of.iter().zip(allowed).fold(0.0_f64, |most, (x, size)| most.max((x / size.to_f64()).abs()))
+    };
+    let rates = DVector::from_iterator(n, rates.iter().map(|x| x.to_f64()));
+    let change = &matrix * &rates;
+    let Some(found) = Schur::try_new(matrix, f64::EPSILON, ITERATIONS) else { return false };
+    let is_fast = |x: &Complex<f64>| {
+        x.re <= -DECAYS && x.im.abs() <= -x.re && size(&change) <= LEFT * -x.re * size(&rates)
+    };
+    found.complex_eigenvalues().iter().any(is_fast)
+}
+
+/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles: (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a.
+pub(crate) struct Stages {
+    vectors: DMatrix<Complex<f64>>,
+    inverse: DMatrix<Complex<f64>>,
+    eliminated: Vec<LU<Complex<f64>, Dyn, Dyn>>,
+}
+
+impl Stages {
+    /// For a matrix a of stages; `None` where it cannot be formed.
+    pub(crate) fn new<R: Number>(matrix: &[Vec<R>], jacobian: &Jacobian<R>, h: f64) -> Option<Self> {
+        let (stages, n) = (matrix.len(), jacobian.len());
+        let a = DMatrix::from_fn(stages, stages, |i, j| Complex::from(matrix[i][j].to_f64()));
+        let real = a.map(|x| x.re);
+        let values = Schur::try_new(real, f64::EPSILON, ITERATIONS)?.complex_eigenvalues();
+        let mut vectors = DMatrix::zeros(stages, stages);
+        let mut eliminated = Vec::with_capacity(stages);
+        for (m, value) in values.iter().enumerate() {
+            // Inverse iteration, next to the eigenvalue.
+            let near = Complex::from(value.norm() * 1e-10) + value;
+            let shifted = (&a - DMatrix::identity(stages, stages) * near).lu();
+            let mut vector = DVector::from_fn(stages, |i, _| Complex::new(1.0, 0.1 * i as f64));
+            for _ in 0..3 {
+                vector = shifted.solve(&vector)?.normalize();
+            }
+            vectors.set_column(m, &vector);
+            let scaled = DMatrix::from_fn(n, n, |i, j| {
+                let one = if i == j { Complex::from(1.0) } else { Complex::from(0.0) };
+                one - value * (h * jacobian[j][i].to_f64())
+            });
+            eliminated.push(scaled.lu());
+        }
+        let inverse = vectors.clone().try_inverse()?;
+        Some(Self { vectors, inverse, eliminated })
+    }
+
+    /// By what the stages change where they lack so much.
+    pub(crate) fn changes<R: Number>(&self, lacks: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
+        let n = lacks.first()?.len();
+        let stages = DMatrix::from_fn(n, lacks.len(), |i, stage| Complex::from(lacks[stage][i].to_f64()));
+        let mut apart = stages * self.inverse.transpose();
+        for (m, eliminated) in self.eliminated.iter().enumerate() {
+            let solved = eliminated.solve(&apart.column(m))?;
+            apart.set_column(m, &solved);
+        }
+        let found = apart * self.vectors.transpose();
+        Some(
+            (0..lacks.len())
+                .map(|stage| (0..n).map(|i| R::from_f64(found[(i, stage)].re)).collect())
+                .collect(),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_stiff, jacobian, midway};
+    use crate::number::Number;
+    use crate::time::integrate::{Method, Rule, Slope};
+    use pintle_kinematics::scalar::Wide;
+
+    /// ẏ = −λ (y − x), ẋ = −x: y follows x at a distance of x/(λ − 1).
+    fn flow<R: Number>(fast: f64) -> impl FnMut(R, &[R]) -> Result<Slope<R>, crate::motion::rows::Trouble> {
+        let fast = R::from_f64(fast);
+        move |_, y| Ok(Slope { rates: vec![-(fast * (y[0] - y[1])), -y[1]], switches: Vec::new() })
+    }
+
+    fn error_after<R: Number>(method: Method, digits: usize) -> f64 {
+        let rule: Rule<R> = Rule::new(method, digits);
+        let (mut flow, fast, h) = (flow::<R>(1e6), R::from_f64(1e6), R::ratio(1, 4));
+        let apart = |x: R| x / (fast - R::integer(1)) + x;
+        let mut y = vec![apart(R::integer(1)), R::integer(1)];
+        let allowed = vec![R::from_f64(10.0_f64.powi(-(digits as i32))); 3];
+        for i in 0..4 {
+            let t = R::ratio(i, 4);
+            let slope = flow(t, &y).unwrap();
+            let known = midway(&mut flow, (t, &y, &slope), h, &allowed).unwrap();
+            let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, Some(&known)).unwrap();
+            assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
+            y = tried.end;
+        }
+        let wanted = (-1.0_f64).exp();
+        let of_x = (y[1].to_f64() - wanted).abs();
+        of_x.max((y[0] - apart(y[1])).magnitude().to_f64())
+    }
+
+    #[test]
+    fn what_has_decayed_takes_no_steps() {
+        for method in [Method::Extrapolation, Method::Collocation] {
+            for error in [error_after::<f64>(method, 14), error_after::<Wide>(method, 30)] {
+                assert!(error < 1e-14, "{method:?}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_decays_is_stiff_once_it_has_decayed() {
+        let allowed = [1e-14; 3];
+        let stiff = |fast: f64, y: [f64; 2], h: f64| {
+            let mut flow = flow::<f64>(fast);
+            let slope = flow(0.0, &y).unwrap();
+            let known = jacobian(&mut flow, (0.0, &y, &slope), &allowed).unwrap();
+            is_stiff(&known, &slope.rates, &allowed, h)
+        };
+        assert!(stiff(1e4, [1.0 + 1.0 / 9999.0, 1.0], 1e-3));
+        assert!(!stiff(1e4, [2.0, 1.0], 1e-3), "still decaying");
+        assert!(!stiff(1e4, [1.0 + 1.0 / 9999.0, 1.0], 1e-5), "short steps");
+        assert!(!stiff(2.0, [1.0, 1.0], 1.0), "as slow as what moves");
+    }
+}
