@@ -298,7 +298,7 @@ codes! {
     ModelOrientationNotOrthogonal = "model::orientation-not-orthogonal": "The two directions by which an orientation is given are not at right angles. The first is kept, the plane of both is kept, and the second is turned within it. A note where they are far from right angles, for any point of the plane may be given; a warning where they are within 10 degrees of them, which looks like an error.";
     ModelOrientationIllConditioned = "model::orientation-ill-conditioned": "The points of an orientation lie so close together, or so nearly in a line, that the rounding of their coordinates turns the directions by more than 1e-8 rad. A warning.";
     ModelNegativeStiffness = "model::negative-stiffness": "A stiffness or damping coefficient is negative: the force pushes away from where it is zero, or feeds energy in. Where that is meant, allow the code. A warning.";
-    ModelDegrees = "model::degrees": "An angle is a round number of degrees, such as 90. or 360.: angles of motions, stops, locks, boundary conditions and states are in radians. Of states nothing else is said until they are in radians. A warning.";
+    ModelDegrees = "model::degrees": "An angle is a round number of degrees, such as 90. or 360.: angles of motions, stops, locks, boundary conditions and states are in radians. Where most angles of the states are so, nothing else is said of them, unless this code is allowed. What rates lead to is in radians. A warning.";
     ModelNodeVanishes = "model::node-vanishes": "A state leaves out a node that the state before moved: it is taken for at rest in its initial place, and jumps there. A warning.";
     ModelMisalignedAxes = "model::misaligned-axes": "The directions of a and b differ initially, and the connection type holds rotations between them: the angles are frozen at what they are initially. A warning.";
     ModelNearlyCoincident = "model::nearly-coincident-nodes": "A length or direction is needed, and the nodes are so close to each other that its direction has lost half of its digits. A warning.";
@@ -489,7 +489,7 @@ impl Diagnostic {
     /// What an audit found at `span`, as bad as its code says.
     #[must_use]
     pub fn finding(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self::new(code.severity(), code, span, message.into(), label.into())
+        Self::new(code.severity(), code, span, shortened(message.into()), shortened(label.into()))
     }
 
     /// The same, as bad as that.

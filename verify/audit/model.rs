@@ -1218,3 +1218,38 @@ fn a_rotation_that_a_node_lacks_is_of_its_connector() {
     let [finding] = of(&report, Code::NoRotation)[..] else { panic!("{:?}", report.findings) };
     assert_eq!(finding.about.elements, [101]);
 }
+
+/// A spin of 2.5 rad a state passes 30 rad, which is no degree: rates prove it, and without them it hides nothing else.
+#[test]
+fn round_numbers_of_radians_hide_nothing() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=H\n10, 1, 2\n\
+                *CONNECTOR SECTION, ELSET=H\nHINGE\nO,\n";
+    let table = |rate: &str, off: usize| {
+        let mut text = String::from("state,time,node,u1,ur3,vr3\n");
+        for i in 0..40 {
+            let shifted = if i == off { 0.5 } else { 0.0 };
+            let _ = writeln!(text, "{i},{},2,{shifted},{},{rate}", 0.1 * i as f64, 2.5 * i as f64);
+        }
+        text
+    };
+    let found = |name: &str, states: &str, levels: &[(&str, Level)]| {
+        let report = audited(name, deck, states, levels);
+        [Code::ModelDegrees, Code::ModelConstraintViolated].map(|code| of(&report, code).len())
+    };
+    assert_eq!(found("spin", &table("25.", 20), &[]), [0, 1]);
+    assert_eq!(found("spin-unknown", &table("0.", 20), &[]), [1, 1]);
+    let degrees = "state,node,u1,ur3\n0,2,0.,0.\n1,2,0.5,30.\n2,2,0.,60.\n3,2,0.,90.\n";
+    assert_eq!(found("degrees", degrees, &[]), [1, 0]);
+    assert_eq!(found("degrees-allowed", degrees, &[("model::degrees", Level::Allow)]), [0, 1]);
+}
+
+/// What is driven too much is told where it is driven.
+#[test]
+fn a_motion_too_many_has_its_line() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=H\n10, 1, 2\n\
+                *ELEMENT, TYPE=CONN3D2, ELSET=K\n11, 1, 2\n*CONNECTOR SECTION, ELSET=H\nTRANSLATOR\nO,\n*CONNECTOR SECTION, ELSET=K\nAXIAL\n\
+                *STEP\n*STATIC\n*BOUNDARY\n1, 1, 6\n*CONNECTOR MOTION\n10, 1, 0.5\n11, 1, 0.2\n*END STEP\n";
+    let report = audited("overdriven", deck, "", &[]);
+    let lines: Vec<_> = of(&report, Code::AssemblyOverdriven).iter().map(|finding| finding.line()).collect();
+    assert!(matches!(lines[..], [Some(20 | 21)]), "{lines:?}");
+}

@@ -1,7 +1,7 @@
 //! Every legitimate deck is read: what bears on no connector is skipped and counted, and what makes nodes makes them.
 
 use pintle_model::evaluate::Model;
-use pintle_scene::{Code, ForceFile, ForceSign, Format, Label, Scene, State, StateFile};
+use pintle_scene::{Code, ForceFile, ForceSign, Format, Label, Scene, Severity, State, StateFile};
 use std::collections::BTreeMap;
 
 /// A HINGE between nodes 1 and 2.
@@ -431,6 +431,46 @@ fn read_back(scene: &Scene, format: Format) -> Scene {
         Format::Json => Scene::parse_json("deck.json", &written),
     };
     back.unwrap_or_else(|error| panic!("{format:?}:\n{written}\n{}", error.render(100, false)))
+}
+
+/// Requests of output and loads outside every step are skipped; what acts on a node that cannot be read is not written.
+#[test]
+fn what_is_skipped_is_not_written() {
+    for lines in ["*OUTPUT, FIELD\n*NODE OUTPUT\nU\n", "*DLOAD\nBARS, P1, 2.\n*NODE PRINT\nU\n"] {
+        let scene = read(&format!("{HINGE}{lines}"));
+        assert!(scene.warnings.iter().all(|warning| warning.severity() == Severity::Warning), "{lines}");
+        assert!(!scene.skipped.keywords.is_empty(), "{lines}");
+        read_back(&scene, Format::Deck);
+    }
+    let outside = Scene::parse("deck.inp", &format!("{HINGE}*CLOAD\n1, 1, 2.\n")).unwrap_err();
+    assert_eq!(outside.code(), Code::HistoryOutsideStep);
+    let lost = "*NODE\n77, x, 2.\n*INITIAL CONDITIONS, TYPE=VELOCITY\n77, 1, 1.\n\
+                *STEP\n*STATIC\n*CLOAD\n77, 1, 2.\n*BOUNDARY\n77, 1, 1\n1, 1, 6\n*END STEP\n";
+    let scene = read(&format!("{HINGE}{lost}"));
+    assert_eq!(scene.steps[0].boundaries.len(), 1);
+    assert_eq!(scene.skipped.parameters["conditions on nodes that cannot be read"].count, 3);
+    for format in [Format::Deck, Format::Toml, Format::Json] {
+        assert_eq!(read_back(&scene, format).steps[0].boundaries.len(), 1);
+    }
+}
+
+/// Zeros fill the places of components that can have no reference, and a table that falls through zero is told.
+#[test]
+fn references_and_tables_are_read_as_they_are_meant() {
+    let axial = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=H\n1, 1, 2\n*CONNECTOR SECTION, ELSET=H, BEHAVIOR=B\n\
+                 AXIAL\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR CONSTITUTIVE REFERENCE\nITS NUMBERS\n\
+                 *CONNECTOR ELASTICITY, COMPONENT=1, NONLINEAR\nITS TABLE";
+    let told = |reference: &str, table: &str| {
+        let scene = read(&axial.replace("ITS NUMBERS", reference).replace("ITS TABLE", table));
+        let (model, broken) = Model::examine(&scene);
+        let codes = broken.iter().chain(&model.warnings).map(pintle_scene::Diagnostic::code);
+        codes.collect::<Vec<_>>()
+    };
+    let rises = "-10., -1.\n0., 0.\n10., 1.\n";
+    assert_eq!(told("0.9, 0., 0., 0., 0., 0.", rises), []);
+    assert_eq!(told("0.9, 0., 0., 30., 0., 0.", rises), [Code::ReferenceNotAvailable]);
+    assert_eq!(told("0.9", "10., -1.\n0., 0.\n-10., 1.\n"), [Code::ModelNegativeStiffness]);
+    assert_eq!(told("0.9", "-5., -1.\n10., 1.\n0., 2.\n0., 3.\n"), [], "it softens");
 }
 
 #[test]

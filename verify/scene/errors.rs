@@ -37,6 +37,27 @@ fn codes(error: &Diagnostic) -> Vec<(Code, Option<u32>)> {
     std::iter::once(error).chain(error.further()).map(|one| (one.code(), one.line())).collect()
 }
 
+/// A faulty line hides what follows from it, and nothing else.
+#[test]
+fn a_faulty_line_hides_only_what_uses_it() {
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, x, 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=K\n102, 1, 2\n103, 1, 3\n104, 1, 99\n\
+                 *CONNECTOR SECTION, ELSET=K\nAXIAL\n";
+    let error = Scene::parse("deck.inp", nodes).unwrap_err();
+    assert_eq!(codes(&error), [(Code::MalformedNumber, Some(4)), (Code::UnknownNode, Some(8))]);
+    // Of a section that no element has, the type is judged.
+    let (scene, error) = {
+        let text = nodes.replace("3, x", "3, 0.").replace("104, 1, 99\n", "");
+        let text =
+            text.replace("*CONNECTOR SECTION", "*CONNECTOR SECTION, ELSET=G\nHINGEE\n*CONNECTOR SECTION");
+        let path = crate::commands::cli::file("errors-unused-section.inp", &text);
+        Scene::examine(&path)
+    };
+    assert_eq!(codes(&error.unwrap()), [(Code::UnknownElementSet, Some(8))]);
+    let (_, broken) = Model::examine(&scene);
+    let broken: Vec<_> = broken.iter().map(|rule| (rule.code(), rule.line())).collect();
+    assert_eq!(broken, [(Code::UnknownConnectionType, Some(9))]);
+}
+
 #[test]
 fn all_errors_come_in_one_run_and_none_that_follows_from_another() {
     let error = Scene::parse("deck.inp", DECK).unwrap_err();
@@ -45,6 +66,7 @@ fn all_errors_come_in_one_run_and_none_that_follows_from_another() {
         (Code::MalformedNumber, 4),
         (Code::UnknownParameter, 5),
         (Code::BadParameterValue, 10),
+        (Code::UnknownBehavior, 12),
         (Code::BadComponent, 16),
         (Code::BadComponent, 20),
         (Code::BadComponent, 21),
@@ -137,7 +159,7 @@ fn commands_show_every_error_once() {
     let sound =
         sound.replace("E, 9", "E, 1").replace("E, 8", "E, 2").replace("-1.", "1.").replace("=C\n", "=B\n");
     fs::write(&rules, sound).unwrap();
-    for (file, errors) in [(&deck, 8), (&rules, 3)] {
+    for (file, errors) in [(&deck, 9), (&rules, 3)] {
         for command in [vec!["eval"], vec!["audit", "--model-only"], vec!["convert", "--to", "json"]] {
             if file == &rules && command[0] == "convert" {
                 continue;

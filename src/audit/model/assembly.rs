@@ -6,12 +6,13 @@ use pintle_assembly::matrix::dense;
 use pintle_assembly::modes::MODES;
 use pintle_assembly::redundant::EXPLAINED;
 use pintle_assembly::{
-    Assembly, Constraint, Holds, Mode, NotAssembled, OPERATIONS, Position, Redundant, Spent, unread,
+    Assembly, Constraint, Holds, Mode, NotAssembled, OPERATIONS, Position, Redundant, Role, Spent, unread,
 };
+use pintle_kinematics::catalog::COMPONENT;
 use pintle_model::evaluate::Freedom;
 use pintle_scene::grammar::number as short;
 use pintle_scene::grammar::{agree, count, ranges};
-use pintle_scene::{Code, Label, Mpc, Scene, Severity, Span};
+use pintle_scene::{Code, ConnectorMotion, Label, Mpc, Scene, Severity, Span, Target};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The names that a message lists.
@@ -51,6 +52,9 @@ pub(super) fn findings_in_steps(scene: &Scene, assemblies: &[Assembly], levels: 
 
 /// Where something was read: the connector, or the constraint.
 fn place(scene: &Scene, constraint: &Constraint) -> Span {
+    if let Some(span) = constraint.element.and_then(|element| place_of_motion(scene, element, constraint)) {
+        return span;
+    }
     if let Some(element) = constraint.element {
         return scene.connectors.get(&element).map(|element| element.span).unwrap_or_default();
     }
@@ -58,6 +62,23 @@ fn place(scene: &Scene, constraint: &Constraint) -> Span {
         return *span;
     }
     constraint.index.and_then(|index| mpc_of(scene, index)).map(|mpc| mpc.span).unwrap_or_default()
+}
+
+/// The line of the motion that drives a component.
+fn place_of_motion(scene: &Scene, element: Label, constraint: &Constraint) -> Option<Span> {
+    let k = COMPONENT.iter().position(|name| *name == constraint.component)?;
+    let of_steps = scene.steps.iter().flat_map(|step| &step.connector_motions);
+    let mut motions = scene.connector_motions.iter().chain(of_steps);
+    let is_it = |motion: &&ConnectorMotion| {
+        let is_of = match &motion.target.value {
+            Target::Label(label) => *label == element,
+            Target::Set(name) => {
+                scene.element_sets.get(name).is_some_and(|set| set.labels.contains(&element))
+            }
+        };
+        is_of && usize::from(motion.component) == k + 1
+    };
+    (constraint.role == Role::Driven).then(|| motions.find(is_it)).flatten().map(|motion| motion.target.span)
 }
 
 /// The constraint at a place among those that are evaluated.

@@ -90,8 +90,11 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(units::of_scene(scene));
     let in_degrees = units::of_states(scene, states);
     // What states in degrees do besides follows from that.
-    let (given, states) = (states.len(), if in_degrees.is_some() { &[] } else { states });
-    findings.extend(in_degrees);
+    let is_told = in_degrees
+        .as_ref()
+        .is_some_and(|found| found.is_common && levels.of_finding(&found.finding).is_some());
+    let (given, states) = (states.len(), if is_told { &[] } else { states });
+    findings.extend(in_degrees.map(|found| found.finding));
     findings.extend(vanishing(scene, states));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];

@@ -203,6 +203,15 @@ impl Model {
                 }
             }
         }
+        // Of sections that no element has, the type alone can be judged.
+        let unused = scene.connector_sections.iter().enumerate();
+        for (_, section) in unused.filter(|(place, _)| !shared.types.contains_key(place)) {
+            if let Err(error) = resolve(section).map_err(|error| error.in_scene(scene))
+                && !tell(error.into())
+            {
+                return model;
+            }
+        }
         for error in shared::check(scene, &mut model) {
             if !tell(error.into()) {
                 return model;

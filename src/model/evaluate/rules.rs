@@ -65,7 +65,9 @@ pub(super) fn facts(
             Affected::All => None,
             Affected::Component(component) => Some(index(component)),
         };
-        facts.references = (0..6).filter(|k| behavior.constitutive_reference[*k].is_some()).collect();
+        // Zeros fill the places of components that have none.
+        let is_given = |k: &usize| behavior.constitutive_reference[*k].is_some_and(|x| x != 0.0);
+        facts.references = (0..6).filter(is_given).collect();
         facts.stops = behavior.stops.iter().map(|stop| index(stop.component)).collect();
         facts.predefined_friction = behavior.predefined_friction_parameters();
         facts.friction_numbers = behavior.friction.iter().find_map(constants).unwrap_or_default();
@@ -224,13 +226,28 @@ pub(super) fn stiffnesses(scene: &Scene, warnings: &mut Vec<Diagnostic>) {
         })),
         Law::Nonlinear { .. } | Law::Rigid { .. } => 0.0,
     };
+    // A table whose force is positive first and negative beyond pushes away from where it is zero.
+    let falls = |law: &Law| match law {
+        Law::Nonlinear { rows, .. } => {
+            let forces = rows.iter().filter_map(|row| row.values.first().copied().flatten());
+            let signs: Vec<f64> = forces.filter(|force| *force != 0.0).map(f64::signum).collect();
+            signs.windows(2).any(|pair| pair[0] > pair[1])
+        }
+        _ => false,
+    };
     for (name, behavior) in &scene.behaviors {
         let elastic = behavior.elasticity.iter().map(|one| (&one.law, one.span, "stiffness"));
         let viscous = behavior.damping.iter().map(|one| (&one.law, one.span, "damping coefficient"));
         for (law, span, what) in elastic.chain(viscous) {
             let least = of_law(law);
-            if least < 0.0 {
-                let message = format!("a {what} of behavior {name} is negative: {}", number(least, 6));
+            let falls = falls(law);
+            if least < 0.0 || falls {
+                let message = match falls {
+                    true => format!(
+                        "a {what} of behavior {name} is negative where the force of its table is zero"
+                    ),
+                    false => format!("a {what} of behavior {name} is negative: {}", number(least, 6)),
+                };
                 let reason = "a negative one pushes away from where the force is zero, or feeds energy in";
                 let warning = Diagnostic::finding(Code::ModelNegativeStiffness, span, message, reason)
                     .help("remove the minus sign, or allow this code where it is meant");

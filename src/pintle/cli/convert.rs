@@ -58,8 +58,12 @@ pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
     if is_apart {
         scene.states = states;
     }
-    for what in &converted.dropped {
+    const TOLD: usize = 20;
+    for what in converted.dropped.iter().take(TOLD) {
         complain("dropped", what);
+    }
+    if let Some(more) = converted.dropped.len().checked_sub(TOLD).filter(|more| *more > 0) {
+        complain("dropped", &format!("… and {more} more: `pintle eval` counts them"));
     }
     if arguments.strict && !converted.dropped.is_empty() {
         let count = converted.dropped.len();

@@ -279,7 +279,13 @@ impl Source<'_> {
 
     /// What is wrong with a deck, and which rules it breaks besides, of those that its other faults cannot touch.
     fn with_rules(self, scene: &Scene, error: Diagnostic) -> Diagnostic {
-        let independent = [Code::UnknownConnectionType, Code::OrientationRequired, Code::ActionNotAvailable];
+        let independent = [
+            Code::UnknownConnectionType,
+            Code::OrientationRequired,
+            Code::ActionNotAvailable,
+            Code::StopNotAvailable,
+            Code::ReferenceNotAvailable,
+        ];
         let (_, broken) = Model::examine(scene);
         let broken = broken.into_iter().filter(|rule| independent.contains(&rule.code()));
         broken.map(|rule| self.quoted(rule)).fold(error, Diagnostic::and)

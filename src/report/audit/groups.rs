@@ -32,10 +32,15 @@ impl Findings<'_> {
         if self.others.is_empty() {
             return String::new();
         }
-        let names: Vec<String> = self.others.iter().map(|finding| name(finding)).collect();
+        let mut names: Vec<String> = Vec::new();
+        for name in self.others.iter().map(|finding| name(finding)) {
+            if !names.contains(&name) && names.len() <= NAMED {
+                names.push(name);
+            }
+        }
         let shown = names.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
         let more = if names.len() > NAMED { ", …" } else { "" };
-        format!("and {} more of this code: {shown}{more}", names.len())
+        format!("and {} more of this code: {shown}{more}", self.others.len())
     }
 }
 

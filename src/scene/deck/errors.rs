@@ -1,6 +1,7 @@
 //! All that is wrong with a deck. An error that follows from one told before is not told: what uses a node whose line is faulty, say.
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::label::Label;
 use std::collections::HashSet;
 
 /// The errors so far, and what follows from them.
@@ -8,6 +9,10 @@ use std::collections::HashSet;
 pub(super) struct Errors {
     found: Option<Diagnostic>,
     spoiled: HashSet<Code>,
+    /// Nodes whose lines are faulty: what uses them says nothing new.
+    lost: HashSet<Label>,
+    /// Any node may be missing.
+    any_node: bool,
     /// So much is missing that no reference can be judged.
     is_torn: bool,
 }
@@ -36,7 +41,26 @@ impl Errors {
 
     /// What a keyword defines is not complete.
     pub(super) fn spoil(&mut self, keyword: &str) {
+        self.any_node |= defined(keyword).contains(&Code::UnknownNode);
         self.spoiled.extend(defined(keyword));
+    }
+
+    /// The line of a node is faulty.
+    pub(super) fn lose(&mut self, node: Label) {
+        self.lost.insert(node);
+        self.spoiled.extend(defined("NODE"));
+    }
+
+    /// Adds that a node is not known, unless its own line is faulty or any node may be missing.
+    pub(super) fn misses(&mut self, node: Label, error: Diagnostic) {
+        if self.any_node || self.lost.contains(&node) {
+            return;
+        }
+        let is_spoiled = self.spoiled.remove(&Code::UnknownNode);
+        self.add(error);
+        if is_spoiled {
+            self.spoiled.insert(Code::UnknownNode);
+        }
     }
 
     /// Whether references can be judged.
@@ -143,8 +167,11 @@ fn defined(keyword: &str) -> &'static [Code] {
             DuplicateElement,
         ],
         "FRICTION" => &[MissingFriction],
-        name if name.starts_with("CONNECTOR ") && name != "CONNECTOR MOTION" && name != "CONNECTOR LOAD" => {
+        "CONNECTOR BEHAVIOR" => {
             &[UnknownBehavior, UnknownDerivedComponent, MissingFriction, MisplacedKeyword, MissingParameter]
+        }
+        name if name.starts_with("CONNECTOR ") && name != "CONNECTOR MOTION" && name != "CONNECTOR LOAD" => {
+            &[UnknownDerivedComponent, MissingFriction, MisplacedKeyword, MissingParameter]
         }
         _ => &[],
     }

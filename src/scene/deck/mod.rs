@@ -328,7 +328,16 @@ impl Deck<'_> {
         if let Some(comma) = keyword.dangling.filter(|_| rule.strange != Strange::Skipped) {
             return Err(comma.error());
         }
-        self.check_stage(rule, &keyword)?;
+        if let Err(error) = self.check_stage(rule, &keyword) {
+            if !(keywords::is_output(rule.name) || rule.name == "DLOAD") {
+                return Err(error);
+            }
+            // It bears on no connector: it is skipped.
+            self.excuse(error);
+            let lines = self.lexer.skip()?;
+            self.count_skipped(&keyword, lines);
+            return Ok(());
+        }
         let strange = rule.check_parameters(&mut keyword)?;
         if let Some(place) = keyword.not_utf8 {
             return Err(not_utf8(place));

@@ -51,6 +51,26 @@ pub(super) fn resolve(deck: &mut Deck<'_>) {
     let excused = actuation(deck, &bearing, &mut errors);
     deck.errors = errors;
     excused.into_iter().for_each(|error| deck.excuse(error));
+    drop_conditions(deck);
+}
+
+/// What acts on a node whose line cannot be read acts on nothing.
+fn drop_conditions(deck: &mut Deck<'_>) {
+    let Deck { scene, unread, .. } = deck;
+    let Scene { nodes, boundaries, initial_velocities, steps, skipped, .. } = scene;
+    let mut is_kept = |target: &Spanned<Target>| match &target.value {
+        Target::Label(label) if unread.nodes.contains(label) && !nodes.contains_key(label) => {
+            skipped.count("conditions on nodes that cannot be read".to_owned(), target.span.line());
+            false
+        }
+        _ => true,
+    };
+    boundaries.retain(|boundary| is_kept(&boundary.target));
+    initial_velocities.retain(|velocity| is_kept(&velocity.target));
+    for step in steps {
+        step.boundaries.retain(|boundary| is_kept(&boundary.target));
+        step.concentrated_loads.retain(|load| is_kept(&load.target));
+    }
 }
 
 fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
@@ -71,10 +91,8 @@ fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
                 let message = format!("element {label} uses node {node}, which is not defined");
                 let elsewhere = || "the model is in another deck: read that one".to_owned();
                 let remedy = if is_elsewhere { elsewhere() } else { undefined(Kind::Node)() };
-                errors.add(
-                    Diagnostic::error(Code::UnknownNode, span, message, format!("no node {node}"))
-                        .help(remedy),
-                );
+                let label = format!("no node {node}");
+                errors.misses(node, Diagnostic::error(Code::UnknownNode, span, message, label).help(remedy));
             }
         }
     }

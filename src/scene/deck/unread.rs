@@ -215,7 +215,10 @@ pub(super) fn judge_definitions(deck: &mut Deck<'_>, errors: &mut Errors) {
     for (bears, error) in faults {
         if is_used(&bears) || is_end(&bears) {
             errors.add(error);
-            errors.spoil(if is_used(&bears) { "ORIENTATION" } else { "NODE" });
+            match bears {
+                Bears::Nodes(Spanned { value: Target::Label(label), .. }) => errors.lose(label),
+                _ => errors.spoil("ORIENTATION"),
+            }
         } else {
             deck.unread.faults.push((bears, error));
         }

@@ -150,7 +150,8 @@ pub(in crate::evaluate) fn ambiguous_turns(nodes: [(&'static str, &Moved); 2]) -
 /// The increment from one total rotation vector to the next: a log of `relative` = C(new) C(old)ᵀ, whose `principal` one is known.
 ///
 /// 1. *About a fixed axis* (the vectors are parallel) it is the difference of the vectors, where the old one is zero or one of the
-///    two is longer than a whole turn: these vectors tell their turns. So does a whole turn that zero follows.
+///    two is longer than a whole turn: these vectors tell their turns. So does a whole turn that zero follows. The vector of a quaternion,
+///    continued from the states before, tells none.
 /// 2. *Else* it is the shorter of the two ways round: right for every motion sampled at less than 0.9 π, whichever sheet each of
 ///    the vectors is on. At half a turn it is the way of the straight path between the vectors.
 ///
@@ -176,8 +177,10 @@ fn increment(
     let starts = old_length == 0.0;
     let is_fixed = norm(cross(new, old)) <= PARALLEL * length * old_length;
     // Back to exactly nothing from a whole turn, as a table of angles has it.
-    let is_home = length == 0.0 && old_length > TAU - ROUNDED;
-    let is_beyond = length.max(old_length) > TAU + ROUNDED || is_home;
+    let is_home = length == 0.0 && old_length > TAU - ROUNDED && before.is_of_vector;
+    // The vector of a quaternion has turns that the states before made, and that this one need not know.
+    let told_length = if before.is_of_vector { old_length } else { 0.0 };
+    let is_beyond = length.max(told_length) > TAU + ROUNDED || is_home;
     // Along the straight path the quaternion changes without a jump: it ends as ±relative, and w < 0 is the long way.
     let is_negative = !before.is_of_vector && {
         let ([w, x, y, z], [a, b, c, d]) = (so3::exp(old), before.quaternion);
@@ -262,6 +265,30 @@ mod tests {
         }
         assert!((sum - 24.0).abs() < 1e-13, "{sum}");
         assert!((before.vector[0] - 24.0).abs() < 1e-13, "{:?}", before.vector);
+    }
+
+    /// After quaternions a vector may be of any sheet: what it is short of are no turns.
+    #[test]
+    fn a_reduced_vector_follows_quaternions() {
+        let mut compared = 0;
+        for step in [0.1, 1.5, 2.8, -2.8] {
+            for forms in ["qqqqqr", "qrqrqrqr", "qqqqrrrr", "qqqqqcc", "qqccqrq"] {
+                let (mut before, mut sum, mut angle) = (UNTURNED, 0.0, 0.0);
+                for form in forms.bytes() {
+                    angle += step;
+                    let rotation = match form {
+                        b'q' => Rotation::Quaternion(so3::exp([0.0, angle, 0.0])),
+                        b'r' => Rotation::Vector([0.0, angle - TAU * (angle / TAU).round(), 0.0]),
+                        _ => Rotation::Vector([0.0, angle, 0.0]),
+                    };
+                    let (node, after) = follow(&motion(rotation), &before, false);
+                    (sum, before) = (sum + node.change[1], after);
+                    compared += 1;
+                }
+                assert!((sum - angle).abs() < 1e-12, "{forms}, {step}: {sum}, not {angle}");
+            }
+        }
+        assert_eq!(compared, 4 * (6 + 8 + 8 + 7 + 7));
     }
 
     #[test]
