@@ -243,7 +243,9 @@ fn collocate<R: Number>(
     let tolerance = allowed.last().map_or(1.0, |last| last.to_f64());
     let differences = end.iter().zip(&other).map(|(x, y)| *x - *y);
     let part = excess(differences, allowed) * tolerance;
-    let error = part * part / tolerance;
+    // Where motion is stiff that order is not reached.
+    let power = if newton.is_some() { 1.5 } else { 2.0 };
+    let error = part.powf(power) / tolerance;
     let growth = match error <= 1e-30 {
         true => GROWTH,
         false => (0.9 * error.powf(-1.0 / (2.0 * stages as f64))).clamp(0.1, GROWTH),
