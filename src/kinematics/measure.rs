@@ -399,7 +399,7 @@ impl Measure {
             Self::Cardan(1) => "α = atan2(−e2a·e3b, e3a·e3b)",
             Self::Cardan(2) => "β = atan2(e1a·e3b, |(e2a·e3b, e3a·e3b)|)",
             Self::Cardan(_) => "γ = atan2(−e1a·e2b, e1a·e1b)",
-            Self::Euler(1) => "α = atan2(s e1a·e3b, −s e2a·e3b)",
+            Self::Euler(1) => "α = atan2(s e1a·e3b, −s e2a·e3b), s = ±1 the sign of sin β, which continues",
             Self::Euler(2) => "β = s atan2(|(e1a·e3b, e2a·e3b)|, e3a·e3b)",
             Self::Euler(_) => "γ = atan2(s e3a·e1b, s e3a·e2b)",
             Self::RotationVector(1) => "φ1 = e1a·φ, eib = exp(φ^) eia",

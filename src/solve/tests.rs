@@ -186,6 +186,32 @@ fn a_block_sticks_and_slips() {
     assert!(compared >= 5);
 }
 
+/// A load that oscillates above the bound for a moment, once in 2π, while nothing moves: each moment is met, by both methods.
+#[test]
+fn a_load_that_oscillates_is_seen_while_all_sticks() {
+    let silent = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=RAIL\n101, 1, 2\n*ORIENTATION, NAME=ALONG\n\
+                  1., 0., 0., 0., 1., 0.\n*CONNECTOR SECTION, ELSET=RAIL, BEHAVIOR=DRY\nTRANSLATOR,\nALONG,\n*CONNECTOR BEHAVIOR, NAME=DRY\n\
+                  *CONNECTOR FRICTION, PREDEFINED\n0.5, 0.2\n*FRICTION\n0.25\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 2\n*MASS, ELSET=M\n2.\n\
+                  *ELEMENT, TYPE=ROTARYI, ELSET=I\n202, 2\n*ROTARY INERTIA, ELSET=I\n1., 1., 1.\n*BOUNDARY\n1, 1, 6\n\
+                  *AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n10, 1., -0.9, 0.\n.1, 0., .1, 0., .1, 0., .1, 0.\n.1, 0., .1, 0., .1, 0., .1, 0.\n\
+                  .1, 0., .1, 0.\n*STEP\n*DYNAMIC\n0.01, 20.\n*CLOAD, AMPLITUDE=A\n2, 1, 5.2\n*DLOAD\nM, GRAV, 10., 0., -1., 0.\n*END STEP\n";
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let solution: Solution<f64> = solved(silent, &Options { method, ..Options::default() });
+        let slips: Vec<f64> = solution
+            .events
+            .iter()
+            .filter(|event| event.what == What::Slips)
+            .map(|event| event.time)
+            .collect();
+        assert_eq!(slips.len(), 3, "{method:?}: {slips:?}");
+        // As often as the load comes round.
+        let apart: Vec<f64> = slips.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(apart.iter().all(|time| (time - std::f64::consts::TAU).abs() < 1e-10), "{apart:?}");
+        let moved = solution.frames.last().unwrap().nodes[1].displacement[0];
+        assert!((moved - 3.0 * 4.556e-4).abs() < 1e-6, "{moved}");
+    }
+}
+
 /// Every problem of `references/`, with the error that is allowed between the methods, and how many events it has.
 const EXPECTED: [(&str, f64, usize); 50] = [
     ("andrews", 2e-12, 0),

@@ -273,3 +273,23 @@ fn two_types_without_a_comma_are_told_to_have_one() {
         assert!(error.remedy().contains(&format!("write {types}: a comma")), "{written}: {}", error.remedy());
     }
 }
+
+/// A name as long as a line is shown by its beginning; a table with other separators is told what separates.
+#[test]
+fn long_names_and_other_separators_are_told_shortly() {
+    let long = "Z".repeat(60_000);
+    let error = Scene::parse("deck.inp", &format!("*MPC\n{long}, 1, 2\n")).unwrap_err();
+    assert_eq!(error.code(), Code::UnknownMpc);
+    assert!(error.render(100, false).len() < 3_000);
+    let scene = Scene::parse("deck.inp", &format!("*NODE\n1, 0., 0., 0.\n*{long}\n1\n")).unwrap();
+    assert!(scene.skipped.keywords.keys().all(|name| name.chars().count() <= 81));
+    assert_eq!(scene.skipped.keywords.len(), 1);
+    for separator in [";", "\t", " "] {
+        let path = crate::commands::cli::file(
+            "errors-separator.csv",
+            &format!("state{separator}node{separator}u1\n"),
+        );
+        let error = pintle_scene::StateFile::read(Path::new(&path), &scene).unwrap_err();
+        assert!(error.remedy().contains("separate columns by commas"), "{error}");
+    }
+}

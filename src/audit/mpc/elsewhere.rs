@@ -195,6 +195,17 @@ impl MpcCase {
             ));
         }
         if hinges == 2 {
+            let mut other = self.changed(|state, _| {
+                state.angles = [got.taken[1], got.taken[0]].map(Some);
+                state.velocity.swap(PHI, PHI + 1);
+                state.acceleration.swap(PHI, PHI + 1);
+            });
+            other.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
+            let relation = "what is expected with φ1 and φ2 exchanged";
+            let of = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
+            found.push(Elsewhere::new(Cause::ParametersSwapped, relation, &other, &of));
+        }
+        if hinges == 2 {
             let other = self.changed(|_, constraint| {
                 let [first, second] = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0; 3]));
                 *constraint = Constraint::with_axes(constraint.kind(), constraint.arm(), [second, first]);
@@ -228,7 +239,7 @@ impl MpcCase {
     }
 
     /// The arm of a rigid beam, carried by the other node, with the other sign, or not carried in the rows.
-    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 3] {
+    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 5] {
         const OF: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
         let mut by_slave = self.changed(|state, _| state.master.rotation = state.slave.rotation);
         for row in by_slave.jacobian[..RHO].iter_mut().flatten() {
@@ -236,6 +247,8 @@ impl MpcCase {
             row[THETA_S..THETA_S + 3].copy_from_slice(&of_master);
             row[THETA_M..THETA_M + 3].fill(0.0);
         }
+        by_slave.residual[RHO..].fill(None);
+        by_slave.jacobian[RHO..].fill(None);
         let mut reversed = got.clone();
         let carried = apply(&self.state.master.rotation, self.constraint.arm());
         put(&mut reversed.residual, 0, add(vector(&got.residual, 0), scale(carried, 2.0)));
@@ -244,10 +257,29 @@ impl MpcCase {
         }
         let mut at_first = self.changed(|state, _| state.master.rotation = identity());
         at_first.jacobian[RHO..].fill(None);
+        let arm = self.constraint.arm();
+        let State { slave, master, .. } = &self.state;
+        let moved = sub(slave.displacement, master.displacement);
+        // The arm is what the nodes are apart where the constraint holds, and there alone.
+        let of_distance = "the row with x_S − x_M for the arm C_M (X_S − X_M)";
+        let mut distance = got.clone();
+        distance.jacobian[RHO..].fill(None);
+        for (i, row) in distance.jacobian[..RHO].iter_mut().enumerate() {
+            let mut axis = [0.0; 3];
+            axis[i] = 1.0;
+            if let Some(row) = row {
+                row[THETA_M..THETA_M + 3].copy_from_slice(&cross(axis, add(arm, moved)));
+            }
+        }
+        let mut linearised = got.clone();
+        linearised.residual[RHO..].fill(None);
+        put(&mut linearised.residual, 0, sub(moved, cross(so3::log(&master.rotation), arm)));
         let of_first = "the row with the arm at first, X_S − X_M in place of C_M (X_S − X_M)";
         let relation = "x_S − x_M − C_S (X_S − X_M): the arm turns with S";
         [
             Elsewhere::new(Cause::InitialAxes, of_first, &at_first, &OF[1..]),
+            Elsewhere::new(Cause::OtherLength, of_distance, &distance, &OF[1..]),
+            Elsewhere::new(Cause::Linearised, "u_S − u_M − φ_M × (X_S − X_M)", &linearised, &OF[..1]),
             Elsewhere::new(Cause::LeverAtB, relation, &by_slave, &OF),
             Elsewhere::new(Cause::LeverReversed, "x_S − x_M + C_M (X_S − X_M)", &reversed, &OF),
         ]
@@ -308,7 +340,8 @@ impl MpcCase {
         let mut found = Vec::new();
         let arm = self.constraint.arm();
         let State { slave, master, .. } = &self.state;
-        let apart = add(arm, sub(slave.displacement, master.displacement));
+        let moved = sub(slave.displacement, master.displacement);
+        let apart = add(arm, moved);
         match self.constraint.kind().entry().translation {
             Translation::Distance => {
                 let (length, initial) = (dot(apart, apart).sqrt(), dot(arm, arm).sqrt());
@@ -322,6 +355,13 @@ impl MpcCase {
                 let squares = length * length - initial * initial;
                 for (cause, relation, value, slope) in [
                     (Cause::InitialKept, "|x_S − x_M|", length, 1.0),
+                    (Cause::OtherLength, "|u_S − u_M|", dot(moved, moved).sqrt(), f64::NAN),
+                    (
+                        Cause::Linearised,
+                        "(u_S − u_M)·(X_S − X_M)/|X_S − X_M|",
+                        dot(moved, arm) / initial,
+                        f64::NAN,
+                    ),
                     (Cause::OtherLength, "(|x_S − x_M|² − |X_S − X_M|²) / 2", squares / 2.0, length),
                     (Cause::OtherLength, "|x_S − x_M|² − |X_S − X_M|²", squares, 2.0 * length),
                     (
@@ -467,7 +507,20 @@ impl MpcCase {
             Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives])
         };
         let mut found = Vec::new();
+        let plain = |relation: &str, cause: Cause, turned: &dyn Fn(Vector<f64>) -> Vector<f64>| {
+            let mut other = got.clone();
+            other.jacobian[..RHO].fill(None);
+            other.jacobian[FLOW] = None;
+            for (h, axis) in hinges.iter().enumerate() {
+                put_column(&mut other.jacobian, RHO, PHI + h, scale(turned(*axis), -1.0));
+            }
+            Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives])
+        };
         if !hinges.is_empty() {
+            let relation = "the row with −a, as at the initial state, in the columns of the hinges";
+            found.push(plain(relation, Cause::Linearised, &|axis| axis));
+            let relation = "the row with −C_M a, without the Jacobian of ρ, in the columns of the hinges";
+            found.push(plain(relation, Cause::OtherJacobian, &|axis| apply(&master.rotation, axis)));
             let relation = "the row with the initial axes of the hinges in their columns";
             found.push(by(relation, Cause::InitialAxes, &|axis| axis));
             let relation = "the row with axes of the hinges that turn with S in their columns";

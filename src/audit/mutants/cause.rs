@@ -45,6 +45,7 @@ causes! {
     NodesSwapped = DiagnosisNodesSwapped, "what is expected with a and b exchanged", "nodes swapped";
     RowsSwapped = DiagnosisComponentsSwapped, "what is expected of each other", "components swapped";
     SameSignForBoth = DiagnosisSignOfA, "minus what is expected", "sign of the first node";
+    OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
     RotationTakenAsLocal = DiagnosisRotationAsLocal, "Rᵀ × expected", "rotation degrees of freedom taken as local";
     RotationTurnedTwice = DiagnosisRotationTurnedTwice, "R × expected", "rotation degrees of freedom turned forth instead of back";
     DisplacementTakenAsLocal = DiagnosisDisplacementAsLocal, "Rᵀ × expected", "displacements of nodes taken along the axes of a node";
@@ -97,7 +98,6 @@ causes! {
     DerivativeForResolved = DiagnosisDerivative, "the time derivative of the component", "derivatives for nodal rates resolved along b";
     LinearPartMissing = DiagnosisLinearPart, "what the rates alone give", "the part linear in the accelerations missing";
     Linearised = DiagnosisLinearised, "what is expected of small motions about the initial state", "linearised";
-    OtherJacobian = DiagnosisOtherJacobian, "the row of another Jacobian of the rotation vector", "Jacobian transposed, not inverted, or of the other side";
     NotNormalised = DiagnosisNotNormalised, "what is expected times a length or cosine of the state", "not normalised";
     BlockReversed = DiagnosisSignOfBlock, "minus what is expected", "sign of a block";
     BlockMissing = DiagnosisBlockMissing, "zero", "block missing";
@@ -109,7 +109,7 @@ causes! {
     SecantForTangent = DiagnosisSecant, "force / displacement over the whole motion or increment", "the secant instead of the tangent";
     ParametersSwapped = DiagnosisParametersSwapped, "what is expected with two lengths exchanged", "parameters exchanged";
     SumForNorm = DiagnosisSumForNorm, "what is expected with the sum of magnitudes for their norm", "a norm taken as a sum";
-    TermLeftOut = DiagnosisTermLeftOut, "what is expected without one of its terms", "a norm or a force left out";
+    TermLeftOut = DiagnosisTermLeftOut, "what is expected without one of its terms", "a term, a norm or a force left out, or of the other sign";
     OtherCoefficient = DiagnosisOtherCoefficient, "what is expected with another coefficient", "μ twice, or not at all";
     ContinuumForConsistent = DiagnosisContinuumTangent, "the tangent of an increment that goes to zero", "continuum for consistent tangent";
     Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";

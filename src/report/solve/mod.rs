@@ -109,10 +109,16 @@ pub fn human<R: Number>(
     {
         say("unique", "yes: nothing rubs")?;
     } else if solution.lipschitz < 1.0 {
-        say(
-            "unique",
-            &format!("yes: κ = {:.3} < 1, so friction forces are the only ones that fit", solution.lipschitz),
-        )?;
+        let sticks =
+            solution.frames.iter().any(|frame| frame.connectors.iter().any(|of| of.sticks.contains(&true)));
+        let kappa = format!("κ = {:.3} < 1", solution.lipschitz);
+        let told = match sticks {
+            true => format!(
+                "where something slips, for {kappa}; while it sticks, slip is looked for at events alone"
+            ),
+            false => format!("yes: {kappa}, so friction forces are the only ones that fit"),
+        };
+        say("unique", &told)?;
     } else {
         say("unique", &format!("not certain: κ = {:.3} is not below 1", solution.lipschitz))?;
     }

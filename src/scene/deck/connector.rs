@@ -87,6 +87,9 @@ pub(super) struct RawMpc {
     pub(super) span: Span,
 }
 
+/// The longest name that a type may have, in bytes.
+const LONGEST_NAME: usize = 80;
+
 /// Types of the documentation that are kept but not evaluated.
 const KEPT: &[&str] = &[
     "BILINEAR",
@@ -145,7 +148,8 @@ pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             None => {
                 // What looks like no type of ours is one of another program.
                 let names = mpc::TABLE.iter().map(|entry| entry.name).chain(KEPT.iter().copied());
-                let is_word = name.starts_with(|letter: char| letter.is_ascii_alphabetic());
+                let is_word = name.starts_with(|letter: char| letter.is_ascii_alphabetic())
+                    && name.len() <= LONGEST_NAME;
                 match nearest(&name, names) {
                     None if is_word => MpcKind::Other(name),
                     near => {

@@ -489,7 +489,13 @@ impl Deck<'_> {
     }
 
     fn count_skipped(&mut self, keyword: &Keyword, data_lines: u64) {
-        let skipped = self.scene.skipped.keywords.entry(keyword.name.clone()).or_default();
+        // The longest name that is shown whole, in letters.
+        const LONGEST: usize = 80;
+        let name = match keyword.name.char_indices().nth(LONGEST) {
+            Some((end, _)) => format!("{}…", &keyword.name[..end]),
+            None => keyword.name.clone(),
+        };
+        let skipped = self.scene.skipped.keywords.entry(name).or_default();
         if skipped.count == 0 {
             skipped.first_line = keyword.span.line();
         }

@@ -203,8 +203,13 @@ fn header_columns(
     let mut faults = Faults::default();
     for field in record {
         let Some(column) = find(field) else {
-            let remedy =
-                suggest(field, known.iter().copied(), || format!("columns are {}", known.join(", ")));
+            let is_apart = record.len() == 1 && field.contains([';', '\t', '|', ' ']);
+            let remedy = match is_apart {
+                true => "separate columns by commas, in the header and in each row".to_owned(),
+                false => {
+                    suggest(field, known.iter().copied(), || format!("columns are {}", known.join(", ")))
+                }
+            };
             let message = format!("there is no column `{field}`");
             faults
                 .add(Diagnostic::error(Code::StatesUnknownColumn, span, message, "the header").help(remedy));

@@ -12,7 +12,9 @@ use crate::time::integrate::{Method, Rule, Slope, Tried};
 use crate::time::run::Run;
 use crate::time::stiff;
 use pintle_kinematics::vector::Vector;
+use pintle_scene::{Amplitude, AmplitudeDefinition, Scene};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::sync::atomic::Ordering;
 
 /// The part of the usual length of a step that the first one in a mode has.
@@ -23,6 +25,23 @@ const DIFFERENCE: f64 = 1e-3;
 
 /// The part of the way to rest that one step goes.
 const APPROACH: f64 = 0.6;
+
+/// Into how many steps the fastest oscillation of an amplitude is parted: where all sticks nothing else limits them, and limits are passed
+/// unseen.
+const PARTS: f64 = 16.0;
+
+/// The shortest period of the amplitudes of a scene.
+fn shortest_period(scene: &Scene) -> f64 {
+    let frequency = |amplitude: &Amplitude| {
+        let datum = |i: usize| amplitude.data.get(i).copied().flatten().unwrap_or(0.0);
+        match amplitude.definition {
+            AmplitudeDefinition::Periodic => datum(0) * datum(1).abs(),
+            AmplitudeDefinition::Modulated => datum(3).abs() + datum(4).abs(),
+            _ => 0.0,
+        }
+    };
+    TAU / scene.amplitudes.values().map(frequency).fold(0.0, f64::max)
+}
 
 /// After how many steps without an event a stiff motion is looked for, again and again.
 const EVERY: usize = 16;
@@ -240,6 +259,7 @@ impl<R: Number> Run<'_, R> {
     pub(crate) fn reach(&mut self, to: f64) -> Result<(), Refusal> {
         let goal = R::from_f64(to);
         let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
+        let longest = shortest_period(self.scene) / PARTS;
         let mut halvings = 0;
         while self.state.time.less(goal) {
             self.keep(false);
@@ -275,7 +295,7 @@ impl<R: Number> Run<'_, R> {
             if std::mem::take(&mut self.is_new) {
                 self.h *= CAREFUL;
             }
-            let mut wanted = R::from_f64(self.h);
+            let mut wanted = R::from_f64(self.h.min(longest));
             if let Some((_, Some(rest))) = nearest {
                 wanted = wanted.lesser(rest * R::from_f64(APPROACH));
             }

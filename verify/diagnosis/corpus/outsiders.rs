@@ -373,4 +373,14 @@ pub(super) const ALL: &[Wrong] = &[
         },
         (&["diagnosis::global-axes"], "ur1"),
     ),
+    Wrong::new(
+        ("CARDAN", "∇α without −sin β e3b"),
+        &[DF],
+        |right, numbers| {
+            let axis = column(&right.pair().a.triad, 0);
+            let cosine = 1.0 - right.q()[0][2].powi(2);
+            row(numbers, DF, 3, |row| turning(row, scale(axis, 1.0 / cosine)));
+        },
+        (&["diagnosis::term-left-out"], "equals what is expected without its term along e3b"),
+    ),
 ];

@@ -7,6 +7,7 @@ use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::dictionary::of_dictionary;
 use crate::mutants::diagnosis::elsewhere::elsewhere;
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::parts::parts;
 use crate::mutants::diagnosis::patterns::{
     differences, digits_lost, led_by_place, rounded, single_precision, single_precision_on_the_way,
     without_numbers,
@@ -229,6 +230,12 @@ impl Symptoms<'_> {
             let held = sub(add(part(row, THETA_A), held), cross(part(row, XB), separations[0]));
             let held = Hypothesis::of_row(Cause::Linearised, k, put(THETA_A, held));
             found.push(held.related("what is expected with the lever of the initial state"));
+            if let Some(before) = self.case.path.iter().rev().nth(1) {
+                let stale = cross(part(row, XB), before.state.pair.separation());
+                let stale = sub(add(part(row, THETA_A), stale), cross(part(row, XB), separations[0]));
+                let stale = Hypothesis::of_row(Cause::StateBefore, k, put(THETA_A, stale));
+                found.push(stale.related("what is expected with the lever of the state before"));
+            }
             found.extend(operations.iter().filter_map(|operation| operation.of_row(k, row)));
             if let Some(other) = &self.want.entries(others).0[k] {
                 found.push(Hypothesis::of_row(
@@ -238,22 +245,34 @@ impl Symptoms<'_> {
                 ));
             }
             let measure = connector.differentiated(k);
+            found.extend(parts(k, row, (triads, separations[0])));
             if k >= 3 {
-                for axis in axes(triads) {
+                for (axis, what) in axes(triads) {
+                    // An axis that is the gradient is none for it.
+                    if norm(cross(axis, part(row, THETA_B))) < 1e-9 {
+                        continue;
+                    }
                     let of = |sign: f64| put(THETA_B, axis.map(|x| sign * x)).into_iter();
                     let both = |sign: f64| of(sign).chain(put(THETA_A, axis.map(|x| -sign * x)));
                     for sign in [1.0, -1.0] {
-                        found.push(Hypothesis::of_row(Cause::AxisForGradient, k, both(sign)));
+                        let made = Hypothesis::of_row(Cause::AxisForGradient, k, both(sign));
+                        found.push(match &what {
+                            Some(what) => made.related(what.clone()),
+                            None => made,
+                        });
                     }
                 }
                 // The direction of a torsion, of length 1.
                 let sum = add(column(triads[0], 2), column(triads[1], 2));
-                let unit = scale(sum, 1.0 / norm(sum));
-                for sign in [1.0, -1.0] {
-                    let both = put(THETA_B, unit.map(|x| sign * x)).into_iter();
-                    let both = both.chain(put(THETA_A, unit.map(|x| -sign * x)));
-                    let made = Hypothesis::of_row(Cause::NotNormalised, k, both);
-                    found.push(made.related("the direction of e3a + e3b with the length 1"));
+                for (along, what) in [
+                    (scale(sum, 1.0 / norm(sum)), "the direction of e3a + e3b with the length 1"),
+                    (scale(sum, 0.5), "½ (e3a + e3b), not divided by ½ (1 + e3a·e3b)"),
+                ] {
+                    for sign in [1.0, -1.0] {
+                        let both = put(THETA_B, along.map(|x| sign * x)).into_iter();
+                        let both = both.chain(put(THETA_A, along.map(|x| -sign * x)));
+                        found.push(Hypothesis::of_row(Cause::NotNormalised, k, both).related(what));
+                    }
                 }
             }
             if measure.is_some_and(|measure| measure.is_one_form()) {
@@ -481,7 +500,7 @@ impl Symptoms<'_> {
             let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
             let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
             let relative = relative(if faster.is_some() { acceleration } else { velocity });
-            for axis in axes(triads).into_iter().filter(|_| is_angle) {
+            for (axis, _) in axes(triads).into_iter().filter(|_| is_angle) {
                 found.push(Hypothesis::one(Cause::AxisForGradient, (k, 0), along(&axis, &relative)));
             }
         }
@@ -499,15 +518,18 @@ const fn resolved_at(measure: Measure) -> Option<(usize, usize)> {
 }
 
 /// The directions of the nodes, those midway between them, and their sums.
-fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<Vector<f64>> {
+fn axes([a, b]: [&Matrix<f64>; 2]) -> Vec<(Vector<f64>, Option<String>)> {
     let of = |i: usize| {
         let (a, b) = (column(a, i), column(b, i));
         let sum = add(a, b);
         // That of the third axes is a torsion's direction, which was not divided.
         let midway = if i < 2 { scale(sum, 1.0 / norm(sum)) } else { a };
-        [a, b, midway, sum]
+        [a, b, midway, sum].map(|axis| (axis, None))
     };
-    let across = |n: usize| cross(column(b, n % 3), column(a, n / 3));
+    let across = |n: usize| {
+        let what = format!("the cross product of e{}a and e{}b", n / 3 + 1, n % 3 + 1);
+        (cross(column(b, n % 3), column(a, n / 3)), Some(what))
+    };
     (0..3).flat_map(of).chain((0..9).map(across)).collect()
 }
 
@@ -567,8 +589,9 @@ fn shared_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
         Hypothesis::of_row(Cause::LeverAtB, k, both).related(what)
     };
     [
-        (0.5, 0.5, "the force with half of the moment f × d on each node"),
-        (-0.5, -0.5, "the force with half of the moment d × f on each node"),
+        (0.5, 0.5, "what is expected with half of the lever d at each node"),
+        (0.5, -0.5, "what is expected with half of the lever d at each node, of the other sign at b"),
+        (-0.5, -0.5, "what is expected with half of the lever d at each node, of the other sign"),
         (1.0, 0.0, "the force with the moment f × d on a"),
         (0.0, 1.0, "the force with the moment f × d on b"),
         (0.0, -1.0, "the force with the moment d × f on b"),
@@ -684,8 +707,6 @@ fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
     let moved = |times: f64| [put(THETA_A, plus(of_a, -1.0)), put(THETA_B, plus(of_b, times))].concat();
     vec![
         (Cause::LeverAtB, moved(1.0)),
-        (Cause::LeverAtB, [put(THETA_A, plus(of_a, -0.5)), put(THETA_B, plus(of_b, 0.5))].concat()),
-        (Cause::LeverAtB, [put(THETA_A, plus(of_a, -0.5)), put(THETA_B, plus(of_b, -0.5))].concat()),
         (Cause::LeverReversed, put(THETA_A, plus(of_a, -2.0))),
         (Cause::GeometricTermMissing, put(THETA_A, plus(of_a, -1.0))),
         (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),

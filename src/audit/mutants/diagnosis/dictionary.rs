@@ -414,7 +414,9 @@ fn found<S: Scalar<Real = f64>>(
             continue;
         }
         let mut add = |cause: Cause, formula: &dyn Fn() -> String, x: S| {
-            for (sign, x) in [("", x), ("−", -x)] {
+            // Minus the angles of Qᵀ are those of Q.
+            let signs = if cause == Cause::NodesSwapped { 1 } else { 2 };
+            for (sign, x) in [("", x), ("−", -x)].into_iter().take(signs) {
                 tried += 1;
                 let made = read(x);
                 if !is_met(&made, given) {

@@ -6,7 +6,7 @@ use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
-use pintle_kinematics::node::{DOFS, Node, Pair, XB};
+use pintle_kinematics::node::{DOFS, Node, PSI_A, Pair, XB};
 use pintle_kinematics::so3::{self, turn};
 use pintle_kinematics::vector::{self, Matrix, Vector, identity, product as times, skew, transpose};
 
@@ -137,7 +137,26 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
         at_once.path = vec![Step { state, ..Step::between(&initial, state.pair) }];
         add(Cause::TurnForgotten, Some("what is expected of principal angles"), &at_once);
     }
-    add(Cause::NodesSwapped, None, &exchanged(case));
+    let flows = |pair: &Pair<f64>| Pair {
+        a: Node { flow: pair.b.flow, ..pair.a },
+        b: Node { flow: pair.a.flow, ..pair.b },
+        ..*pair
+    };
+    if case.path.iter().any(|step| step.state.pair.a.flow != step.state.pair.b.flow) {
+        let mut other = mapped(case, flows, true);
+        for step in &mut other.path {
+            step.state.velocity.swap(PSI_A, DOFS - 1);
+            step.state.acceleration.swap(PSI_A, DOFS - 1);
+        }
+        add(Cause::NodesSwapped, Some("what is expected with Ψa and Ψb exchanged"), &other);
+        add(
+            Cause::NodesSwapped,
+            Some("what is expected with a and b exchanged, and their flows"),
+            &exchanged(case),
+        );
+    } else {
+        add(Cause::NodesSwapped, None, &exchanged(case));
+    }
     found
 }
 
@@ -153,12 +172,19 @@ pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
                 None => made,
             });
             if cause == Cause::NodesSwapped && row.len() > 1 {
+                if relation == Some("what is expected with Ψa and Ψb exchanged") {
+                    continue;
+                }
                 // With columns in the right order.
                 let at = |j: usize| (j + XB) % DOFS;
                 let place =
                     |n: usize| if row.len() > DOFS { at(n / DOFS) * DOFS + at(n % DOFS) } else { at(n) };
                 let ordered = (0..row.len()).map(|n| (n, row[place(n)]));
-                found.push(Hypothesis::of_row(cause, k, ordered));
+                let ordered = Hypothesis::of_row(cause, k, ordered);
+                found.push(match relation {
+                    Some(relation) => ordered.related(relation),
+                    None => ordered,
+                });
             }
         }
     }

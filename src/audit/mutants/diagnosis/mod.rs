@@ -19,6 +19,7 @@
 //! | `component` | rows, rates, second derivatives, forces, stiffness |
 //! | `values` | values |
 //! | `dictionary` | values, rows and rates that are another number of the nodes |
+//! | `parts` | rows that are a sum or a product of two directions |
 //! | `elsewhere` | all of them, at other nodes than those that are meant |
 //! | `matching` | one number at all states: constant factors, offsets, bounds, regularised norms, squares |
 //! | `smoothed` | lengths that were made smooth at zero |
@@ -31,6 +32,7 @@ mod component;
 mod dictionary;
 mod elsewhere;
 mod matching;
+mod parts;
 mod patterns;
 mod places;
 mod sample;
