@@ -95,7 +95,9 @@ impl Stages {
             let shifted = (&a - DMatrix::identity(stages, stages) * near).lu();
             let mut vector = DVector::from_fn(stages, |i, _| Complex::new(1.0, 0.1 * i as f64));
             for _ in 0..3 {
-                vector = shifted.solve(&vector)?.normalize();
+                let solved = shifted.solve(&vector)?;
+                let largest = solved.iter().map(|x| x.norm()).fold(0.0, f64::max);
+                vector = solved / Complex::from(largest);
             }
             vectors.set_column(m, &vector);
             let scaled = DMatrix::from_fn(n, n, |i, j| {
