@@ -59,7 +59,7 @@ pub(super) const FORMULAS: [&str; PLACES.len()] = [
     ASIN,
 ];
 
-/// How far a state is from each of [`PLACES`], in their units.
+/// How far a state is from each of the special places, in their units.
 pub type Places = [f64; PLACES.len()];
 
 /// How far the end of a case is from each of them.
