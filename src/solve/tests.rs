@@ -186,29 +186,110 @@ fn a_block_sticks_and_slips() {
     assert!(compared >= 5);
 }
 
+/// A mass on a rail that rubs: 20 N press it, and it sticks up to 5 N.
+const RAIL: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 0., 0., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=RAIL
+101, 1, 2
+*ORIENTATION, NAME=ALONG
+1., 0., 0., 0., 1., 0.
+*CONNECTOR SECTION, ELSET=RAIL, BEHAVIOR=DRY
+TRANSLATOR,
+ALONG,
+*CONNECTOR BEHAVIOR, NAME=DRY
+*CONNECTOR FRICTION, PREDEFINED
+0.5, 0.2
+*FRICTION
+0.25
+*ELEMENT, TYPE=MASS, ELSET=M
+201, 2
+*MASS, ELSET=M
+2.
+*ELEMENT, TYPE=ROTARYI, ELSET=I
+202, 2
+*ROTARY INERTIA, ELSET=I
+1., 1., 1.
+*BOUNDARY
+1, 1, 6
+*AMPLITUDE, NAME=A, ITS LINES
+*STEP
+*DYNAMIC
+0.01, LENGTH
+*CLOAD, AMPLITUDE=A
+2, 1, PUSH
+*DLOAD
+M, GRAV, 10., 0., -1., 0.
+*END STEP
+";
+
+/// Its solution under a load by an amplitude, by both methods, and how far they are apart.
+fn on_the_rail(amplitude: &str, length: &str, load: &str) -> ([Solution<f64>; 2], f64) {
+    let deck = RAIL.replace("ITS LINES", amplitude).replace("LENGTH", length).replace("PUSH", load);
+    let both = [Method::Extrapolation, Method::Collocation]
+        .map(|method| solved::<f64>(&deck, &Options { method, ..Options::default() }));
+    let apart = both[0].difference(&both[1], 1.0).largest();
+    (both, apart)
+}
+
 /// A load that oscillates above the bound for a moment, once in 2π, while nothing moves: each moment is met, by both methods.
 #[test]
 fn a_load_that_oscillates_is_seen_while_all_sticks() {
-    let silent = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=RAIL\n101, 1, 2\n*ORIENTATION, NAME=ALONG\n\
-                  1., 0., 0., 0., 1., 0.\n*CONNECTOR SECTION, ELSET=RAIL, BEHAVIOR=DRY\nTRANSLATOR,\nALONG,\n*CONNECTOR BEHAVIOR, NAME=DRY\n\
-                  *CONNECTOR FRICTION, PREDEFINED\n0.5, 0.2\n*FRICTION\n0.25\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 2\n*MASS, ELSET=M\n2.\n\
-                  *ELEMENT, TYPE=ROTARYI, ELSET=I\n202, 2\n*ROTARY INERTIA, ELSET=I\n1., 1., 1.\n*BOUNDARY\n1, 1, 6\n\
-                  *AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n10, 1., -0.9, 0.\n.1, 0., .1, 0., .1, 0., .1, 0.\n.1, 0., .1, 0., .1, 0., .1, 0.\n\
-                  .1, 0., .1, 0.\n*STEP\n*DYNAMIC\n0.01, 20.\n*CLOAD, AMPLITUDE=A\n2, 1, 5.2\n*DLOAD\nM, GRAV, 10., 0., -1., 0.\n*END STEP\n";
-    for method in [Method::Extrapolation, Method::Collocation] {
-        let solution: Solution<f64> = solved(silent, &Options { method, ..Options::default() });
-        let slips: Vec<f64> = solution
-            .events
-            .iter()
-            .filter(|event| event.what == What::Slips)
-            .map(|event| event.time)
-            .collect();
-        assert_eq!(slips.len(), 3, "{method:?}: {slips:?}");
+    let ten = "DEFINITION=PERIODIC\n10, 1., -0.9, 0.\n.1, 0., .1, 0., .1, 0., .1, 0.\n.1, 0., .1, 0., .1, 0., .1, 0.\n.1, 0., .1, 0.";
+    let (both, _) = on_the_rail(ten, "20.", "5.2");
+    for solution in both {
+        let slips = solution.events.iter().filter(|event| event.what == What::Slips);
+        let slips: Vec<f64> = slips.map(|event| event.time).collect();
+        assert_eq!(slips.len(), 3, "{:?}: {slips:?}", solution.method);
         // As often as the load comes round.
         let apart: Vec<f64> = slips.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(apart.iter().all(|time| (time - std::f64::consts::TAU).abs() < 1e-10), "{apart:?}");
         let moved = solution.frames.last().unwrap().nodes[1].displacement[0];
         assert!((moved - 3.0 * 4.556e-4).abs() < 1e-6, "{moved}");
+    }
+}
+
+/// Loads that jump past the bound within a step: slip begins there, with a = (6 − 5)/2.
+#[test]
+fn a_load_that_jumps_begins_a_slip() {
+    let jumps = [
+        "DEFINITION=TABULAR\n0., 0., 1., 0., 1., 1., 4., 1.",
+        "DEFINITION=PERIODIC\n1, 1e-9, 1., 0.\n1., 0.",
+        "DEFINITION=DECAY\n0., 1., 1., 1e12",
+    ];
+    for amplitude in jumps {
+        let (both, apart) = on_the_rail(amplitude, "3.", "6.");
+        assert!(apart < 1e-12, "{amplitude}: {apart:e}");
+        for solution in both {
+            let events: Vec<_> = solution.events.iter().map(|event| (event.time, event.what)).collect();
+            assert!(
+                matches!(events[..], [(time, What::Slips)] if (time - 1.0).abs() < 1e-14),
+                "{amplitude}, {:?}: {events:?}",
+                solution.method
+            );
+            let last = solution.frames.last().unwrap();
+            assert!((last.nodes[1].displacement[0] - 1.0).abs() < 1e-11, "{amplitude}: {:?}", last.nodes[1]);
+        }
+    }
+    // Below the bound nothing happens.
+    let (both, _) = on_the_rail(jumps[0], "3.", "4.9");
+    assert!(both.iter().all(|solution| solution.events.is_empty()));
+}
+
+/// What sticks all the time is at rest, and rounding no error.
+#[test]
+fn rest_is_known() {
+    let (both, apart) = on_the_rail("DEFINITION=PERIODIC\n1, 3., 0., 0.\n0., 1.", "2.", "4.");
+    assert!(apart < 1e-12, "{apart:e}");
+    for solution in &both {
+        let last = solution.frames.last().unwrap();
+        assert!(solution.events.is_empty());
+        assert!(
+            (last.connectors[0].total[0] - 4.0 * 6.0_f64.sin()).abs() < 1e-13,
+            "{:?}",
+            last.connectors[0]
+        );
     }
 }
 

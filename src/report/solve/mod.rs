@@ -15,6 +15,9 @@ use std::io::{self, Write};
 /// The version of the JSON form.
 pub const SCHEMA: &str = "pintle-solution/1";
 
+/// Errors from this on leave no digit.
+pub const NO_DIGIT: f64 = 0.1;
+
 /// What is told of a solution besides itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts<'a> {
@@ -46,7 +49,7 @@ impl Facts<'_> {
         let most = if R::ROUNDING < f64::EPSILON / 4.0 { self.digits } else { self.digits.min(16) };
         let Some(difference) = self.difference else { return most.min(6) };
         let error = difference.largest();
-        if error.is_nan() || error >= 0.1 {
+        if error.is_nan() || error >= NO_DIGIT {
             return 1;
         }
         if error <= 0.0 { most } else { most.min((-error.log10()).floor().max(1.0) as usize) }

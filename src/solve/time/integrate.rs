@@ -6,7 +6,8 @@ use crate::motion::linear::System;
 use crate::motion::mode::Switch;
 use crate::motion::rows::Trouble;
 use crate::number::Number;
-use crate::time::stiff::{Jacobian, Stages};
+use crate::time::stiff::{Jacobian, Spectrum, Stages};
+use std::cell::OnceCell;
 
 /// How a solution goes on in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -41,21 +42,24 @@ pub(crate) struct Tried<R> {
 /// ẏ = f(t, y).
 pub(crate) type Flow<'a, R> = dyn FnMut(R, &[R]) -> Result<Slope<R>, Trouble> + 'a;
 
-/// A method with its numbers.
+/// A method, and the digits that are wanted.
 #[derive(Clone, Debug)]
-pub(crate) enum Rule<R> {
-    /// At most so many columns, and what takes their place where motion is stiff.
-    Extrapolation(usize, Tableau<R>),
-    Collocation(Tableau<R>),
+pub(crate) struct Rule<R> {
+    method: Method,
+    digits: usize,
+    /// Formed where it is used: extrapolation needs none until motion is stiff.
+    tableau: OnceCell<Tableau<R>>,
 }
 
-/// The points c and the matrix a of stages, the weights, and the weights without a stage.
+/// The points c and the matrix a of stages, the weights, and the weights without the last stage.
 #[derive(Clone, Debug)]
-pub(crate) struct Tableau<R> {
+struct Tableau<R> {
     points: Vec<R>,
     matrix: Vec<Vec<R>>,
     weights: Vec<R>,
     fewer: Vec<R>,
+    /// Of the matrix, for Newton's method.
+    spectrum: Option<Spectrum>,
 }
 
 /// What grows where a step is much better than it has to be.
@@ -66,15 +70,8 @@ const FEW: usize = 7;
 
 impl<R: Number> Rule<R> {
     /// The rule for a method and a number of digits.
-    pub(crate) fn new(method: Method, digits: usize) -> Self {
-        let stages = 6 + digits / 4;
-        match method {
-            Method::Extrapolation => {
-                let most = if R::ROUNDING > f64::EPSILON / 4.0 { FEW } else { usize::MAX };
-                Self::Extrapolation((7 + digits / 4).min(most), collocation(radau(stages)))
-            }
-            Method::Collocation => Self::Collocation(collocation(gauss(stages))),
-        }
+    pub(crate) const fn new(method: Method, digits: usize) -> Self {
+        Self { method, digits, tableau: OnceCell::new() }
     }
 
     /// A step of length h from y at t, where the slope is known. `allowed` is the largest error of each number; the last of them is the
@@ -87,12 +84,27 @@ impl<R: Number> Rule<R> {
         allowed: &[R],
         jacobian: Option<&Jacobian<R>>,
     ) -> Result<Tried<R>, Trouble> {
-        match (self, jacobian) {
-            (Self::Extrapolation(columns, _), None) => extrapolate(flow, start, h, allowed, *columns),
-            (Self::Extrapolation(_, tableau) | Self::Collocation(tableau), _) => {
-                collocate(flow, start, h, allowed, tableau, jacobian)
-            }
+        if self.method == Method::Extrapolation && jacobian.is_none() {
+            return self.extrapolated(flow, start, h, allowed);
         }
+        let stages = 6 + self.digits / 4;
+        let tableau = self.tableau.get_or_init(|| match self.method {
+            Method::Extrapolation => Tableau::new(radau(stages)),
+            Method::Collocation => Tableau::new(gauss(stages)),
+        });
+        collocate(flow, start, h, allowed, tableau, jacobian)
+    }
+
+    /// The same by extrapolation, whatever the method.
+    pub(crate) fn extrapolated(
+        &self,
+        flow: &mut Flow<'_, R>,
+        start: (R, &[R], &Slope<R>),
+        h: R,
+        allowed: &[R],
+    ) -> Result<Tried<R>, Trouble> {
+        let most = if R::ROUNDING > f64::EPSILON / 4.0 { FEW } else { usize::MAX };
+        extrapolate(flow, start, h, allowed, (7 + self.digits / 4).min(most))
     }
 }
 
@@ -180,7 +192,7 @@ fn collocate<R: Number>(
     (t, y, slope): (R, &[R], &Slope<R>),
     h: R,
     allowed: &[R],
-    Tableau { points, matrix, weights, fewer }: &Tableau<R>,
+    Tableau { points, matrix, weights, fewer, spectrum }: &Tableau<R>,
     jacobian: Option<&Jacobian<R>>,
 ) -> Result<Tried<R>, Trouble> {
     let stages = points.len();
@@ -196,10 +208,10 @@ fn collocate<R: Number>(
         }
         y.iter().zip(sum).map(|(y, moved)| *y + moved).collect()
     };
-    let newton = match jacobian.map(|jacobian| Stages::new(matrix, jacobian, h.to_f64())) {
-        None => None,
-        Some(None) => return Ok(too_long(y)),
-        Some(found) => found,
+    let newton = match (jacobian, spectrum) {
+        (None, _) => None,
+        (Some(jacobian), Some(spectrum)) => Some(Stages::new(spectrum, jacobian, h.to_f64())),
+        (Some(_), None) => return Ok(too_long(y)),
     };
     let mut before = f64::INFINITY;
     for iteration in 0.. {
@@ -254,29 +266,32 @@ fn collocate<R: Number>(
     Ok(Tried { end, error, growth, inner })
 }
 
-/// Collocation at these points of a step.
-fn collocation<R: Number>(points: Vec<R>) -> Tableau<R> {
-    let one = R::integer(1);
-    let integrals = |points: &[R], to: R| -> Vec<R> {
-        // Σ w_j c_jᵏ = toᵏ⁺¹/(k + 1)
-        let mut system = System::new(points.len(), 1);
-        let mut power = vec![one; points.len()];
-        let mut right = to;
-        for k in 0..points.len() {
-            for (j, (power, c)) in power.iter_mut().zip(points).enumerate() {
-                system.add(k, j, *power);
-                *power = *power * *c;
+impl<R: Number> Tableau<R> {
+    /// Collocation at these points of a step (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.7).
+    fn new(points: Vec<R>) -> Self {
+        let one = R::integer(1);
+        let integrals = |points: &[R], to: R| -> Vec<R> {
+            // Σ w_j c_jᵏ = toᵏ⁺¹/(k + 1)
+            let mut system = System::new(points.len(), 1);
+            let mut power = vec![one; points.len()];
+            let mut right = to;
+            for k in 0..points.len() {
+                for (j, (power, c)) in power.iter_mut().zip(points).enumerate() {
+                    system.add(k, j, *power);
+                    *power = *power * *c;
+                }
+                system.add(k, points.len(), right / R::integer(k as i32 + 1));
+                right = right * to;
             }
-            system.add(k, points.len(), right / R::integer(k as i32 + 1));
-            right = right * to;
-        }
-        system.solve().ok().and_then(|found| found.into_iter().next()).unwrap_or_default()
-    };
-    let matrix = points.iter().map(|c| integrals(&points, *c)).collect();
-    let weights = integrals(&points, one);
-    let mut fewer = integrals(points.get(..points.len() - 1).unwrap_or_default(), one);
-    fewer.push(R::ZERO);
-    Tableau { points, matrix, weights, fewer }
+            system.solve().ok().and_then(|found| found.into_iter().next()).unwrap_or_default()
+        };
+        let matrix: Vec<Vec<R>> = points.iter().map(|c| integrals(&points, *c)).collect();
+        let weights = integrals(&points, one);
+        let mut fewer = integrals(points.get(..points.len() - 1).unwrap_or_default(), one);
+        fewer.push(R::ZERO);
+        let spectrum = Spectrum::of(&matrix);
+        Self { points, matrix, weights, fewer, spectrum }
+    }
 }
 
 /// The points of Gauss, from the last to the first: with s of them the order is 2 s.
@@ -285,7 +300,8 @@ fn gauss<R: Number>(stages: usize) -> Vec<R> {
     (0..stages).map(|i| root(guess(i), |x| legendre(stages, x))).collect()
 }
 
-/// The points of Radau, the last of them the end of the step: with s of them the order is 2 s − 1, and what is stiff decays at once.
+/// The points of Radau IIA, the first of them the end of the step: with s of them the order is 2 s − 1, and what is stiff decays at once
+/// (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5).
 fn radau<R: Number>(stages: usize) -> Vec<R> {
     let guess = |i: usize| -(std::f64::consts::TAU * i as f64 / (2.0 * stages as f64 - 1.0)).cos();
     let difference = |x: R| {

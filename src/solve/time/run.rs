@@ -396,11 +396,12 @@ impl<'a, R: Number> Run<'a, R> {
         }
         let breaks = self.breaks();
         for (time, is_frame) in stops {
-            self.reach(time)?;
+            let is_break = breaks.contains(&time);
+            self.reach(time, is_break)?;
             if is_frame {
                 self.record(false)?;
             }
-            if breaks.contains(&time) && time < to {
+            if is_break && time < to {
                 self.pass()?;
             }
         }

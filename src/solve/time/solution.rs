@@ -219,8 +219,11 @@ impl<R: Number> Energies<R> {
 }
 
 impl<R: Number> Solution<R> {
-    /// The largest numbers of each kind. A force counts as a moment too, at an arm as long as the model, and the other way round.
+    /// The largest numbers of each kind. A force counts as a moment too, at an arm as long as the model, and the other way round. What is far
+    /// slower than once through the model in the whole time is at rest, and its energies are next to the work of the forces.
     pub fn scales(&self, length: f64) -> Scales {
+        /// A kind that is less than this part of what it could be is rounding.
+        const LEAST: f64 = 1e-3;
         let largest = |of: &dyn Fn(&Frame<R>) -> Vec<R>| {
             let all = self.frames.iter().flat_map(of).map(|x| x.to_f64().abs());
             all.fold(f64::MIN_POSITIVE, f64::max)
@@ -236,10 +239,16 @@ impl<R: Number> Solution<R> {
             })
         };
         let (forces, moments) = (force(0), force(3));
+        let forces = forces.max(moments / length);
+        let times =
+            [self.frames.first(), self.frames.last()].map(|frame| frame.map_or(0.0, |of| of.time.to_f64()));
+        let slowest = LEAST / (times[1] - times[0]).max(f64::MIN_POSITIVE);
         Scales {
-            velocity: [speed(0), speed(3)],
-            force: [forces.max(moments / length), moments.max(forces * length)],
-            energy: largest(&|frame| frame.energies.works().to_vec()).max(self.liveliest),
+            velocity: [speed(0).max(slowest * length), speed(3).max(slowest)],
+            force: [forces, moments.max(forces * length)],
+            energy: largest(&|frame| frame.energies.works().to_vec())
+                .max(self.liveliest)
+                .max(LEAST * forces * length),
         }
     }
 

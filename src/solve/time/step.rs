@@ -8,7 +8,7 @@ use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Method, Rule, Slope, Tried};
+use crate::time::integrate::{Slope, Tried};
 use crate::time::run::Run;
 use crate::time::stiff;
 use pintle_kinematics::vector::Vector;
@@ -231,8 +231,7 @@ impl<R: Number> Run<'_, R> {
         if tried.as_ref().is_ok_and(|tried| tried.error.is_infinite())
             && self.mechanism.sliders.iter().any(turns)
         {
-            let other: Rule<R> = Rule::new(Method::Extrapolation, self.options.digits);
-            tried = other.step(&mut flow, start, h, &allowed, jacobian.as_ref());
+            tried = self.rule.extrapolated(&mut flow, start, h, &allowed);
         }
         self.solution.evaluations += evaluations;
         tried
@@ -255,9 +254,11 @@ impl<R: Number> Run<'_, R> {
         Ok(())
     }
 
-    /// Goes on to a time, over all events before it.
-    pub(crate) fn reach(&mut self, to: f64) -> Result<(), Refusal> {
-        let goal = R::from_f64(to);
+    /// Goes on to a time, over all events before it. Where it `is_break`, what acts may jump there: it is met from below.
+    pub(crate) fn reach(&mut self, to: f64, is_break: bool) -> Result<(), Refusal> {
+        let end = R::from_f64(to);
+        let below = if is_break { 4.0 * R::ROUNDING } else { 0.0 };
+        let goal = end - end.magnitude() * R::from_f64(below);
         let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
         let longest = shortest_period(self.scene) / PARTS;
         let mut halvings = 0;
@@ -363,6 +364,7 @@ impl<R: Number> Run<'_, R> {
                 }
             }
         }
+        self.state.time = end;
         Ok(())
     }
 

@@ -73,22 +73,22 @@ pub(crate) fn is_stiff<R: Number>(jacobian: &Jacobian<R>, rates: &[R], allowed: 
     found.complex_eigenvalues().iter().any(is_fast)
 }
 
-/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles: (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a.
-pub(crate) struct Stages {
+/// The eigenvalues and eigenvectors of the matrix a of stages, on doubles.
+#[derive(Clone, Debug)]
+pub(crate) struct Spectrum {
+    values: DVector<Complex<f64>>,
     vectors: DMatrix<Complex<f64>>,
     inverse: DMatrix<Complex<f64>>,
-    eliminated: Vec<LU<Complex<f64>, Dyn, Dyn>>,
 }
 
-impl Stages {
-    /// For a matrix a of stages; `None` where it cannot be formed.
-    pub(crate) fn new<R: Number>(matrix: &[Vec<R>], jacobian: &Jacobian<R>, h: f64) -> Option<Self> {
-        let (stages, n) = (matrix.len(), jacobian.len());
-        let a = DMatrix::from_fn(stages, stages, |i, j| Complex::from(matrix[i][j].to_f64()));
-        let real = a.map(|x| x.re);
+impl Spectrum {
+    /// `None` where they cannot be formed.
+    pub(crate) fn of<R: Number>(matrix: &[Vec<R>]) -> Option<Self> {
+        let stages = matrix.len();
+        let real = DMatrix::from_fn(stages, stages, |i, j| matrix[i][j].to_f64());
+        let a = real.map(Complex::from);
         let values = Schur::try_new(real, f64::EPSILON, ITERATIONS)?.complex_eigenvalues();
         let mut vectors = DMatrix::zeros(stages, stages);
-        let mut eliminated = Vec::with_capacity(stages);
         for (m, value) in values.iter().enumerate() {
             // Inverse iteration, next to the eigenvalue.
             let near = Complex::from(value.norm() * 1e-10) + value;
@@ -100,26 +100,43 @@ impl Stages {
                 vector = solved / Complex::from(largest);
             }
             vectors.set_column(m, &vector);
-            let scaled = DMatrix::from_fn(n, n, |i, j| {
-                let one = if i == j { Complex::from(1.0) } else { Complex::from(0.0) };
-                one - value * (h * jacobian[j][i].to_f64())
-            });
-            eliminated.push(scaled.lu());
         }
         let inverse = vectors.clone().try_inverse()?;
-        Some(Self { vectors, inverse, eliminated })
+        Some(Self { values, vectors, inverse })
+    }
+}
+
+/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles: (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a
+/// (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8).
+pub(crate) struct Stages<'a> {
+    spectrum: &'a Spectrum,
+    eliminated: Vec<LU<Complex<f64>, Dyn, Dyn>>,
+}
+
+impl<'a> Stages<'a> {
+    /// For a step of length h.
+    pub(crate) fn new<R: Number>(spectrum: &'a Spectrum, jacobian: &Jacobian<R>, h: f64) -> Self {
+        let n = jacobian.len();
+        let scaled = |value: &Complex<f64>| {
+            DMatrix::from_fn(n, n, |i, j| {
+                let one = if i == j { Complex::from(1.0) } else { Complex::from(0.0) };
+                one - value * (h * jacobian[j][i].to_f64())
+            })
+        };
+        let eliminated = spectrum.values.iter().map(|value| scaled(value).lu()).collect();
+        Self { spectrum, eliminated }
     }
 
     /// By what the stages change where they lack so much.
     pub(crate) fn changes<R: Number>(&self, lacks: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
         let n = lacks.first()?.len();
         let stages = DMatrix::from_fn(n, lacks.len(), |i, stage| Complex::from(lacks[stage][i].to_f64()));
-        let mut apart = stages * self.inverse.transpose();
+        let mut apart = stages * self.spectrum.inverse.transpose();
         for (m, eliminated) in self.eliminated.iter().enumerate() {
             let solved = eliminated.solve(&apart.column(m))?;
             apart.set_column(m, &solved);
         }
-        let found = apart * self.vectors.transpose();
+        let found = apart * self.spectrum.vectors.transpose();
         Some(
             (0..lacks.len())
                 .map(|stage| (0..n).map(|i| R::from_f64(found[(i, stage)].re)).collect())

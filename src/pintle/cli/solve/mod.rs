@@ -62,6 +62,9 @@ pub(crate) struct Solve {
     /// When to end [default: the end of the last step]
     #[arg(long, value_name = "TIME", value_parser = super::finite)]
     until: Option<f64>,
+    /// End with this step, from 1
+    #[arg(long, value_name = "STEP", conflicts_with = "until", value_parser = clap::value_parser!(u32).range(1..))]
+    step: Option<u32>,
     /// Times to record, besides the first, the last and events
     #[arg(long, value_name = "TIME", value_delimiter = ',', value_parser = super::finite)]
     times: Vec<f64>,
@@ -129,8 +132,12 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
         Some(file) => StateFile::read(file, &scene)?.states.pop(),
     };
     let digits = usize::from(arguments.digits);
+    let until = match arguments.step {
+        None => arguments.until,
+        Some(step) => Some(end_of_step(&scene, step)?),
+    };
     let mut options = Options {
-        until: arguments.until,
+        until,
         times: arguments.times.clone(),
         from,
         stick: match arguments.stick {
@@ -143,7 +150,7 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
         },
         ..Options::default()
     };
-    let end = arguments.until.unwrap_or_else(|| length(&scene));
+    let end = until.unwrap_or_else(|| length(&scene));
     if arguments.html.is_some() && arguments.every.is_none() && arguments.times.is_empty() {
         const FRAMES: u32 = 240;
         options.times.extend((1..FRAMES).map(|i| end * f64::from(i) / f64::from(FRAMES)));
@@ -162,6 +169,19 @@ pub(crate) fn run(arguments: &Solve, files: Files) -> Result<(), Failure> {
         options.digits = digits + 3;
         solved::<Wide>(arguments, files, &scene, &options)
     }
+}
+
+/// When a step ends, by its number from 1.
+fn end_of_step(scene: &Scene, step: u32) -> Result<f64, Failure> {
+    let schedule = pintle_model::behavior::drive::Schedule::new(scene);
+    let span = schedule.span(step as usize - 1);
+    span.map(|([_, end], _)| end).ok_or_else(|| {
+        Failure::Usage(format!(
+            "there is no step {step}: {} has {} with a known length",
+            scene.name,
+            schedule.len()
+        ))
+    })
 }
 
 /// The scene of a file, of the gallery, or of `references/`.
@@ -312,10 +332,11 @@ fn solved<R: Solvable>(
         files.write(file, |out| report::html(out, &solution, (scene, &model), facts))?;
     }
     if let Some(difference) = &difference
-        && !difference.same_events
+        && difference.largest() >= report::NO_DIGIT
     {
         let how = match &witness_ended {
             Some(why) => format!("collocation ended early {why}"),
+            None if difference.same_events => "the two methods find events at other times".to_string(),
             None => "the two methods find other events".to_string(),
         };
         tell::complain("warning", &format!("{how}: none of the digits is certain"));
