@@ -126,7 +126,7 @@ struct Component {
     force: Option<&'static str>,
     position: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    kept: Option<&'static str>,
+    stable: Option<&'static str>,
     unit: Unit,
     constraint: Option<String>,
     otherwise: Option<String>,
@@ -235,8 +235,8 @@ impl Explanation {
             );
             write!(out, "{head}")?;
             line(out, "position", component.position)?;
-            if let Some(kept) = component.kept {
-                line(out, "", &format!("{kept}, keeps the digits that this one loses next to α = π"))?;
+            if let Some(stable) = component.stable {
+                line(out, "", &format!("{stable}, keeps the digits that this one loses next to α = π"))?;
             }
             if let Some(constraint) = &component.constraint {
                 line(out, "enforced", constraint)?;
@@ -428,7 +428,7 @@ fn component(connection: &ConnectionType, k: usize) -> Option<Component> {
         role: words::role(slot),
         force: (!matches!(slot, Slot::Measured(_))).then_some(FORCE[k]),
         position: position.formula(),
-        kept: position.kept_formula(),
+        stable: position.stable_formula(),
         unit: position.unit(),
         constraint: connection.constraint(k),
         otherwise,

@@ -69,9 +69,7 @@ pub(crate) const ALL: &[Wrong] = &[
         &[DF],
         |case, found| {
             let arm = case.constraint.arm();
-            for i in 0..3 {
-                let mut axis = [0.0; 3];
-                axis[i] = 1.0;
+            for (i, axis) in identity::<f64>().into_iter().enumerate() {
                 let row = found.jacobian[i].as_mut().unwrap();
                 row[THETA_M..THETA_M + 3].copy_from_slice(&cross(axis, arm));
             }

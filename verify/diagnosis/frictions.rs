@@ -81,6 +81,14 @@ pub(crate) const ALL: &[Wrong] = &[
     ),
     (
         "TRANSLATOR",
+        "P without the magnitude",
+        &[PHI],
+        |case, given| given.criterion[0] = Some(case.told().forces[0]),
+        "sign",
+        "right at other states, so that a magnitude is left out",
+    ),
+    (
+        "TRANSLATOR",
         "a norm taken as a sum",
         &[PHI],
         |case, given| {

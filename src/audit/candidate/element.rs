@@ -5,14 +5,14 @@
 //! derivatives of p along spatial rotations have −½ M^ besides in the rotations of each node, M the moment on it: successive
 //! rotations do not commute.
 
+use super::WrongTable;
 use super::given::{Element, Tangent};
-use super::{KEPT, WrongTable};
+use super::tables::diagnosed;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::judge::outcome::Check;
 use crate::judge::table::{Convention, Entry, ResultTable};
-use crate::mutants::diagnosis::{Cause, diagnose_tables};
-use crate::share::spread;
+use crate::mutants::diagnosis::Cause;
 use pintle_kinematics::connector::Components;
 use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B};
 use pintle_kinematics::scalar::{Real, Wide};
@@ -156,14 +156,8 @@ pub(super) fn tables(
 /// Says of each check why the tables are wrong that were, one at a state: a cause holds over several.
 pub(super) fn explain(checks: &mut [Check], wrong: &[WrongTable]) {
     for check in checks {
-        let is_of = |(against, table): &&WrongTable| {
-            *against == check.against && Some(table.quantity) == check.quantity
-        };
-        let tables: Vec<&ResultTable> = wrong.iter().filter(is_of).map(|(_, table)| table).collect();
-        let kept: Vec<&ResultTable> =
-            spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
-        if !kept.is_empty() {
-            check.diagnosis = diagnose_tables(&kept).map(Box::new);
-        }
+        let of = (check.against, check.quantity);
+        let is_of = |(against, table): &&WrongTable| (*against, Some(table.quantity)) == of;
+        diagnosed(check, wrong.iter().filter(is_of).map(|(_, table)| table));
     }
 }

@@ -422,9 +422,14 @@ impl<'a> Candidate<'a> {
             Some(Quantity::ElementStiffness) => !offers(Quantity::ElementForces),
             _ => false,
         };
-        let of_values = subject.checks.iter().filter(is_formula);
-        let values = of_values.filter(|check| is_witness(check.against) && check.compared > 0);
-        subject.formula = values.map(|check| check.verdict).max().unwrap_or(Verdict::Undecided);
+        let of_values: Vec<&Check> = subject.checks.iter().filter(is_formula).collect();
+        let values = of_values.iter().filter(|check| is_witness(check.against) && check.compared > 0);
+        let verdict = values.map(|check| check.verdict).max();
+        // Of one that offers neither values nor rows the formula is that of what it offers.
+        let offered =
+            || subject.checks.iter().filter(|check| check.compared > 0).map(|check| check.verdict).max();
+        let verdict = if of_values.is_empty() { offered() } else { verdict };
+        subject.formula = verdict.unwrap_or(Verdict::Undecided);
         let report = Report {
             version: pintle_kinematics::VERSION,
             settings: self.settings.clone(),

@@ -9,7 +9,8 @@ use crate::case::quantity::Quantity;
 use pintle_kinematics::connector::{Components, Output, Request};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::vector::{add, dot, scale, sub};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{add, dot, scale, sub, transposed_product};
 use std::f64::consts::{PI, TAU};
 
 /// How far angles of one rotation may be apart (rad): more than rounding, and less than any fault that matters here.
@@ -28,6 +29,9 @@ pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -
         measure.winds() || matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))
     };
     let angles: Vec<usize> = (0..6).filter(|k| kinds[*k].as_ref().is_some_and(has_sheets)).collect();
+    if angles.is_empty() && is_projected_otherwise(case, given) {
+        return true;
+    }
     let value = |k: usize| given.0.entries(Quantity::Value).get(k, 0);
     let Some(found) = angles.iter().map(|k| value(*k)).collect::<Option<Vec<f64>>>() else { return false };
     if angles.is_empty() || found.iter().any(|x| !x.is_finite()) {
@@ -51,6 +55,30 @@ pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -
     };
     let measures: Vec<Measure> = angles.iter().filter_map(|k| kinds[*k]).collect();
     is_same(&measures, &position(&found), &position(&wanted)) && is_as_near(&found, &wanted, &start)
+}
+
+/// Whether coordinates along axes midway between those of both nodes have the other sign where the torsion is half a turn: rounding decides
+/// there which way is midway.
+fn is_projected_otherwise(case: &Case, given: &Given) -> bool {
+    let connector = case.connector();
+    let of_axis =
+        |i: usize| (0..6).find(|k| connector.differentiated(*k) == Some(Measure::ProjectedPosition(i)));
+    let ([Some(x), Some(y), Some(z)], Some(step)) = ([1, 2, 3].map(of_axis), case.last()) else {
+        return false;
+    };
+    let pair = &step.state.pair;
+    if so3::torsion(&transposed_product(&pair.a.triad, &pair.b.triad)).abs() < PI - SAME {
+        return false;
+    }
+    let [wanted, first] = [case.positions(), case.at_rest().positions()];
+    let is_it = |k: usize, sign: f64| {
+        let (Some(value), Some(wanted)) = (given.0.entries(Quantity::Value).get(k, 0), wanted[k]) else {
+            return false;
+        };
+        let found = value + first[k].unwrap_or(0.0);
+        (found - sign * wanted).abs() <= SAME * (1.0 + wanted.abs())
+    };
+    is_it(x, -1.0) && is_it(y, -1.0) && is_it(z, 1.0)
 }
 
 /// Whether they are angles of one rotation.

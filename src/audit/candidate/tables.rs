@@ -82,13 +82,8 @@ impl Tables {
             found.wrong.extend(wrong);
         }
         for check in &mut found.checks {
-            let of_quantity = found.wrong.iter().filter(|table| Some(table.quantity) == check.quantity);
-            let tables: Vec<&ResultTable> = of_quantity.collect();
-            let kept: Vec<&ResultTable> =
-                spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
-            if !kept.is_empty() {
-                check.diagnosis = diagnose_tables(&kept).map(Box::new);
-            }
+            let quantity = check.quantity;
+            diagnosed(check, found.wrong.iter().filter(|table| Some(table.quantity) == quantity));
         }
         found
     }
@@ -106,7 +101,9 @@ impl Tables {
         let mut subject = Subject::new(name.to_string(), certificate, states as u64, self.checks, &expected);
         let of = |quantity: &Quantity| subject.checks.iter().find(|check| check.quantity == Some(*quantity));
         let formula = formulas.iter().find_map(of);
-        subject.formula = formula.map_or(Verdict::Undecided, |check| check.verdict);
+        // Of one that offers none of these the formula is that of what it offers.
+        let offered = || subject.checks.iter().map(|check| check.verdict).max();
+        subject.formula = formula.map(|check| check.verdict).or_else(offered).unwrap_or(Verdict::Undecided);
         Report {
             version: pintle_kinematics::VERSION,
             settings: settings.clone(),
@@ -117,4 +114,18 @@ impl Tables {
             models: Vec::new(),
         }
     }
+}
+
+/// Says why tables of a check are wrong, one at a state: a cause holds over several.
+pub(super) fn diagnosed<'a>(check: &mut Check, wrong: impl Iterator<Item = &'a ResultTable>) {
+    /// It is right elsewhere where it passes at so large a part of its states.
+    const MANY: u64 = 4;
+    let tables: Vec<&ResultTable> = wrong.collect();
+    let kept: Vec<&ResultTable> = spread(tables.len(), KEPT).into_iter().map(|place| tables[place]).collect();
+    if kept.is_empty() {
+        return;
+    }
+    let passed = check.states.get(&Verdict::Pass).copied().unwrap_or_default();
+    let elsewhere = MANY * passed >= check.states.values().sum();
+    check.diagnosis = diagnose_tables(&kept, elsewhere).map(Box::new);
 }

@@ -264,9 +264,7 @@ impl MpcCase {
         let of_distance = "the row with x_S − x_M for the arm C_M (X_S − X_M)";
         let mut distance = got.clone();
         distance.jacobian[RHO..].fill(None);
-        for (i, row) in distance.jacobian[..RHO].iter_mut().enumerate() {
-            let mut axis = [0.0; 3];
-            axis[i] = 1.0;
+        for (row, axis) in distance.jacobian[..RHO].iter_mut().zip(identity::<f64>()) {
             if let Some(row) = row {
                 row[THETA_M..THETA_M + 3].copy_from_slice(&cross(axis, add(arm, moved)));
             }
@@ -497,38 +495,36 @@ impl MpcCase {
         // ρ is of C_S [C_2 C_1 C_M]ᵀ: a spin of M along an axis changes it as a hinge about that axis does.
         let spun: Matrix<f64> = transpose(&[0, 1, 2].map(|i| column(&got.jacobian, RHO, THETA_M + i)));
         let hinges: Vec<Vector<f64>> = self.constraint.initial_axes().into_iter().flatten().collect();
-        let by = |relation: &str, cause: Cause, turned: &dyn Fn(Vector<f64>) -> Vector<f64>| {
-            let mut other = got.clone();
-            other.jacobian[..RHO].fill(None);
-            other.jacobian[FLOW] = None;
-            for (h, axis) in hinges.iter().enumerate() {
-                put_column(&mut other.jacobian, RHO, PHI + h, apply(&spun, turned(*axis)));
-            }
-            Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives])
-        };
         let mut found = Vec::new();
-        let plain = |relation: &str, cause: Cause, turned: &dyn Fn(Vector<f64>) -> Vector<f64>| {
+        // The column through the Jacobian of ρ, or without it.
+        let mut add = |relation: &str,
+                       cause: Cause,
+                       through: Option<&Matrix<f64>>,
+                       turned: &dyn Fn(Vector<f64>) -> Vector<f64>| {
             let mut other = got.clone();
             other.jacobian[..RHO].fill(None);
             other.jacobian[FLOW] = None;
             for (h, axis) in hinges.iter().enumerate() {
-                put_column(&mut other.jacobian, RHO, PHI + h, scale(turned(*axis), -1.0));
+                let axis = turned(*axis);
+                let column = through.map_or_else(|| scale(axis, -1.0), |through| apply(through, axis));
+                put_column(&mut other.jacobian, RHO, PHI + h, column);
             }
-            Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives])
+            found.push(Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives]));
         };
+        let carried = |axis| apply(&master.rotation, axis);
         if !hinges.is_empty() {
             let relation = "the row with −a, as at the initial state, in the columns of the hinges";
-            found.push(plain(relation, Cause::Linearised, &|axis| axis));
+            add(relation, Cause::Linearised, None, &|axis| axis);
             let relation = "the row with −C_M a, without the Jacobian of ρ, in the columns of the hinges";
-            found.push(plain(relation, Cause::OtherJacobian, &|axis| apply(&master.rotation, axis)));
+            add(relation, Cause::OtherJacobian, None, &carried);
             let relation = "the row with the initial axes of the hinges in their columns";
-            found.push(by(relation, Cause::InitialAxes, &|axis| axis));
+            add(relation, Cause::InitialAxes, Some(&spun), &|axis| axis);
             let relation = "the row with axes of the hinges that turn with S in their columns";
-            found.push(by(relation, Cause::AxesOfA, &|axis| apply(&slave.rotation, axis)));
+            add(relation, Cause::AxesOfA, Some(&spun), &|axis| apply(&slave.rotation, axis));
         }
         if hinges.len() == 2 {
             let relation = "the row with the second hinge's axis not turned by the first in its column";
-            found.push(by(relation, Cause::MotionIgnored, &|axis| apply(&master.rotation, axis)));
+            add(relation, Cause::MotionIgnored, Some(&spun), &carried);
         }
         found
     }

@@ -22,16 +22,23 @@ impl Errors {
     pub(super) fn add(&mut self, error: Diagnostic) {
         let (errors, unsaid) = error.apart();
         for error in errors {
-            let is_told = |told: &Diagnostic| (told.code(), told.span()) == (error.code(), error.span());
-            let mut told = self.found.iter().flat_map(|first| std::iter::once(first).chain(first.further()));
-            if self.spoiled.contains(&error.code()) || told.any(is_told) {
-                continue;
+            if !self.spoiled.contains(&error.code()) {
+                self.tell(error);
             }
-            self.spoiled.extend(implied(error.code()));
-            self.is_torn |= tears(error.code());
-            self.found = Diagnostic::joined(self.found.take().into_iter().chain([error]));
         }
         self.found = self.found.take().map(|first| first.with_unsaid(unsaid));
+    }
+
+    /// Adds an error that follows from no other, unless it was told.
+    fn tell(&mut self, error: Diagnostic) {
+        let is_told = |told: &Diagnostic| (told.code(), told.span()) == (error.code(), error.span());
+        let mut told = self.found.iter().flat_map(|first| std::iter::once(first).chain(first.further()));
+        if told.any(is_told) {
+            return;
+        }
+        self.spoiled.extend(implied(error.code()));
+        self.is_torn |= tears(error.code());
+        self.found = Diagnostic::joined(self.found.take().into_iter().chain([error]));
     }
 
     /// The value, or nothing where there is an error instead, which is added.
@@ -53,13 +60,8 @@ impl Errors {
 
     /// Adds that a node is not known, unless its own line is faulty or any node may be missing.
     pub(super) fn misses(&mut self, node: Label, error: Diagnostic) {
-        if self.any_node || self.lost.contains(&node) {
-            return;
-        }
-        let is_spoiled = self.spoiled.remove(&Code::UnknownNode);
-        self.add(error);
-        if is_spoiled {
-            self.spoiled.insert(Code::UnknownNode);
+        if !self.any_node && !self.lost.contains(&node) {
+            self.tell(error);
         }
     }
 

@@ -233,11 +233,14 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
             turned(row, THETA_B, &y);
         }));
     }
-    // Both rotations turned from the axes of one node to those of the other.
+    // Both rotations with the axes of one node for those of the other.
     let over = product(&b, &back_a);
-    for by in [over, transpose(&over)] {
+    for (cause, by, relation) in [
+        (Cause::AxesOfB, over, "B Aᵀ × expected, the axes of b for those of a"),
+        (Cause::AxesOfA, transpose(&over), "A Bᵀ × expected, the axes of a for those of b"),
+    ] {
         let change = move |row: &mut [f64]| ROTATIONS.iter().for_each(|at| turned(row, *at, &by));
-        found.push(Operation::new(Cause::RotationTurnedTwice, change).related("B Aᵀ or A Bᵀ × expected"));
+        found.push(Operation::new(cause, change).related(relation));
     }
     let q = transposed_product(&a, &b);
     let (d, d0) = (pair.separation(), initial.separation());

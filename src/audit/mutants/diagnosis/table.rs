@@ -12,13 +12,14 @@ use std::collections::BTreeSet;
 
 /// Why numbers are wrong; `None` where none is. Tried are the mistakes that the table knows, and those that every number can suffer.
 pub fn diagnose_table(table: &ResultTable) -> Option<Diagnosis> {
-    diagnose_tables(&[table])
+    diagnose_tables(&[table], false)
 }
 
-/// The same of one quantity at several states, all with the same rows and columns: a cause is one that holds at nearly all of them.
-pub fn diagnose_tables(tables: &[&ResultTable]) -> Option<Diagnosis> {
+/// The same of one quantity at several states, all with the same rows and columns: a cause is one that holds at nearly all of them. Whether it
+/// passes `elsewhere`: at many other states.
+pub fn diagnose_tables(tables: &[&ResultTable], elsewhere: bool) -> Option<Diagnosis> {
     let table = *tables.first()?;
-    let words = TableWords { table, width: table.width() };
+    let words = TableWords { table, width: table.width(), elsewhere };
     let is_finite = |table: &&&ResultTable| table.entries.iter().all(|entry| entry.got.is_finite());
     let is_wrong =
         |entry: &Entry| entry.sides.is_none() && (entry.got - entry.want.to_f64()).abs() > entry.tolerance();
@@ -113,6 +114,7 @@ fn columns_swapped(table: &ResultTable, is_told: &dyn Fn(usize) -> bool) -> Vec<
 struct TableWords<'a> {
     table: &'a ResultTable,
     width: usize,
+    elsewhere: bool,
 }
 
 impl Words for TableWords<'_> {
@@ -171,6 +173,9 @@ impl Words for TableWords<'_> {
     fn meaning(&self, cause: Cause) -> &'static str {
         let is_of_constraint = MpcCase::QUANTITIES.contains(&self.table.quantity);
         match cause {
+            Cause::Reversed if self.elsewhere => {
+                "right at other states, so that a magnitude is left out, or taken"
+            }
             Cause::AxesOfA if is_of_constraint => "axes of S for those that are meant",
             Cause::AxesOfB if is_of_constraint => "axes of M for those that are meant",
             Cause::InitialAxes if is_of_constraint => "axes or an arm that do not turn with M",
