@@ -250,6 +250,9 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
                 .iter()
                 .zip(&frame.nodes)
                 .map(|(label, node)| {
+                    let reaction =
+                        |k: usize| if node.held[k] { number(node.reaction[k]) } else { Value::Null };
+                    let reactions: Vec<Value> = (0..6).map(reaction).collect();
                     let value = json!({
                         "displacement": list(&node.displacement),
                         "rotation": list(&node.rotation),
@@ -257,6 +260,8 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
                         "angular_velocity": list(&node.velocity[3..]),
                         "acceleration": list(&node.acceleration[..3]),
                         "angular_acceleration": list(&node.acceleration[3..]),
+                        "RF": reactions[..3],
+                        "RM": reactions[3..],
                     });
                     (label.to_string(), value)
                 })

@@ -66,6 +66,19 @@ impl<R: Number> Mechanism<R> {
         modes: &Modes<R>,
         beginnings: &Beginnings,
     ) -> Result<Assembled<R>, Trouble> {
+        let mut all = self.loaded(at)?;
+        for index in 0..self.joints.len() {
+            self.joint(index, at, modes, beginnings, &mut all)?;
+        }
+        self.rings(modes, &mut all)?;
+        self.constraints(at, &mut all);
+        self.bounds(at, beginnings, &mut all)?;
+        self.springs(at, modes, &mut all)?;
+        Ok(all)
+    }
+
+    /// Bodies and their loads alone.
+    pub(crate) fn loaded(&self, at: &Instant<'_, R>) -> Result<Assembled<R>, Trouble> {
         let zero = R::ZERO;
         let count = self.bodies.len();
         let mut all = Assembled {
@@ -81,13 +94,6 @@ impl<R: Number> Mechanism<R> {
             slips: at.sums.iter().skip(WORKS).copied().collect(),
         };
         self.loads(at, &mut all)?;
-        for index in 0..self.joints.len() {
-            self.joint(index, at, modes, beginnings, &mut all)?;
-        }
-        self.rings(modes, &mut all)?;
-        self.constraints(at, &mut all);
-        self.bounds(at, beginnings, &mut all)?;
-        self.springs(at, modes, &mut all)?;
         Ok(all)
     }
 
@@ -189,11 +195,8 @@ impl<R: Number> Mechanism<R> {
         let state = self.pair_state(index, at);
         let turned =
             |end: usize| joint.ends[end].and_then(|n| at.turned.get(n)).copied().unwrap_or([zero; 3]);
-        let increment = Increment {
-            rotation: [0, 1].map(turned),
-            whole_turns: [0, 1].map(|end| whole(turned(end))),
-            flow: [zero; 2],
-        };
+        let rotation = [0, 1].map(turned);
+        let increment = Increment { rotation, whole_turns: whole_turns(rotation), flow: [zero; 2] };
         let mut tally = Tally::default();
         let followed = [0, 1, 2, 3, 4, 5].map(|k| joint.wanted[k] || joint.free[k]);
         let branch = joint.connector.follow(&state, &increment, &at.branches[index], followed, &mut tally);
@@ -682,6 +685,20 @@ impl<R: Number> Mechanism<R> {
         }
         Ok(())
     }
+}
+
+/// The whole turns in the increments of two nodes. About one axis less than half a turn is left of one against the other: each by itself may
+/// leave as much, to opposite sides.
+fn whole_turns<R: Number>([a, b]: [Vector<R>; 2]) -> [Vector<R>; 2] {
+    let first = whole(a);
+    if are_parallel([a, b]) { [first, add(first, whole(sub(b, a)))] } else { [first, whole(b)] }
+}
+
+/// Whether two nodes turn about one axis, or one of them not at all.
+pub(crate) fn are_parallel<R: Number>([a, b]: [Vector<R>; 2]) -> bool {
+    /// The sine of an angle between axes that is rounding.
+    const ROUNDED: f64 = 1e-9;
+    !(norm(a) * norm(b) * R::from_f64(ROUNDED)).less(norm(cross(a, b)))
 }
 
 /// The whole turns in a rotation vector: less than half a turn is left.

@@ -3,7 +3,7 @@
 use crate::fault::{Fault, has};
 use crate::motion::linear::{NoPivot, System};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
-use crate::motion::mode::{Cause, Does, Modes, Side, Switch, Touch};
+use crate::motion::mode::{Cause, Does, Mode, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::slide::{Limit, belt_limit, length, limit};
 use crate::motion::state::DOFS;
@@ -23,6 +23,8 @@ pub(crate) struct Solved<R> {
     pub(crate) total: Vec<[R; 6]>,
     /// CSF of each connector.
     pub(crate) friction: Vec<[R; 6]>,
+    /// What of it slips.
+    pub(crate) slipping: Vec<[R; 6]>,
     /// The limit of each friction.
     pub(crate) limits: Vec<Limit<R>>,
     /// P of each friction.
@@ -159,17 +161,19 @@ impl<R: Number> Assembled<R> {
                 Does::Sticks(_) | Does::Stretches(_) => None,
             })
             .collect();
-        let directions: Vec<[R; 6]> =
-            slipping.iter().map(|(s, along)| self.direction(&mechanism.sliders[*s], along)).collect();
-        let rate_of = |i: usize| {
-            let slider = &mechanism.sliders[slipping[i].0];
-            let now = &self.joints[slider.joint];
-            slider.components.iter().fold(zero, |sum, (k, radius)| {
-                sum + R::from_f64(*radius) * directions[i][*k] * now.velocity[*k]
-            })
-        };
+        let moving: Vec<[R; 6]> =
+            slipping.iter().map(|(s, _)| self.slip_velocity(mechanism, modes, *s)).collect();
+        let directions: Vec<[R; 6]> = slipping
+            .iter()
+            .zip(&moving)
+            .map(|((s, along), v)| direction(&mechanism.sliders[*s], &modes.frictions[*s], along, v))
+            .collect();
+        let rate_of = |i: usize| moving[i].iter().zip(&directions[i]).fold(zero, |sum, (v, n)| sum + *v * *n);
         let limit_of = |s: usize, pressing: &[R; 6], rate: R, known: bool| {
             let slider = &mechanism.sliders[s];
+            let mut tables = mechanism.tables.iter().zip(&modes.spans);
+            let table = tables.find(|(table, _)| known && table.of == TableOf::Slip(s));
+            let rate = (rate, table.and_then(|(table, span)| table.inside(*span, rate)));
             let now = &self.joints[slider.joint];
             if let Some((next, angle)) = slider.ring {
                 let belt = mechanism.belt(slider)?;
@@ -277,6 +281,7 @@ impl<R: Number> Assembled<R> {
             accelerations: vec![[zero; DOFS]; self.masses.len()],
             total: Vec::with_capacity(self.joints.len()),
             friction: Vec::with_capacity(self.joints.len()),
+            slipping: Vec::with_capacity(self.joints.len()),
             limits: Vec::with_capacity(slipping.len()),
             tangential: Vec::with_capacity(slipping.len()),
             slip_rates: Vec::with_capacity(slipping.len()),
@@ -294,6 +299,7 @@ impl<R: Number> Assembled<R> {
                 self.of_joint(joint, &solved.forces, layout, (&stuck, &slipping_friction));
             solved.total.push(std::array::from_fn(|k| pressing[k] + friction[k]));
             solved.friction.push(friction);
+            solved.slipping.push(slipping_friction);
             let rates = &self.joints[joint].velocity;
             for k in (0..6).filter(|_| !has(Fault::FrictionForgotten)) {
                 solved.sums[1] = solved.sums[1] + slipping_friction[k] * rates[k];
@@ -343,8 +349,84 @@ impl<R: Number> Assembled<R> {
             solved.tangential.push(tangential);
             solved.limits.push(found);
         }
+        for (s, places) in mechanism.turning() {
+            if modes.frictions.get(s).is_some_and(|mode| mode.in_onset) {
+                solved.sums.extend(self.slip_acceleration(&mechanism.sliders[s], &solved.accelerations));
+            } else {
+                solved.sums.extend(places.map(|_| zero));
+            }
+        }
         self.watch(mechanism, layout, modes, &mut solved);
         Ok(solved)
+    }
+
+    /// R_k times the acceleration of each component of a friction.
+    pub(crate) fn slip_acceleration(&self, slider: &Slider, accelerations: &[[R; DOFS]]) -> Vec<R> {
+        let now = &self.joints[slider.joint];
+        let of = |(k, radius): &(usize, f64)| {
+            let acceleration = now.rows[*k]
+                .iter()
+                .fold(now.bias[*k], |sum, (dof, entry)| sum + *entry * accelerations[dof / DOFS][dof % DOFS]);
+            R::from_f64(*radius) * acceleration
+        };
+        slider.components.iter().map(of).collect()
+    }
+
+    /// R_k v_k of each component: of the state, or as integrated since slip began.
+    pub(crate) fn slip_velocity(&self, mechanism: &Mechanism<R>, modes: &Modes<R>, s: usize) -> [R; 6] {
+        let slider = &mechanism.sliders[s];
+        let mut onset = mechanism.turning().filter(|(of, _)| *of == s && modes.frictions[s].in_onset);
+        let Some((_, places)) = onset.next() else {
+            return slider.rates(&self.joints[slider.joint].velocity);
+        };
+        let mut found = [R::ZERO; 6];
+        for ((k, _), place) in slider.components.iter().zip(places) {
+            found[*k] = self.slips.get(place).copied().unwrap_or(R::ZERO);
+        }
+        found
+    }
+
+    /// What supports exert in each degree of freedom: M a + Gᵀ f less what acts there, without the rows of boundary conditions. It is zero
+    /// where nothing is prescribed.
+    pub(crate) fn reactions(&self, layout: &Layout, solved: &Solved<R>) -> Vec<R> {
+        let mut all: Vec<R> = self.applied.iter().map(|force| -*force).collect();
+        for (node, a) in solved.accelerations.iter().enumerate() {
+            let turning = apply(&self.inertias[node], [a[3], a[4], a[5]]);
+            for k in 0..3 {
+                let (of_force, of_moment) = (DOFS * node + k, DOFS * node + 3 + k);
+                all[of_force] = all[of_force] + self.masses[node] * a[k];
+                all[of_moment] = all[of_moment] + turning[k];
+            }
+        }
+        let mut add = |force: R, column: &[(usize, R)]| {
+            for (dof, entry) in column {
+                all[*dof] = all[*dof] + force * *entry;
+            }
+        };
+        for (force, index) in solved.forces.iter().zip(&layout.kept) {
+            let row = &self.rows[*index];
+            if !matches!(row.owner, Owner::Bound(_)) {
+                add(*force, row.force());
+            }
+        }
+        for (now, friction) in self.joints.iter().zip(&solved.slipping) {
+            for (column, force) in now.columns.iter().zip(friction) {
+                add(*force, column);
+            }
+        }
+        all
+    }
+
+    /// The degrees of freedom that supports hold, with a reaction that is the only one: no force that is one of many acts there.
+    pub(crate) fn supported(&self, layout: &Layout) -> Vec<bool> {
+        let mut held: Vec<bool> = layout.place.iter().map(Option::is_none).collect();
+        for row in self.rows.iter().filter(|row| matches!(row.owner, Owner::Bound(_))) {
+            row.coefficients.iter().for_each(|(dof, _)| held[*dof] = true);
+        }
+        for row in layout.open.iter().filter_map(|row| self.rows.get(*row)) {
+            row.force().iter().for_each(|(dof, _)| held[*dof] = false);
+        }
+        held
     }
 
     /// The force of the row of a component, where it has one.
@@ -407,7 +489,9 @@ impl<R: Number> Assembled<R> {
             }
             let now = mechanism.argument(table, self);
             for side in Side::BOTH.into_iter().filter(|_| !has(Fault::RowPassed)) {
-                let Some(row) = table.end(*span, side).map(R::from_f64) else { continue };
+                // The end of a slip is not that of a table.
+                let is_end = |row: &f64| !matches!(table.of, TableOf::Slip(_)) || *row > 0.0;
+                let Some(row) = table.end(*span, side).filter(is_end).map(R::from_f64) else { continue };
                 let value = side.sign::<R>() * (row - now);
                 let scale = larger(larger(row.magnitude(), now.magnitude()), length);
                 solved.switches.push(Switch { of, cause: Cause::Passes(side), value, scale });
@@ -417,25 +501,6 @@ impl<R: Number> Assembled<R> {
 
     fn is_available(&self, mechanism: &Mechanism<R>, joint: usize, k: usize) -> bool {
         !mechanism.joints[joint].constrained[k]
-    }
-
-    /// n of a slipping friction: its velocity's direction of R_k v_k; of one component, and where it is at rest, the one it has.
-    fn direction(&self, slider: &Slider, along: &[R; 6]) -> [R; 6] {
-        if slider.components.len() == 1 {
-            return *along;
-        }
-        let now = &self.joints[slider.joint];
-        let moving: Vec<R> =
-            slider.components.iter().map(|(k, radius)| R::from_f64(*radius) * now.velocity[*k]).collect();
-        let size = length(&moving);
-        if !R::from_f64(1e-14).less(size) {
-            return *along;
-        }
-        let mut found = [R::ZERO; 6];
-        for ((k, _), x) in slider.components.iter().zip(moving) {
-            found[*k] = x / size;
-        }
-        found
     }
 
     /// How strongly the limits of frictions may depend on friction: the largest row sum of μ ∂F_N/∂T (κ). Below 1 the friction forces are
@@ -457,7 +522,8 @@ impl<R: Number> Assembled<R> {
         for (i, s) in acting.iter().enumerate() {
             let slider = &mechanism.sliders[*s];
             let Does::Slips(along) = &modes.frictions[*s].does else { continue };
-            let direction = self.direction(slider, along);
+            let moving = self.slip_velocity(mechanism, modes, *s);
+            let direction = direction(slider, &modes.frictions[*s], along, &moving);
             self.push(&mut matrix, layout, n + m + i, (slider, &direction));
         }
         let found = matrix.solve().map_err(|error| at(layout, error))?;
@@ -513,6 +579,16 @@ impl<R: Number> Assembled<R> {
     pub(crate) fn is_loaded(&self, dof: usize) -> bool {
         R::ZERO.less(self.applied[dof].magnitude())
     }
+}
+
+/// n of a slipping friction: the direction of its R_k v_k; of one component, and where it is at rest, the one it has.
+fn direction<R: Number>(slider: &Slider, mode: &Mode<R>, along: &[R; 6], moving: &[R; 6]) -> [R; 6] {
+    if slider.components.len() == 1 {
+        return *along;
+    }
+    let size = length(moving);
+    let least = if mode.in_onset { 0.0 } else { 1e-14 };
+    if R::from_f64(least).less(size) { moving.map(|x| x / size) } else { *along }
 }
 
 fn at(layout: &Layout, NoPivot { column }: NoPivot) -> Trouble {

@@ -2,6 +2,7 @@
 
 use crate::motion::mode::{Does, Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Owner};
+use crate::motion::slide::length;
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
@@ -14,11 +15,12 @@ use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector};
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
-use pintle_model::behavior::friction::{Belt, Criterion, FLOW, Friction, Tangential};
+use pintle_model::behavior::friction::{Belt, Coefficient, Criterion, FLOW, Friction, Tangential};
 use pintle_model::behavior::ground::Ground;
 use pintle_model::evaluate::{ElementBehavior, Model};
 use pintle_scene::{Label, PointKind, Scene, Target};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A node.
@@ -133,9 +135,18 @@ pub(crate) enum TableOf {
     Joint(usize, usize),
     /// A spring or dashpot.
     Spring(usize),
+    /// The coefficient of a friction, over its slip rate.
+    Slip(usize),
 }
 
 impl Table {
+    /// That of a coefficient of friction whose slope jumps at slip rates: they begin at zero.
+    fn of_slip(slider: usize, coefficient: &Coefficient) -> Option<Self> {
+        let rates = coefficient.rows();
+        let rows = std::iter::once(0.0).chain(rates.iter().copied()).collect();
+        (!rates.is_empty()).then_some(Self { of: TableOf::Slip(slider), is_rate: true, rows })
+    }
+
     /// The row at an end of a span.
     pub(crate) fn end(&self, span: usize, side: Side) -> Option<f64> {
         let row = if side == Side::Lower { span.checked_sub(1)? } else { span };
@@ -359,7 +370,7 @@ impl<R: Number> Mechanism<R> {
             let refused = |what: &str, remedy: &str| Err(Refusal::of(&title, what, remedy));
             let joint = self.joints.len();
             // Where no belt goes on, nothing rubs.
-            if let (Some(_), Some(ring)) = (&behavior.friction.belt, model.rings.get(&number)) {
+            if let (Some(belt), Some(ring)) = (&behavior.friction.belt, model.rings.get(&number)) {
                 let Some(next) = ring.next else {
                     return refused("it ends where another belt ends", "exchange the nodes of one of them");
                 };
@@ -373,6 +384,7 @@ impl<R: Number> Mechanism<R> {
                 {
                     return refused("a rigid belt with friction is not solved", "give it an elasticity");
                 }
+                self.tables.extend(Table::of_slip(self.sliders.len(), &belt.coefficient));
                 let components = vec![(FLOW, 1.0)];
                 self.sliders.push(Slider { joint, index: usize::MAX, components, ring: Some((next, angle)) });
             }
@@ -420,6 +432,7 @@ impl<R: Number> Mechanism<R> {
                         "release all of them, or none",
                     );
                 }
+                self.tables.extend(Table::of_slip(self.sliders.len(), &friction.coefficient));
                 self.sliders.push(Slider { joint, index, components, ring: None });
             }
             let definition = element.definition();
@@ -639,6 +652,16 @@ impl<R: Number> Mechanism<R> {
         slider.components.iter().all(|(k, _)| matches!(holds(*k), Hold::Failed | Hold::Locked(_)))
     }
 
+    /// The frictions of several components, each with the places of its R_k v_k after the slips of all.
+    pub(crate) fn turning(&self) -> impl Iterator<Item = (usize, Range<usize>)> + '_ {
+        let several = self.sliders.iter().enumerate().filter(|(_, slider)| slider.components.len() > 1);
+        several.scan(self.sliders.len(), |from, (s, slider)| {
+            let places = *from..*from + slider.components.len();
+            *from = places.end;
+            Some((s, places))
+        })
+    }
+
     /// Whether a motion is prescribed for component k of a connector, or a rigid elasticity keeps it.
     pub(crate) fn is_given(&self, joint: usize, k: usize, step: usize) -> bool {
         let Some(joint) = self.joints.get(joint) else { return false };
@@ -656,6 +679,11 @@ impl<R: Number> Mechanism<R> {
             }),
             TableOf::Spring(spring) => {
                 found.springs.get(spring).map_or(zero, |at| at[usize::from(table.is_rate)])
+            }
+            TableOf::Slip(s) => {
+                let slider =
+                    self.sliders.get(s).and_then(|slider| Some((slider, found.joints.get(slider.joint)?)));
+                slider.map_or(zero, |(slider, now)| length(&slider.rates(&now.velocity)))
             }
         }
     }

@@ -33,6 +33,10 @@ pub(crate) struct Branches<R> {
 pub(crate) struct Mode<R> {
     pub(crate) does: Does<R>,
     pub(crate) branches: Branches<R>,
+    /// Whether its slip begins: next to rest its direction is that of its slip velocity as integrated from rest, for the one of the state is
+    /// rounding.
+    #[serde(default)]
+    pub(crate) in_onset: bool,
 }
 
 /// An end of a range.
@@ -149,11 +153,16 @@ pub(crate) struct Switch<R> {
 
 impl<R: Number> Mode<R> {
     pub(crate) fn sticks(at: [R; 6]) -> Self {
-        Self { does: Does::Sticks(at), branches: Branches::none() }
+        Self { does: Does::Sticks(at), branches: Branches::none(), in_onset: false }
     }
 
     pub(crate) fn slips(along: [R; 6]) -> Self {
-        Self { does: Does::Slips(along), branches: Branches::none() }
+        Self { does: Does::Slips(along), branches: Branches::none(), in_onset: true }
+    }
+
+    /// Held by a spring that is slack there.
+    pub(crate) fn stretches(slack: [R; 6]) -> Self {
+        Self { does: Does::Stretches(slack), branches: Branches::none(), in_onset: false }
     }
 
     pub(crate) fn is_stuck(&self) -> bool {

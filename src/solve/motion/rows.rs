@@ -80,6 +80,7 @@ pub(crate) struct Assembled<R> {
     /// The power of loads, of dampers, into springs.
     pub(crate) powers: [R; WORKS],
     pub(crate) rates: Vec<[R; DOFS]>,
+    /// The slip of each friction, then R_k v_k of those whose slip begins.
     pub(crate) slips: Vec<R>,
     /// The stretch of each spring or dashpot, and its rate.
     pub(crate) springs: Vec<[R; 2]>,

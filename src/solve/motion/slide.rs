@@ -6,7 +6,7 @@ use crate::number::{Number, larger, largest};
 use pintle_kinematics::scalar::elementary::{exp_m1, norm};
 use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_model::behavior::Conditions;
-use pintle_model::behavior::friction::{Belt, ContactParts, Context, Friction};
+use pintle_model::behavior::friction::{Belt, Coefficient, ContactParts, Context, Friction};
 
 /// The limit min(μ F_N, τ_max) at some forces.
 #[derive(Clone, Debug)]
@@ -27,11 +27,26 @@ pub(crate) struct Limit<R> {
 /// Below this part of the forces a magnitude counts as zero, and one aside of its branch as none.
 const SMALL: f64 = 1e-11;
 
+/// μ at a slip rate and a contact force, and its derivative by the force. Beyond the span of its table, of which a point `inside` is given, it
+/// goes on along it.
+fn coefficient<R: Number>(
+    of: &Coefficient,
+    (rate, inside): (R, Option<R>),
+    normal: R,
+    conditions: &Conditions,
+) -> [R; 2] {
+    let (at, beyond) = inside.map_or((rate, R::ZERO), |inside| (inside, rate - inside));
+    let mu = of.at(R::Gradient::<2>::seed(at, 0), R::Gradient::<2>::seed(normal, 1), conditions);
+    let [by_rate, by_normal] = mu.gradient();
+    let along = if inside.is_some() { by_rate * beyond } else { R::ZERO };
+    [mu.real() + along, by_normal]
+}
+
 /// The limit of a friction: the forces p that press, the slip rate, positions and slip; branches that are known stay.
 pub(crate) fn limit<R: Number>(
     friction: &Friction,
     pressing: &[R; 6],
-    rate: R,
+    (rate, inside): (R, Option<R>),
     (position, motion, slip): ([R; 6], [R; 6], R),
     conditions: &Conditions,
     known: Option<&Branches<R>>,
@@ -112,10 +127,8 @@ pub(crate) fn limit<R: Number>(
         turns.push((None, [sign * signed, size]));
     }
     let normal = sign * signed;
-    let seeded = R::Gradient::<1>::seed(normal, 0);
-    let mu = friction.coefficient.at(R::Gradient::<1>::from_real(rate), seeded, conditions);
-    let product = mu * seeded;
-    let (value, [slope]) = (product.real(), product.gradient());
+    let [mu, by_normal] = coefficient(&friction.coefficient, (rate, inside), normal, conditions);
+    let (value, slope) = (mu * normal, mu + by_normal * normal);
     let mut caps = None;
     if let Some(maximum) = friction.maximum.map(R::from_f64) {
         let below = maximum - value;
@@ -145,12 +158,12 @@ pub(crate) fn belt_limit<R: Number>(
     belt: &Belt,
     tensions: [R; 2],
     angle: f64,
-    rate: R,
+    rate: (R, Option<R>),
     conditions: &Conditions,
 ) -> Limit<R> {
     let [first, second] = tensions;
     let least = larger(if second.less(first) { second } else { first }, R::ZERO);
-    let mu = belt.coefficient.at(rate, least, conditions);
+    let [mu, _] = coefficient(&belt.coefficient, rate, least, conditions);
     let value = least * exp_m1(mu * R::from_f64(angle));
     let value = belt.maximum.map(R::from_f64).filter(|most| most.less(value)).unwrap_or(value);
     Limit {

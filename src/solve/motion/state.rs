@@ -65,7 +65,8 @@ pub(crate) struct State<R> {
     pub(crate) rates: Vec<[R; DOFS]>,
     /// What the histories of connectors have decided.
     pub(crate) branches: Vec<Branch<R>>,
-    /// External work, dissipation, elastic energy since the beginning; then the slip of each friction.
+    /// External work, dissipation, elastic energy since the beginning; the slip of each friction; and R_k v_k of those of several components,
+    /// integrated from rest while their slip begins ([`crate::motion::mode::Mode::in_onset`]), else zero.
     pub(crate) sums: Vec<R>,
 }
 

@@ -1,9 +1,10 @@
 //! At an event: which frictions stick and which slip, by trying all that is consistent.
 
 use crate::motion::equations::Solved;
-use crate::motion::mechanism::{Hold, Stop};
+use crate::motion::mechanism::{Hold, Slider, Stop};
 use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Layout};
+use crate::motion::slide::length;
 use crate::motion::state::DOFS;
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
@@ -33,12 +34,22 @@ impl<R: Number> Run<'_, R> {
             let position = found.joints[self.mechanism.sliders[*s].joint].position;
             all_held.frictions[*s] = Mode::sticks(position);
         }
-        // Where slip would go: against the friction of stick.
+        // Where slip would go: against the friction of stick; where stick repeats what others hold, as without friction.
         let stuck = self.instant(&all_held).ok().map(|(_, _, stuck)| stuck);
+        let free = match stuck {
+            None => self.instant(&before.without_friction()).ok(),
+            Some(_) => None,
+        };
         let directions: Vec<[R; 6]> = open
             .iter()
             .map(|s| {
                 let slider = &self.mechanism.sliders[*s];
+                if let Some((found, _, solved)) = &free {
+                    let along = self.accelerating(slider, (found, solved));
+                    if along.iter().any(|x| zero.less(x.magnitude())) {
+                        return along;
+                    }
+                }
                 let force = stuck.as_ref().and_then(|stuck| stuck.friction.get(slider.joint));
                 slider.against(force.unwrap_or(&[zero; 6]))
             })
@@ -192,6 +203,18 @@ impl<R: Number> Run<'_, R> {
         sum
     }
 
+    /// The direction of R_k times the acceleration of each component of a friction; zero where none accelerates.
+    fn accelerating(&self, slider: &Slider, (found, solved): (&Assembled<R>, &Solved<R>)) -> [R; 6] {
+        let mut along = [R::ZERO; 6];
+        for ((k, _), x) in
+            slider.components.iter().zip(found.slip_acceleration(slider, &solved.accelerations))
+        {
+            along[*k] = x;
+        }
+        let size = length(&along);
+        if R::ZERO.less(size) { along.map(|x| x / size) } else { along }
+    }
+
     /// By how much the stops at limits are consistent: a closed one pushes, an open one goes away.
     fn margin_of_stops(
         &self,
@@ -244,6 +267,7 @@ impl<R: Number> Run<'_, R> {
         margin: Option<f64>,
     ) {
         let time = self.state.time;
+        let margin = margin.or(self.crossing);
         self.solution.events.push(Event { time, connector, components, what, margin, lipschitz: 0.0 });
     }
 
@@ -292,16 +316,10 @@ impl<R: Number> Run<'_, R> {
             let mut change = R::ZERO;
             for s in &slipping {
                 let slider = &self.mechanism.sliders[*s];
-                let mut along = [R::ZERO; 6];
-                for (k, radius) in &slider.components {
-                    let [acceleration, _] = self.second_rate(found, solved, (slider.joint, *k));
-                    along[*k] = R::from_f64(*radius) * acceleration;
-                }
-                let size = crate::motion::slide::length(&along);
-                if !R::ZERO.less(size) {
+                let along = self.accelerating(slider, (found, solved));
+                if !along.iter().any(|x| R::ZERO.less(x.magnitude())) {
                     return Ok(());
                 }
-                let along = along.map(|x| x / size);
                 if let Does::Slips(old) = &modes.frictions[*s].does {
                     change = larger(change, largest(along.iter().zip(old).map(|(new, old)| *new - *old)));
                 }

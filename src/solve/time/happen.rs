@@ -6,7 +6,7 @@
 
 use crate::fault::{Fault, has};
 use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
-use crate::motion::mode::{Branches, Cause, Does, Mode, Side, Touch};
+use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::slide::length;
 use crate::motion::state::DOFS;
@@ -156,7 +156,7 @@ impl<R: Number> Run<'_, R> {
         let more = limit * limit / stiffness * R::ratio(1, 2) - self.stretched[slider];
         self.state.sums[1] = self.state.sums[1] - more;
         self.state.sums[2] = self.state.sums[2] + more;
-        modes.frictions[slider] = Mode { does: Does::Stretches(slack), branches: Branches::none() };
+        modes.frictions[slider] = Mode::stretches(slack);
         self.event(slider, What::Sticks, None);
         let (found, layout, solved) = self.instant(&modes)?;
         self.settle(modes, &found, layout, &solved)?;
@@ -420,7 +420,7 @@ impl<R: Number> Run<'_, R> {
             // Springs go on through impacts, and so do slips until their plastic part has ended.
             for slider in self.mechanism.sliders.iter().skip(self.modes.frictions.len()) {
                 let slack = found.joints[slider.joint].position;
-                self.modes.frictions.push(Mode { does: Does::Stretches(slack), branches: Branches::none() });
+                self.modes.frictions.push(Mode::stretches(slack));
             }
             return self.choose(&[]);
         }

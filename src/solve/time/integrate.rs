@@ -6,6 +6,7 @@ use crate::motion::linear::System;
 use crate::motion::mode::Switch;
 use crate::motion::rows::Trouble;
 use crate::number::Number;
+use crate::time::onset::{Onset, Turns};
 use crate::time::stiff::{Jacobian, Spectrum, Stages};
 use std::cell::OnceCell;
 
@@ -42,6 +43,17 @@ pub(crate) struct Tried<R> {
 /// ẏ = f(t, y).
 pub(crate) type Flow<'a, R> = dyn FnMut(R, &[R]) -> Result<Slope<R>, Trouble> + 'a;
 
+/// What Newton's method solves for in a step.
+#[derive(Clone, Debug)]
+pub(crate) enum Newton<'a, R> {
+    /// Nothing: motion is not stiff.
+    None,
+    /// All numbers.
+    All(Jacobian<R>),
+    /// The velocities of slips that begin.
+    Onsets(&'a [Onset<R>]),
+}
+
 /// A method, and the digits that are wanted.
 #[derive(Clone, Debug)]
 pub(crate) struct Rule<R> {
@@ -75,16 +87,16 @@ impl<R: Number> Rule<R> {
     }
 
     /// A step of length h from y at t, where the slope is known. `allowed` is the largest error of each number; the last of them is the
-    /// relative error itself. With a Jacobian where motion is stiff.
+    /// relative error itself.
     pub(crate) fn step(
         &self,
         flow: &mut Flow<'_, R>,
         start: (R, &[R], &Slope<R>),
         h: R,
         allowed: &[R],
-        jacobian: Option<&Jacobian<R>>,
+        newton: &Newton<'_, R>,
     ) -> Result<Tried<R>, Trouble> {
-        if self.method == Method::Extrapolation && jacobian.is_none() {
+        if self.method == Method::Extrapolation && matches!(newton, Newton::None) {
             return self.extrapolated(flow, start, h, allowed);
         }
         let stages = 6 + self.digits / 4;
@@ -92,7 +104,7 @@ impl<R: Number> Rule<R> {
             Method::Extrapolation => Tableau::new(radau(stages)),
             Method::Collocation => Tableau::new(gauss(stages)),
         });
-        collocate(flow, start, h, allowed, tableau, jacobian)
+        collocate(flow, start, h, allowed, tableau, newton)
     }
 
     /// The same by extrapolation, whatever the method.
@@ -193,7 +205,7 @@ fn collocate<R: Number>(
     h: R,
     allowed: &[R],
     Tableau { points, matrix, weights, fewer, spectrum }: &Tableau<R>,
-    jacobian: Option<&Jacobian<R>>,
+    newton: &Newton<'_, R>,
 ) -> Result<Tried<R>, Trouble> {
     let stages = points.len();
     let mut rates = vec![slope.rates.clone(); stages];
@@ -208,29 +220,47 @@ fn collocate<R: Number>(
         }
         y.iter().zip(sum).map(|(y, moved)| *y + moved).collect()
     };
-    let newton = match (jacobian, spectrum) {
-        (None, _) => None,
-        (Some(jacobian), Some(spectrum)) => Some(Stages::new(spectrum, jacobian, h.to_f64())),
-        (Some(_), None) => return Ok(too_long(y)),
+    let (all, onsets) = match (newton, spectrum) {
+        (Newton::None, _) => (None, None),
+        (Newton::Onsets(onsets), _) => (None, Some(Turns::new(onsets, y, matrix))),
+        (Newton::All(jacobian), Some(spectrum)) => (Some(Stages::new(spectrum, jacobian, h.to_f64())), None),
+        (Newton::All(_), None) => return Ok(too_long(y)),
     };
+    let is_implicit = all.is_some() || onsets.is_some();
     let mut before = f64::INFINITY;
     for iteration in 0.. {
         let mut change: f64 = 0.0;
         let mut lacks = Vec::with_capacity(stages);
+        let mut slopes = Vec::with_capacity(stages);
         for i in 0..stages {
-            let stage = combine(&matrix[i], &rates);
-            let found = flow(t + h * points[i], &stage)?;
+            let mut stage = combine(&matrix[i], &rates);
+            let time = t + h * points[i];
+            if let Some(onsets) = onsets.as_ref().filter(|_| iteration == 0) {
+                onsets.rest(&mut stage);
+            }
+            let mut found = flow(time, &stage)?;
+            if let Some(onsets) = &onsets {
+                if iteration == 0 {
+                    onsets.begin(&mut found.rates);
+                }
+                slopes.push(onsets.slopes(flow, (time, &stage, &found.rates))?);
+            }
             switches[i] = found.switches;
             let by: Vec<R> = found.rates.iter().zip(&rates[i]).map(|(new, old)| *new - *old).collect();
-            if newton.is_some() {
+            if is_implicit {
                 lacks.push(by);
                 continue;
             }
             change = change.max(excess(by.iter().map(|by| h * *by), allowed));
             rates[i] = found.rates;
         }
-        if let Some(newton) = &newton {
-            let Some(changes) = newton.changes(&lacks) else { return Ok(too_long(y)) };
+        if is_implicit {
+            let changes = match (&all, &onsets) {
+                (Some(all), _) => all.changes(&lacks),
+                (None, Some(onsets)) => onsets.changes(lacks, &slopes, h.to_f64()),
+                (None, None) => None,
+            };
+            let Some(changes) = changes else { return Ok(too_long(y)) };
             for (rates, changes) in rates.iter_mut().zip(changes) {
                 change = change.max(excess(changes.iter().map(|by| h * *by), allowed));
                 rates.iter_mut().zip(changes).for_each(|(rate, by)| *rate = *rate + by);
@@ -240,7 +270,7 @@ fn collocate<R: Number>(
         let contracts = iteration > 0 && change < before;
         let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
-        let most = if newton.is_some() { 0.5 } else { 0.05 };
+        let most = if is_implicit { 0.5 } else { 0.05 };
         if ahead < LEFT || change < most && is_slow {
             break;
         }
@@ -256,7 +286,7 @@ fn collocate<R: Number>(
     let differences = end.iter().zip(&other).map(|(x, y)| *x - *y);
     let part = excess(differences, allowed) * tolerance;
     // Where motion is stiff that order is not reached.
-    let power = if newton.is_some() { 1.5 } else { 2.0 };
+    let power = if is_implicit { 1.5 } else { 2.0 };
     let error = part.powf(power) / tolerance;
     let growth = match error <= 1e-30 {
         true => GROWTH,
@@ -338,7 +368,7 @@ fn legendre<R: Number>(n: usize, x: R) -> (R, R) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Rule, Slope};
+    use super::{Method, Newton, Rule, Slope};
     use crate::number::Number;
     use pintle_kinematics::scalar::Wide;
 
@@ -359,7 +389,8 @@ mod tests {
         for i in 0..steps {
             let t = R::from_f64(h * i as f64);
             let slope = flow(t, &y).unwrap();
-            let tried = rule.step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed, None).unwrap();
+            let tried =
+                rule.step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed, &Newton::None).unwrap();
             assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
             y = tried.end;
         }

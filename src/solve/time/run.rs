@@ -3,7 +3,7 @@
 use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
-use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
+use crate::motion::mode::{Does, Mode, Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
@@ -104,6 +104,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) quiet: Quiet,
     /// The energy in the spring of each friction as slip began, where stick is elastic.
     pub(crate) stretched: Vec<R>,
+    /// How sharply what happens now is met: the margin of its events.
+    pub(crate) crossing: Option<f64>,
     /// Whether the step is static.
     pub(crate) is_still: bool,
     /// Whether the velocities at the beginning have been given.
@@ -224,7 +226,12 @@ impl<'a, R: Number> Run<'a, R> {
             poses: vec![Pose::at_rest(); mechanism.bodies.len()],
             rates: vec![[zero; DOFS]; mechanism.bodies.len()],
             branches: mechanism.joints.iter().map(|joint| joint.connector.initial_branch()).collect(),
-            sums: vec![zero; WORKS + mechanism.sliders.len()],
+            sums: vec![
+                zero;
+                WORKS
+                    + mechanism.sliders.len()
+                    + mechanism.turning().map(|(_, all)| all.len()).sum::<usize>()
+            ],
         };
         if let Some(from) = &options.from {
             state.time = R::from_f64(from.time.unwrap_or(0.0));
@@ -272,6 +279,7 @@ impl<'a, R: Number> Run<'a, R> {
             is_new: false,
             quiet: Quiet::default(),
             stretched: Vec::new(),
+            crossing: None,
             is_still: false,
             is_launched: options.from.is_some(),
             began: 0.0,
@@ -562,12 +570,7 @@ impl<'a, R: Number> Run<'a, R> {
         let sliders = self.mechanism.sliders.iter();
         let mut modes = self.modes.clone();
         modes.spans = self.spans(&found);
-        modes.frictions = sliders
-            .map(|of| Mode {
-                does: Does::Stretches(found.joints[of.joint].position),
-                branches: Branches::none(),
-            })
-            .collect();
+        modes.frictions = sliders.map(|of| Mode::stretches(found.joints[of.joint].position)).collect();
         let (_, _, solved) = self.instant(&modes)?;
         let mut stiffness = Vec::with_capacity(self.mechanism.sliders.len());
         for (slider, limit) in self.mechanism.sliders.iter().zip(&solved.limits) {
@@ -626,11 +629,21 @@ impl<'a, R: Number> Run<'a, R> {
             self.solution.violation = self.solution.violation.max(gap);
         }
         let six = |all: &[R; DOFS]| [all[0], all[1], all[2], all[3], all[4], all[5]];
+        let mut resting = solved.clone();
+        if self.is_still {
+            resting.accelerations.fill([R::ZERO; DOFS]);
+        }
+        let (reactions, held) = (found.reactions(&self.layout, &resting), found.supported(&self.layout));
         let nodes = self.state.poses.iter().enumerate().map(|(node, pose)| NodeFrame {
             displacement: pose.displacement,
             rotation: pose.vector,
             velocity: six(&self.state.rates[node]),
-            acceleration: if self.is_still { [R::ZERO; 6] } else { six(&solved.accelerations[node]) },
+            acceleration: six(&resting.accelerations[node]),
+            reaction: [0, 1, 2, 3, 4, 5].map(|k| {
+                let dof = DOFS * node + k;
+                if held[dof] { reactions[dof] } else { R::ZERO }
+            }),
+            held: [0, 1, 2, 3, 4, 5].map(|k| held[DOFS * node + k]),
         });
         let still = vec![[R::ZERO; 3]; self.state.poses.len()];
         let instant = Instant::of(&self.state, self.step, &still);

@@ -19,6 +19,10 @@ pub struct NodeFrame<R> {
     pub velocity: [R; 6],
     /// Their time derivatives.
     pub acceleration: [R; 6],
+    /// RF and RM: what supports exert on it, global components; 0 where none holds it.
+    pub reaction: [R; 6],
+    /// Which degrees of freedom are held, with a reaction that is the only one.
+    pub held: Mask,
 }
 
 /// A connector at one time, of components u1 … ur3; 0 where there is none.
@@ -128,8 +132,11 @@ pub struct Event<R> {
     pub components: Vec<usize>,
     /// What.
     pub what: What,
-    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign, of a stop its push or its gap's growth. 0 is a tie. What
-    /// is met where a quantity passes zero has none: an onset of slip, a stop that closes or opens, a lock, a failure.
+    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign, of a stop its push or its gap's growth. 0 is a tie.
+    ///
+    /// Of what is met where a quantity passes zero (an onset of slip, a stop, a lock, a failure) it is the rate of that quantity, in its
+    /// size per duration of the run: a limit that is off by a part ε moves the event by ε/margin of the duration. Sizes: of a friction its
+    /// limit, of a length that of the model, of an angle 1 rad, of a force the largest.
     pub margin: Option<f64>,
     /// κ after it: below 1 the friction forces are the only ones.
     pub lipschitz: f64,
@@ -169,7 +176,7 @@ pub struct Difference {
     pub rotation: f64,
     /// Of velocities, relative to the largest.
     pub velocity: f64,
-    /// Of component forces, relative to the largest of their kind.
+    /// Of component forces and reactions, relative to the largest of their kind.
     pub force: f64,
     /// Of energies and works, relative to the largest on the way.
     pub energy: f64,
@@ -235,7 +242,10 @@ impl<R: Number> Solution<R> {
         };
         let force = |from: usize| {
             largest(&|frame| {
-                frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec()).collect()
+                let of_connectors =
+                    frame.connectors.iter().flat_map(|one| one.total[from..from + 3].to_vec());
+                let of_nodes = frame.nodes.iter().flat_map(|one| one.reaction[from..from + 3].to_vec());
+                of_connectors.chain(of_nodes).collect()
             })
         };
         let (forces, moments) = (force(0), force(3));
@@ -290,6 +300,10 @@ impl<R: Number> Solution<R> {
                 *count += 3;
                 compare(&mut found.velocity, count, &one.velocity[..3], &two.velocity[..3], speeds[0]);
                 compare(&mut found.velocity, count, &one.velocity[3..], &two.velocity[3..], speeds[1]);
+                for k in (0..6).filter(|k| one.held[*k]) {
+                    let scale = forces[k / 3];
+                    compare(&mut found.force, count, &one.reaction[k..=k], &two.reaction[k..=k], scale);
+                }
             }
             for (one, two) in one.connectors.iter().zip(&two.connectors) {
                 let count = &mut found.compared;

@@ -1,20 +1,25 @@
 //! From a state to the next: one step, the event within it, and back to the constraints.
 
 use crate::fault::{Fault, has};
+use crate::motion::assemble::are_parallel;
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::Slider;
-use crate::motion::mode::{Cause, Switch, Touch};
+use crate::motion::mode::{Cause, Does, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
+use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Slope, Tried};
+use crate::time::integrate::{Newton, Slope, Tried};
+use crate::time::onset::{Onset, decay};
 use crate::time::run::Run;
 use crate::time::stiff;
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::Vector;
 use pintle_scene::{Amplitude, AmplitudeDefinition, Scene};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 /// The part of the usual length of a step that the first one in a mode has.
@@ -22,6 +27,9 @@ const CAREFUL: f64 = 0.02;
 
 /// The part of a step by which the change of a limit is found.
 const DIFFERENCE: f64 = 1e-3;
+
+/// How far two nodes may turn in a step (rad): less than half a turn against each other.
+const MOST_TURNED: f64 = 2.5;
 
 /// The part of the way to rest that one step goes.
 const APPROACH: f64 = 0.6;
@@ -184,8 +192,10 @@ impl<R: Number> Run<'_, R> {
                 (size / h).min(size * speed * 10.0).max(1e-3 * size * speed)
             } else if i < 2 * n + WORKS {
                 energy
-            } else {
+            } else if i < 2 * n + WORKS + self.mechanism.sliders.len() {
                 length
+            } else {
+                length * speed
             };
             R::from_f64(tolerance * scale)
         });
@@ -223,18 +233,97 @@ impl<R: Number> Run<'_, R> {
             evaluations += 1;
             self.flow(base, time, y).map(|(slope, _)| slope)
         };
-        let jacobian =
-            if self.quiet.is_stiff { Some(stiff::midway(&mut flow, start, h, &allowed)?) } else { None };
-        let mut tried = self.rule.step(&mut flow, start, h, &allowed, jacobian.as_ref());
+        let onsets = self.onsets(y.len() - base.sums.len());
+        let newton = match self.quiet.is_stiff {
+            _ if !onsets.is_empty() => Newton::Onsets(&onsets),
+            true => Newton::All(stiff::midway(&mut flow, start, h, &allowed)?),
+            false => Newton::None,
+        };
+        let mut tried = self.rule.step(&mut flow, start, h, &allowed, &newton);
         // Near rest the direction of a slip changes at once, and stages do not contract.
         let turns = |slider: &Slider| slider.components.len() > 1;
         if tried.as_ref().is_ok_and(|tried| tried.error.is_infinite())
+            && onsets.is_empty()
             && self.mechanism.sliders.iter().any(turns)
         {
             tried = self.rule.extrapolated(&mut flow, start, h, &allowed);
         }
         self.solution.evaluations += evaluations;
         tried
+    }
+
+    /// How far the nodes of a connector have turned in a step, together, where it is not about one axis.
+    fn most_turned(&self, base: &State<R>, y: &[R]) -> R {
+        let (_, rates, turned) = self.unpacked(base, y, false);
+        let spins: Vec<Vector<R>> = rates.iter().map(|rates| [rates[3], rates[4], rates[5]]).collect();
+        let both = |all: &[Vector<R>], ends: &[Option<usize>; 2]| {
+            ends.map(|end| end.and_then(|n| all.get(n)).copied().unwrap_or([R::ZERO; 3]))
+        };
+        self.mechanism.joints.iter().fold(R::ZERO, |most, joint| {
+            let (turned, spins) = (both(&turned, &joint.ends), both(&spins, &joint.ends));
+            let is_one_axis =
+                are_parallel(turned) && [0, 1].iter().all(|end| are_parallel([turned[*end], spins[*end]]));
+            if is_one_axis { most } else { larger(most, norm(turned[0]) + norm(turned[1])) }
+        })
+    }
+
+    /// The frictions whose slip begins: of each the places of its R_k v_k in y, of which `from` are others, and the direction it has at rest.
+    fn onsets(&self, from: usize) -> Vec<Onset<R>> {
+        let slips = from + WORKS;
+        let begins = self.mechanism.turning().filter_map(|(s, places)| {
+            let Does::Slips(along) = &self.modes.frictions.get(s).filter(|mode| mode.in_onset)?.does else {
+                return None;
+            };
+            let components = self.mechanism.sliders[s].components.iter();
+            Some(components.zip(places).map(|((k, _), place)| (slips + place, along[*k])).collect())
+        });
+        begins.collect()
+    }
+
+    /// Slips that have begun go on by the velocities of the state: where these are no rounding, and steps are not stiff any more.
+    fn leave_onsets(&mut self) -> Result<(), Refusal> {
+        /// What moves faster than this part of the largest speed has been moving.
+        const MOVES: f64 = 1e-9;
+        /// From this part of the largest speed on the direction of a velocity is exact enough.
+        const CLEAR: f64 = 1e-3;
+        /// Within a step a direction decays less often than this to where it belongs.
+        const DECAYS: f64 = 0.3;
+        let all: Vec<(usize, Range<usize>)> = self.mechanism.turning().collect();
+        if !all.iter().any(|(s, _)| self.modes.frictions.get(*s).is_some_and(|mode| mode.in_onset)) {
+            return Ok(());
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        for (s, places) in all {
+            let slider = &self.mechanism.sliders[s];
+            let places = WORKS + places.start..WORKS + places.end;
+            let moving = slider.rates(&found.joints[slider.joint].velocity);
+            let speed = length(&moving).to_f64();
+            let is_at_rest = self.state.sums[places.clone()].iter().all(|x| !R::ZERO.less(x.magnitude()));
+            let is_clear = speed > CLEAR * self.speed();
+            let is_stiff = is_clear && !is_at_rest && {
+                let (base, y) = (self.state.clone(), self.packed());
+                let from = y.len() - base.sums.len();
+                let mut flow = |time: R, y: &[R]| self.flow(&base, time, y).map(|(slope, _)| slope);
+                let all: Vec<usize> = places.clone().map(|place| from + place).collect();
+                let decay = decay(&mut flow, (base.time, &y), &all).map_err(|trouble| self.say(trouble))?;
+                decay * self.h > DECAYS
+            };
+            let begins = self.modes.frictions[s].in_onset
+                && match is_at_rest {
+                    true => speed <= MOVES * self.speed(),
+                    false => !is_clear || is_stiff,
+                };
+            self.modes.frictions[s].in_onset = begins;
+            for ((k, _), place) in self.mechanism.sliders[s].components.iter().zip(places) {
+                let sum = &mut self.state.sums[place];
+                *sum = match begins {
+                    true if is_clear => moving[*k],
+                    true => *sum,
+                    false => R::ZERO,
+                };
+            }
+        }
+        Ok(())
     }
 
     /// Now and then, whether motion has become stiff: whether something decays much faster than steps go.
@@ -276,6 +365,7 @@ impl<R: Number> Run<'_, R> {
                     "something rings or is stiff: ask for a shorter time",
                 ));
             }
+            self.leave_onsets()?;
             let base = self.state.clone();
             let y = self.packed();
             let (mut slope, mut solved) =
@@ -284,7 +374,7 @@ impl<R: Number> Run<'_, R> {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             }
             if let Some(switch) = self.overdue(&slope.switches) {
-                self.happens(switch.of, switch.cause)?;
+                self.crosses(&switch)?;
                 continue;
             }
             let nearest = self.rests_in(&solved)?;
@@ -323,6 +413,12 @@ impl<R: Number> Run<'_, R> {
                     continue;
                 }
             };
+            // About axes that turn, turns are counted from step to step.
+            let turned = self.most_turned(&base, &tried.end).to_f64();
+            if turned > MOST_TURNED {
+                self.h = h.to_f64() * 0.9 * MOST_TURNED / turned;
+                continue;
+            }
             halvings = 0;
             let ended = self.switches_at(&base, base.time + h, &tried.end)?;
             let crossing = crossing(&slope.switches, &tried.inner, &ended);
@@ -417,16 +513,11 @@ impl<R: Number> Run<'_, R> {
         let tolerance = 10.0_f64.powi(-(self.options.digits as i32)) * self.speed();
         for s in (0..self.modes.frictions.len()).filter(several) {
             let slider = &self.mechanism.sliders[s];
-            let now = &known.joints[slider.joint];
             let Some(rate) = solved.slip_rates.get(s).copied() else { continue };
-            let mut change = zero;
-            for (k, radius) in &slider.components {
-                let radius = R::from_f64(*radius);
-                let acceleration = now.rows[*k].iter().fold(now.bias[*k], |sum, (dof, entry)| {
-                    sum + *entry * solved.accelerations[dof / DOFS][dof % DOFS]
-                });
-                change = change + radius * now.velocity[*k] * radius * acceleration;
-            }
+            let moving = known.slip_velocity(&self.mechanism, &self.modes, s);
+            let accelerations = known.slip_acceleration(slider, &solved.accelerations);
+            let pairs = slider.components.iter().zip(accelerations);
+            let change = pairs.fold(zero, |sum, ((k, _), x)| sum + moving[*k] * x);
             if !change.less(zero) {
                 continue;
             }
@@ -469,10 +560,23 @@ impl<R: Number> Run<'_, R> {
                 let is_beyond = along.is_some_and(|along| along.less(zero));
                 if !is_beyond || !mode.branches.turned.contains(&Some(part)) {
                     changed |= is_beyond;
-                    known.clone_from(now);
+                    // Next to zero, where another has turned at the same time, there is no direction but the opposite one.
+                    match (&mut *known, now) {
+                        (Some(unit), Some(now)) if is_beyond && zero.less(along_of(unit, now)) => {
+                            unit.iter_mut().for_each(|x| *x = -*x);
+                        }
+                        _ => known.clone_from(now),
+                    }
                 }
             }
-            let kept = mode.branches.normal.filter(|_| mode.branches.turned.contains(&None));
+            let has_turned = mode.branches.turned.contains(&None);
+            let turn = |switch: &&Switch<R>| switch.of == s && switch.cause == Cause::Turns(None);
+            let is_beyond = solved.switches.iter().find(turn).is_some_and(|switch| switch.value.less(zero));
+            if is_beyond && !has_turned && limit.branches.normal.is_none() {
+                mode.branches.normal = mode.branches.normal.map(|sign| -sign);
+                changed = true;
+            }
+            let kept = mode.branches.normal.filter(|_| has_turned);
             let normal = kept.or(limit.branches.normal).or(mode.branches.normal);
             changed |= normal.is_some() != mode.branches.normal.is_some();
             mode.branches.normal = normal;
@@ -511,7 +615,7 @@ impl<R: Number> Run<'_, R> {
             // Back on its constraints a state may be beyond what it was just before.
             let beyond = which.filter(|_| iteration > 0).and_then(|index| slope.switches.get(index));
             if let Some(switch) = beyond.filter(|switch| switch.value.less(zero)) {
-                return self.happens(switch.of, switch.cause);
+                return self.crosses(switch);
             }
             let passed = base.time - start;
             // Where the switch that is nearest to its end would vanish.
@@ -549,7 +653,7 @@ impl<R: Number> Run<'_, R> {
                     });
                     if vanishes || !(resolution).less(high - low.0) {
                         let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
-                        return self.happens(switch.of, switch.cause);
+                        return self.crosses(switch);
                     }
                 }
                 Some((index, switch)) => {
@@ -558,13 +662,49 @@ impl<R: Number> Run<'_, R> {
                     high_value = Some(switch.value);
                     if !resolution.less(guess) {
                         self.commit(&base, base.time + guess, &tried.end)?;
-                        return self.happens(switch.of, switch.cause);
+                        return self.crosses(&switch);
                     }
                     weight = R::integer(1);
                 }
             }
         }
         Err(self.stuck_in_time())
+    }
+
+    /// An event where a quantity passes zero. Its margin is the rate of the quantity along the motion, in its size per duration of the run.
+    fn crosses(&mut self, switch: &Switch<R>) -> Result<(), Refusal> {
+        let (base, y) = (self.state.clone(), self.packed());
+        let h = R::from_f64(self.h.max(1e-9 * self.duration()) * DIFFERENCE);
+        let value_after = |by: R| {
+            let (slope, _) = self.bare_flow(&base, base.time, &y)?;
+            let moved: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
+            let (there, _) = self.bare_flow(&base, base.time + by, &moved)?;
+            let same = |other: &&Switch<R>| (other.of, other.cause) == (switch.of, switch.cause);
+            Ok(there.switches.iter().find(same).map(|there| there.value))
+        };
+        // Where the mode has no sense on one side, the event has no margin.
+        let both: Result<[Option<R>; 2], Trouble> =
+            value_after(h).and_then(|then| Ok([then, value_after(-h)?]));
+        if let Ok([Some(after), Some(before)]) = both {
+            self.crossing = self.sharpness(before - after, h + h, switch.scale);
+        }
+        let done = self.happens(switch.of, switch.cause);
+        self.crossing = None;
+        done
+    }
+
+    /// How fast a quantity of this scale passes zero that changes by so much within h: in its scale per duration of the run.
+    pub(crate) fn sharpness(&self, change: R, h: R, scale: R) -> Option<f64> {
+        let rate = ((change / scale).to_f64() * (self.duration() / h.to_f64())).abs();
+        rate.is_finite().then_some(rate)
+    }
+
+    /// From the beginning of the run to its end.
+    fn duration(&self) -> f64 {
+        let schedule = &self.mechanism.schedule;
+        let last = schedule.len().checked_sub(1).and_then(|last| schedule.span(last));
+        let end = last.map_or(1.0, |([_, end], _)| end);
+        self.options.until.map_or(end, |until| until.min(end)).max(f64::MIN_POSITIVE)
     }
 
     /// Goes on to a state, and back to its constraints.
@@ -674,6 +814,10 @@ impl<R: Number> Run<'_, R> {
         }
         Ok(())
     }
+}
+
+fn along_of<R: Number>(one: &[R], other: &[R]) -> R {
+    one.iter().zip(other).fold(R::ZERO, |sum, (x, y)| sum + *x * *y)
 }
 
 /// The switch that is crossed first, by its value before and now.

@@ -149,7 +149,7 @@ impl<'a> Stages<'a> {
 mod tests {
     use super::{is_stiff, jacobian, midway};
     use crate::number::Number;
-    use crate::time::integrate::{Method, Rule, Slope};
+    use crate::time::integrate::{Method, Newton, Rule, Slope};
     use pintle_kinematics::scalar::Wide;
 
     /// ẏ = −λ (y − x), ẋ = −x: y follows x at a distance of x/(λ − 1).
@@ -168,7 +168,7 @@ mod tests {
             let t = R::ratio(i, 4);
             let slope = flow(t, &y).unwrap();
             let known = midway(&mut flow, (t, &y, &slope), h, &allowed).unwrap();
-            let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, Some(&known)).unwrap();
+            let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, &Newton::All(known)).unwrap();
             assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
             y = tried.end;
         }

@@ -17,7 +17,7 @@ use crate::number::{Number, is_finite, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::Method;
 use crate::time::run::Run;
-use crate::time::solution::What;
+use crate::time::solution::{Event, What};
 use pintle_kinematics::vector::Vector;
 
 /// A state, its equations and their solution.
@@ -38,6 +38,9 @@ const SLIP_ROUNDINGS: f64 = 64.0;
 
 /// A step that leaves less than this part of itself goes to the end: of a rest as small as rounding, forth and back are the same.
 const REST: f64 = 1e-6;
+
+/// The part of a step by which the rate is found of what passes zero.
+const NEAR: f64 = 1e-3;
 
 impl<R: Number> Assembled<R> {
     /// At rest: unit masses, and no accelerations that are prescribed.
@@ -322,14 +325,24 @@ impl<R: Number> Run<'_, R> {
                 last_sign = None;
                 continue;
             }
+            // What stays at its limit, as a belt that nothing moves any more, is on either side of it by rounding.
+            let rounded = |switch: &Switch<R>| switch.scale * R::from_f64(1e3 * R::ROUNDING);
             let crossed = found.solved.switches.iter().zip(&now).position(|(then, now)| {
-                then.cause == now.cause && then.value.less(zero) && !now.value.less(-slack(now))
+                then.cause == now.cause && then.value.less(-rounded(then)) && !now.value.less(-slack(now))
             });
             if let Some(index) = crossed {
                 let (time, of, cause) = self.passing(&now, index, length)?;
+                let d = length * R::from_f64(NEAR);
+                let before = self.balance(time - d)?;
                 let found = self.balance(time)?;
+                let same = |switch: &&Switch<R>| (switch.of, switch.cause) == (of, cause);
+                let passing = [&before, &found].map(|at| at.solved.switches.iter().find(same).copied());
                 self.advance(found)?;
+                if let [Some(before), Some(now)] = passing {
+                    self.crossing = self.sharpness(before.value - now.value, d, now.scale);
+                }
                 self.meets_at_rest(of, cause)?;
+                self.crossing = None;
                 last_sign = None;
                 continue;
             }
@@ -495,7 +508,19 @@ impl<R: Number> Run<'_, R> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let position = found.joints[self.mechanism.sliders[s].joint].position;
         self.modes.frictions[s] = Mode::sticks(position);
-        self.event(s, What::Sticks, None);
+        let time = self.state.time;
+        let joint = self.mechanism.sliders[s].joint;
+        let begun = self
+            .solution
+            .events
+            .iter()
+            .rposition(|event| event.connector == joint && event.what == What::Slips);
+        let is_now = |event: &Event<R>| !event.time.less(time) && !time.less(event.time);
+        match begun.filter(|begun| is_now(&self.solution.events[*begun])) {
+            // A slip that ends as it begins is none.
+            Some(begun) => drop(self.solution.events.remove(begun)),
+            None => self.event(s, What::Sticks, None),
+        }
         self.relay()?;
         self.record(true)
     }

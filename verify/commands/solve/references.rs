@@ -374,7 +374,7 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
     println!("{pages} pages, {numbers} numbers, {events} events");
     assert!(stale.is_empty(), "PINTLE_UPDATE=1 writes them again: {stale:?}");
     assert!(
-        only.is_some() || pages >= 40 && numbers > 20_000 && events >= 70,
+        only.is_some() || pages >= 70 && numbers > 20_000 && events >= 150,
         "{pages}, {numbers}, {events}"
     );
 }

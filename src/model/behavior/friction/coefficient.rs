@@ -95,6 +95,12 @@ impl Coefficient {
         self.evaluate(rate, normal, &context, &mut Flags::default())
     }
 
+    /// The slip rates (length or rad, by time) above zero at which μ is not smooth: rows of its table, in increasing order.
+    pub fn rows(&self) -> Vec<f64> {
+        let Self::Table(table) = self else { return Vec::new() };
+        table.rows(Variable::Column(0)).into_iter().filter(|rate| *rate > 0.0).collect()
+    }
+
     /// μ at a slip rate and a contact force.
     pub(super) fn evaluate<S>(&self, rate: S, normal: S, context: &Context<'_, S>, flags: &mut Flags) -> S
     where
