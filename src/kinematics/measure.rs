@@ -415,8 +415,8 @@ impl Measure {
         }
     }
 
-    /// A formula of the same number (rad) that keeps its digits where [`Self::formula`] loses them, next to its singular set: with (q0, q1, q2,
-    /// q3) the quaternion of Q = AᵀB, Q21 − Q12 = 4 q0 q3 and Q11 + Q22 = 2 (q0² − q3²).
+    /// A formula of the same number (rad) that keeps its digits where [`Self::formula`] loses them, next to its singular set. Of the quaternion
+    /// of Q = AᵀB it holds that Q21 − Q12 = 4 q0 q3 and Q11 + Q22 = 2 (q0² − q3²).
     pub const fn stable_formula(self) -> Option<&'static str> {
         match self {
             Self::Torsion => Some("β = 2 atan2(q3, q0), (q0, q1, q2, q3) the quaternion of Q"),

@@ -33,6 +33,9 @@ pub struct Behavior {
     pub plasticity: Vec<Plasticity>,
     /// `*CONNECTOR DAMAGE INITIATION`.
     pub damage: Vec<Damage>,
+    /// The components (1 to 6) of `*CONNECTOR UNIAXIAL BEHAVIOR`, whose curves are not read.
+    #[serde(skip)]
+    pub uniaxial: Vec<u8>,
     /// `*CONNECTOR STOP`.
     pub stops: Vec<Stop>,
     /// `*CONNECTOR LOCK`.

@@ -357,6 +357,43 @@ fn point(displacement: Vector<f64>, phi: Vector<f64>) -> Point<f64> {
 
 const AXES: [Vector<f64>; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
 
+/// What decks of others have: an instance whose name keeps its case, faces within a radius, several reference nodes, a surface that moves with
+/// its reference node alone.
+#[test]
+fn constraints_of_other_decks() {
+    let quoted = read(
+        "*PART, NAME=P\n*NODE\n2, 1., 0., 0.\n*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=\"Part 1\", PART=P\n*END INSTANCE\n*NODE\n\
+         1, 0., 0., 0.\n*NSET, NSET=T\n1,\n*RIGID BODY, REF NODE=\"Part 1\".2, TIE NSET=T\n*END ASSEMBLY\n",
+    );
+    assert_eq!(quoted.rigid_bodies[0].reference.to_string(), "\"Part 1\".2");
+    let written = quoted.write(Format::Json).unwrap().text;
+    let again = Scene::parse_json("deck.json", &written).unwrap();
+    assert_eq!(again.rigid_bodies[0].reference, quoted.rigid_bodies[0].reference);
+    let cube = |radius: &str| {
+        read(&format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.\n\
+             9, 0., 0., 1.2\n*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*SURFACE, NAME=TOP\nE, S2\n\
+             *COUPLING, CONSTRAINT NAME=C, REF NODE=9, SURFACE=TOP, INFLUENCE RADIUS={radius}\n*KINEMATIC\n"
+        ))
+    };
+    // The whole top, or a part of it: which nodes that takes is a question of its facets.
+    let [whole, part] = [cube("2."), cube("0.5")];
+    assert_eq!((whole.couplings.len(), whole.skipped.constraints.len()), (1, 0));
+    assert_eq!((part.couplings.len(), part.skipped.constraints.len()), (0, 1));
+    let several = read(
+        "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 0., 1.\n4, 1., 0., 1.\n*NSET, NSET=R\n3, 4\n*SURFACE, TYPE=NODE, NAME=S\n1,\n2,\n\
+         *COUPLING, CONSTRAINT NAME=C, REF NODE=R, SURFACE=S, INFLUENCE RADIUS=1.1\n*KINEMATIC\n",
+    );
+    assert_eq!((several.couplings.len(), several.skipped.constraints.len()), (0, 1));
+    let road = read(
+        "*NODE\n3, 0., -1.\n*SURFACE, TYPE=SEGMENTS, NAME=ROAD\nSTART, -5., -1.\nLINE, 5., -1.\n\
+         *RIGID BODY, ANALYTICAL SURFACE=ROAD, REF NODE=3\n",
+    );
+    assert!(road.skipped.constraints.is_empty() && road.skipped.keywords.contains_key("RIGID BODY"));
+    let blank = read("*AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n1, 6.28, 0.\n0., 1.\n*NODE\n1, 0., 0., 0.\n");
+    assert_eq!(blank.amplitudes["A"].data, [Some(1.0), Some(6.28), Some(0.0), None, Some(0.0), Some(1.0)]);
+}
+
 /// All six degrees of freedom fixed are a BEAM: the same residuals and rows, along axes that M carries.
 #[test]
 fn a_whole_kinematic_coupling_is_a_beam() {

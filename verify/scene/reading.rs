@@ -346,6 +346,7 @@ NORMAL, 2., 1., MACAULEY, 0.1, -1.
     assert_eq!((behavior.stops[0].lower, behavior.stops[0].upper), (None, Some(2.0)));
     let skipped: Vec<_> = scene.skipped.keywords.keys().map(String::as_str).collect();
     assert_eq!(skipped, ["CONNECTOR UNIAXIAL BEHAVIOR", "LOADING DATA"]);
+    assert_eq!(behavior.uniaxial, [6]);
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
 

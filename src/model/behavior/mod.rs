@@ -119,7 +119,7 @@ pub enum Unknown {
     FrictionHistory,
     /// It follows from a velocity that is neither given nor asked for (output CV).
     Rate,
-    /// Plasticity or damage acts on the component, and is not evaluated.
+    /// Plasticity, damage or a uniaxial behaviour acts on the component, and is not evaluated.
     Inelastic,
 }
 
@@ -149,7 +149,9 @@ impl Unknown {
                 "friction was not known at an earlier state, so that what it left is not known"
             }
             Self::Rate => "it follows from a velocity that is neither given nor asked for (CV)",
-            Self::Inelastic => "plasticity or damage acts on the component, and is not evaluated",
+            Self::Inelastic => {
+                "plasticity, damage or a uniaxial behaviour acts on the component, and is not evaluated"
+            }
         }
     }
 }

@@ -42,7 +42,7 @@ pub struct Behavior {
     pub(super) constrained: Mask,
     /// The components that slide.
     pub(super) slips: Mask,
-    /// The components on which plasticity or damage acts.
+    /// The components on which plasticity, damage or a uniaxial behaviour acts.
     inelastic: Mask,
 }
 
@@ -278,6 +278,11 @@ impl Behavior {
     /// Whether a lock or a failure depends on a force.
     pub fn decides_by_force(&self) -> bool {
         self.locks.iter().chain(&self.failures).any(Criterion::needs_force)
+    }
+
+    /// The components on which plasticity, damage or a uniaxial behaviour acts, none of which is evaluated.
+    pub const fn inelastic(&self) -> Mask {
+        self.inelastic
     }
 
     /// Whether there are stops.
@@ -667,10 +672,11 @@ impl Behavior {
     }
 }
 
-/// The components on which plasticity or damage acts: a coupled one acts on all available ones.
+/// The components on which plasticity, damage or a uniaxial behaviour acts: a coupled one acts on all available ones.
 fn inelastic(given: &scene::Behavior, available: Mask) -> Mask {
     let mut mask = [false; 6];
-    let plastic = given.plasticity.iter().map(|plasticity| plasticity.component);
+    let uniaxial = given.uniaxial.iter().copied().map(Some);
+    let plastic = given.plasticity.iter().map(|plasticity| plasticity.component).chain(uniaxial);
     // Without an evolution damage stays 0.
     let evolving =
         given.damage.iter().filter_map(|damage| Some((damage.component, damage.evolution.as_ref()?)));

@@ -186,9 +186,11 @@ impl Deck<'_> {
 }
 
 /// A node, or a set, that a parameter names.
-fn named(value: &Value) -> Result<Spanned<Target>> {
+pub(super) fn named(value: &Value) -> Result<Spanned<Target>> {
     let name = value.name()?;
-    let target = name.value.parse().map_or_else(|_| Target::Set(name.value.clone()), Target::Label);
+    // A name in quotation marks keeps its case as the instance of a node: `"Part 1".2`.
+    let label = value.text().parse().or_else(|_| name.value.parse());
+    let target = label.map_or_else(|_| Target::Set(name.value.clone()), Target::Label);
     Ok(Spanned::new(target, name.span))
 }
 
@@ -286,6 +288,12 @@ pub(super) fn rigid_body(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let is_elsewhere = keyword.get("POSITION").is_some_and(|value| value.text().starts_with(['C', 'c']));
     let is_other = keyword.has("NSET") || keyword.has("ROT NODE") || keyword.has("ANALYTICAL SURFACE");
     let has_nodes = ["ELSET", "PIN NSET", "TIE NSET"].iter().any(|parameter| keyword.has(parameter));
+    // A surface that moves with its reference node constrains no other node.
+    if keyword.has("ANALYTICAL SURFACE") && !has_nodes && !keyword.has("NSET") {
+        let lines = deck.lexer.skip()?;
+        deck.count_skipped(keyword, lines);
+        return Ok(());
+    }
     let Some(reference) = keyword.get("REF NODE").filter(|_| !is_elsewhere && !is_other && has_nodes) else {
         return deck.pass_constraint(keyword, "RIGID BODY");
     };
@@ -708,18 +716,25 @@ fn resolved_coupling(
     coupling: RawCoupling,
     has: &impl Fn(&Spanned<String>) -> Result<SurfaceKind>,
 ) -> Result<bool> {
+    if let Target::Set(name) = &coupling.reference.value
+        && deck.scene.node_sets.get(name).is_some_and(|set| set.labels.len() > 1)
+    {
+        // Each node of the surface goes with the reference node that is nearest to it.
+        deck.leave_out("COUPLING", coupling.span, 0);
+        return Ok(false);
+    }
     let reference = one_node(&deck.scene, &coupling.reference);
     let surface = has(&coupling.surface);
     let faults = reference.as_ref().err().into_iter().chain(surface.as_ref().err()).cloned();
     if let Some(faults) = Diagnostic::joined(faults) {
         return Err(faults);
     }
-    let (reference, surface) = (reference?, surface?);
+    let (reference, kind_of_surface) = (reference?, surface?);
     // Faces weigh the nodes of a mean by their areas.
     let known = deck.scene.surfaces.get(&coupling.surface.value);
     let weighs = || known.is_some_and(|known| known.members.iter().all(|(_, area)| area.is_some()));
     let is_known = known.is_some()
-        && match surface {
+        && match kind_of_surface {
             SurfaceKind::Nodes => true,
             SurfaceKind::Faces => matches!(coupling.kind, Some(CouplingKind::Kinematic(_))) || weighs(),
             SurfaceKind::Unread => false,
@@ -732,6 +747,14 @@ fn resolved_coupling(
     check_orientation(&deck.scene, coupling.orientation.as_ref())?;
     let RawCoupling { name, surface, orientation, influence_radius, span, .. } = coupling;
     let coupling = Coupling { name, reference, surface, orientation, influence_radius, kind, span };
+    // Of faces a radius takes all nodes of each that it cuts, or of the nearest one.
+    let all = Coupling { influence_radius: None, ..coupling.clone() };
+    let within = |coupling: &Coupling| deck.scene.coupling_nodes(coupling).len();
+    if kind_of_surface == SurfaceKind::Faces && within(&coupling) < within(&all) {
+        deck.rotation_targets.push(Target::Label(reference));
+        deck.leave_out("COUPLING", span, 0);
+        return Ok(false);
+    }
     if deck.scene.coupling_nodes(&coupling).is_empty() {
         let message = "a coupling has no coupling nodes";
         return Err(Diagnostic::error(Code::EmptySet, coupling.surface.span, message, "no nodes")

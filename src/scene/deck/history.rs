@@ -335,6 +335,10 @@ fn amplitude_of(deck: &mut Deck<'_>, keyword: &Keyword, name: &str) -> Result<Am
             data.push(value);
         }
         items.end("at most eight numbers")?;
+        // N, ω, t0 and A0 have a line of their own, whose last numbers may be blank.
+        if definition == AmplitudeDefinition::Periodic {
+            data.resize(data.len().max(4), None);
+        }
     }
     if pairs && (data.is_empty() || data.len() % 2 == 1 || data.iter().any(Option::is_none)) {
         let message = format!("amplitude {name} needs pairs of time and value");

@@ -462,9 +462,8 @@ impl Deck<'_> {
         }
         for parameter in ["REF NODE", "TIE NSET"] {
             // A value that is neither a node nor a set names nothing that is kept.
-            let Some(name) = keyword.get(parameter).and_then(|value| value.name().ok()) else { continue };
-            let number = name.value.parse().map(Target::Label);
-            self.rotation_targets.push(number.unwrap_or(Target::Set(name.value)));
+            let named = keyword.get(parameter).and_then(|value| constraint::named(value).ok());
+            self.rotation_targets.extend(named.map(|named| named.value));
         }
         if let Some(name) = keywords::constraint(&keyword.name) {
             self.scene.skipped.constraints.push(SkippedConstraint { keyword: name, span: keyword.span });
@@ -473,6 +472,13 @@ impl Deck<'_> {
             "PARAMETER" => return unread::parameter(self, keyword),
             "MODEL CHANGE" => unread::model_change(self, keyword)?,
             "IMPERFECTION" => unread::imperfection(self, keyword)?,
+            "CONNECTOR UNIAXIAL BEHAVIOR" => {
+                let component = keyword.get("COMPONENT").and_then(|value| value.component().ok());
+                if let Ok(behavior) = self.behavior(keyword) {
+                    behavior.uniaxial.extend(component);
+                }
+                0
+            }
             "FASTENER" => {
                 unread::fastener(self, keyword)?;
                 0

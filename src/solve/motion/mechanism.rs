@@ -369,6 +369,15 @@ impl<R: Number> Mechanism<R> {
             let title = element.title();
             let refused = |what: &str, remedy: &str| Err(Refusal::of(&title, what, remedy));
             let joint = self.joints.len();
+            if let Some(k) = (0..6).find(|k| behavior.inelastic()[*k]) {
+                return refused(
+                    &format!(
+                        "plasticity, damage or a uniaxial behaviour acts on {}, and is not solved",
+                        COMPONENT[k]
+                    ),
+                    "take it out of the behaviour",
+                );
+            }
             // Where no belt goes on, nothing rubs.
             if let (Some(belt), Some(ring)) = (&behavior.friction.belt, model.rings.get(&number)) {
                 let Some(next) = ring.next else {

@@ -18,6 +18,7 @@ use pintle_kinematics::vector::Vector;
 use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
@@ -210,14 +211,45 @@ impl<R> Solution<R> {
     }
 }
 
+/// Refuses what would be the solution of another mechanism: constraints that were not read, and elements of other types on the same nodes.
+fn whole(scene: &Scene) -> Result<(), Refusal> {
+    let constraints = scene.skipped.constraints.iter().map(|skipped| format!("*{}", skipped.keyword));
+    let mpcs = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_none());
+    let unread: BTreeSet<String> =
+        constraints.chain(mpcs.map(|mpc| format!("MPC {}", mpc.kind.name()))).collect();
+    if !unread.is_empty() {
+        let all: Vec<&str> = unread.iter().map(String::as_str).collect();
+        let why = format!("{}: nodes are constrained by what is not read", all.join(", "));
+        return Err(Refusal::of(
+            &scene.name,
+            &why,
+            "write them as *MPC, *EQUATION, *COUPLING or *RIGID BODY",
+        ));
+    }
+    let types: Vec<&str> = scene.skipped.element_types.keys().map(String::as_str).collect();
+    if !types.is_empty() && scene.skipped.nodes.as_ref().is_none_or(|nodes| !nodes.is_empty()) {
+        let why = format!(
+            "elements of type {} act on nodes of its connectors, and are not solved",
+            types.join(", ")
+        );
+        return Err(Refusal::of(
+            &scene.name,
+            &why,
+            "take them out, or put springs, dashpots, masses or rigid bodies in their place",
+        ));
+    }
+    Ok(())
+}
+
 impl<'a, R: Number> Run<'a, R> {
     pub(crate) fn new(scene: &'a Scene, model: &'a Model, options: &'a Options) -> Result<Self, Refusal> {
+        whole(scene)?;
         let mechanism: Mechanism<R> = Mechanism::new(scene, model, 0)?;
         if mechanism.schedule.is_empty() {
             return Err(Refusal::of(
                 &scene.name,
-                "there is no step with a known length",
-                "add *STEP, *DYNAMIC with its initial increment and length, *END STEP",
+                "its first step has no known length",
+                "begin with *STEP, *DYNAMIC or *STATIC with its initial increment and length, *END STEP",
             ));
         }
         let zero = R::ZERO;
@@ -378,7 +410,7 @@ impl<'a, R: Number> Run<'a, R> {
         let instant = Instant::of(&self.state, self.step, &still);
         let mut found = self.mechanism.assemble(&instant, modes, &self.beginnings)?;
         if self.is_still {
-            found.rest(self.mechanism.length);
+            found.rest(&self.mechanism);
         }
         Ok(found)
     }

@@ -134,9 +134,9 @@ pub struct Event<R> {
     pub what: What,
     /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign, of a stop its push or its gap's growth. 0 is a tie.
     ///
-    /// Of what is met where a quantity passes zero (an onset of slip, a stop, a lock, a failure) it is the rate of that quantity, in its
-    /// size per duration of the run: a limit that is off by a part ε moves the event by ε/margin of the duration. Sizes: of a friction its
-    /// limit, of a length that of the model, of an angle 1 rad, of a force the largest.
+    /// An onset of slip, a stop, a lock, a failure are met where a quantity passes zero. Their margin is its rate, in its size per duration of
+    /// the run. A limit that is off by a part ε moves the event by ε/margin of the duration. Sizes: of a friction its limit, of a length that
+    /// of the model, of an angle 1 rad, of a force the largest.
     pub margin: Option<f64>,
     /// κ after it: below 1 the friction forces are the only ones.
     pub lipschitz: f64,

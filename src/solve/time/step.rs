@@ -785,7 +785,7 @@ impl<R: Number> Run<'_, R> {
                 .map_err(|trouble| self.say(trouble))?;
             self.state.branches = found.joints.iter().map(|now| now.branch).collect();
             if self.is_still {
-                found.rest(self.mechanism.length);
+                found.rest(&self.mechanism);
             }
             if !R::from_f64(1e3 * R::ROUNDING).less(gap) {
                 break;

@@ -10,6 +10,7 @@
 
 use crate::motion::equations::Solved;
 use crate::motion::linear::System;
+use crate::motion::mechanism::Mechanism;
 use crate::motion::mode::{Cause, Does, Mode, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Layout, Trouble};
 use crate::motion::state::{DOFS, State, WORKS};
@@ -43,15 +44,17 @@ const REST: f64 = 1e-6;
 const NEAR: f64 = 1e-3;
 
 impl<R: Number> Assembled<R> {
-    /// At rest: unit masses, and no accelerations that are prescribed.
-    pub(crate) fn rest(&mut self, length: f64) {
+    /// At rest: unit masses where something acts, and no accelerations that are prescribed.
+    pub(crate) fn rest(&mut self, mechanism: &Mechanism<R>) {
         let (zero, one) = (R::ZERO, R::integer(1));
-        let inertia = R::from_f64(length * length);
-        self.masses.iter_mut().for_each(|mass| *mass = one);
-        for matrix in &mut self.inertias {
+        let inertia = R::from_f64(mechanism.length * mechanism.length);
+        let acts = self.acting(mechanism);
+        for (node, (mass, matrix)) in self.masses.iter_mut().zip(&mut self.inertias).enumerate() {
+            let [moves, turns] = [0, 3].map(|from| (from..from + 3).any(|k| acts[DOFS * node + k]));
+            *mass = if moves { one } else { zero };
             for (i, row) in matrix.iter_mut().enumerate() {
                 for (j, entry) in row.iter_mut().enumerate() {
-                    *entry = if i == j { inertia } else { zero };
+                    *entry = if i == j && turns { inertia } else { zero };
                 }
             }
         }
@@ -61,6 +64,25 @@ impl<R: Number> Assembled<R> {
             }
         }
         self.rows.iter_mut().for_each(|row| row.bias = zero);
+    }
+
+    /// The degrees of freedom on which something acts, now or as they move: a node that only AXIAL connectors hold does not turn.
+    fn acting(&self, mechanism: &Mechanism<R>) -> Vec<bool> {
+        let mut acts: Vec<bool> = (0..self.applied.len())
+            .map(|dof| self.is_loaded(dof) || dof % DOFS < 6 && self.has_inertia(dof))
+            .collect();
+        let rows = self.rows.iter().flat_map(|row| row.coefficients.iter().chain(row.force()));
+        let columns = self.joints.iter().flat_map(|now| now.columns.iter().chain(&now.rows).flatten());
+        for (dof, _) in rows.chain(columns) {
+            acts[*dof] = true;
+        }
+        for spring in &mechanism.springs {
+            let along = spring.line.into_iter().flatten().map(|node| (node, false));
+            for (node, turns) in along.chain(spring.terms.iter().map(|(node, _, turns, _)| (*node, *turns))) {
+                acts[DOFS * node + if turns { 3 } else { 0 }] = true;
+            }
+        }
+        acts
     }
 }
 
@@ -134,7 +156,7 @@ impl<R: Number> Run<'_, R> {
         let mut next = State { time, poses, rates, branches: base.branches.clone(), sums: base.sums.clone() };
         let instant = Instant { turned: &turned, ..Instant::of(&next, self.step, &turned) };
         let mut found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
-        found.rest(self.mechanism.length);
+        found.rest(&self.mechanism);
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         let solved = found.solve(&self.mechanism, &self.layout, &self.modes)?;
         Ok((next, found, solved))

@@ -54,6 +54,87 @@ fn what_is_not_solved_is_refused_by_name() {
     }
 }
 
+const SPRING: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 2., 0., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=C
+10, 1, 2
+*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B
+AXIAL
+*CONNECTOR BEHAVIOR, NAME=B
+*CONNECTOR ELASTICITY, COMPONENT=1
+3.
+";
+
+const PULLED: &str = "\
+*BOUNDARY
+1, 1, 3
+2, 2, 3
+*STEP
+*STATIC
+1., 1.
+*CLOAD
+2, 1, 6.
+*END STEP
+*STEP
+*STATIC
+1., 1.
+*CLOAD
+2, 1, 3.
+*END STEP
+";
+
+/// What would be the solution of another mechanism is none.
+#[test]
+fn what_is_left_out_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.inp");
+    for (more, words) in [
+        (
+            "*CONNECTOR PLASTICITY, COMPONENT=1\n*CONNECTOR HARDENING\n5., 0.\n6., 1.\n",
+            "AXIAL 10: plasticity",
+        ),
+        (
+            "*CONNECTOR UNIAXIAL BEHAVIOR, COMPONENT=1\n*LOADING DATA, DIRECTION=TENSION\n0., 0.\n10., 1.\n",
+            "a uniaxial behaviour acts on u1",
+        ),
+        ("*ELEMENT, TYPE=T3D2, ELSET=T\n11, 1, 2\n", "elements of type T3D2 act on nodes of its connectors"),
+        (
+            "*KINEMATIC COUPLING, REF NODE=3\n2, 1, 6\n",
+            "*KINEMATIC COUPLING: nodes are constrained by what is not read",
+        ),
+        ("*MPC\nSS LINEAR, 2, 3\n", "MPC SS LINEAR: nodes are constrained by what is not read"),
+    ] {
+        fs::write(&path, format!("{SPRING}{more}{PULLED}")).unwrap();
+        let done = pintle(&["solve", path.to_str().unwrap()]).assert().code(6);
+        let told = stderr(&done);
+        assert!(told.contains(words) && told.contains("help"), "{words}: {told}");
+    }
+}
+
+/// Nodes that only AXIAL connectors hold do not turn; a run ends with a step, and supports pull as hard as the load.
+#[test]
+fn a_spring_alone_is_pulled_step_by_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.inp");
+    fs::write(&path, format!("{SPRING}{PULLED}")).unwrap();
+    for (step, time, force) in [("1", 1.0, 6.0), ("2", 2.0, 3.0)] {
+        let done =
+            pintle(&["solve", path.to_str().unwrap(), "--step", step, "--format", "json"]).assert().success();
+        let found: serde_json::Value = serde_json::from_str(&stdout(&done)).unwrap();
+        let last = found["frames"].as_array().unwrap().last().unwrap();
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        assert_eq!(number(&last["time"]), time);
+        assert!((number(&last["connectors"]["10"]["CU"][0]) - force / 3.0).abs() < 1e-14, "{last}");
+        assert!((number(&last["nodes"]["1"]["RF"][0]) + force).abs() < 1e-13, "{last}");
+        assert!(last["nodes"]["2"]["RF"][0].is_null(), "{last}");
+    }
+    let done = pintle(&["solve", path.to_str().unwrap(), "--step", "3"]).assert().failure();
+    assert!(stderr(&done).contains("step"), "{}", stderr(&done));
+}
+
 /// A pendulum that falls on a hinge has the energy that its weight gave.
 #[test]
 fn the_pendulum_of_the_gallery_keeps_its_energy() {

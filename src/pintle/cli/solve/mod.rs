@@ -25,7 +25,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 const HELP: &str = "\
-Solves the *DYNAMIC steps of a scene: rigid bodies from *MASS and *ROTARY INERTIA,
+Solves the *DYNAMIC and *STATIC steps of a scene: rigid bodies from *MASS and *ROTARY INERTIA,
 joined by its connectors and constraints, under gravity (*DLOAD, GRAV), *CLOAD,
 *BOUNDARY with amplitudes, springs, dampers, connector motions and loads, from
 *INITIAL CONDITIONS, TYPE=VELOCITY. Friction acts on the connector's own reaction,
@@ -37,8 +37,9 @@ collocation. What they differ by is the error, and digits beyond it are not
 printed. --digits 15 computes on doubles, more digits on 237 bits.
 
 The events are listed with their margins: of stick, by how much friction holds
-more than it has to, relative; 0 is a tie. κ < 1 proves that the friction forces
-are the only ones that fit.
+more than it has to, relative; 0 is a tie. Where something passes a limit in its
+course, a limit off by a part ε moves the event by ε/margin of the duration.
+κ < 1 proves that the friction forces are the only ones that fit.
 
 States go to a file that pintle eval, audit and solve --from read.
 

@@ -23,6 +23,7 @@ pub(super) fn behavior(behavior: &Behavior) -> form::Behavior {
         derived_components,
         plasticity,
         damage,
+        uniaxial: _,
         stops,
         locks,
         failures,
