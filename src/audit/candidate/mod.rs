@@ -422,13 +422,21 @@ impl<'a> Candidate<'a> {
             Some(Quantity::ElementStiffness) => !offers(Quantity::ElementForces),
             _ => false,
         };
-        let of_values: Vec<&Check> = subject.checks.iter().filter(is_formula).collect();
-        let values = of_values.iter().filter(|check| is_witness(check.against) && check.compared > 0);
-        let verdict = values.map(|check| check.verdict).max();
-        // Of one that offers neither values nor rows the formula is that of what it offers.
-        let offered =
-            || subject.checks.iter().filter(|check| check.compared > 0).map(|check| check.verdict).max();
-        let verdict = if of_values.is_empty() { offered() } else { verdict };
+        let compared = || subject.checks.iter().filter(|check| check.compared > 0);
+        let formulas = [
+            Quantity::Value,
+            Quantity::FirstDerivatives,
+            Quantity::ElementForces,
+            Quantity::ElementStiffness,
+        ];
+        let verdict = match formulas.into_iter().any(offers) {
+            true => {
+                let values = compared().filter(is_formula).filter(|check| is_witness(check.against));
+                values.map(|check| check.verdict).max()
+            }
+            // Of one that offers none of these the formula is that of what it offers.
+            false => compared().map(|check| check.verdict).max(),
+        };
         subject.formula = verdict.unwrap_or(Verdict::Undecided);
         let report = Report {
             version: pintle_kinematics::VERSION,

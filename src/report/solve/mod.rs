@@ -29,6 +29,8 @@ pub struct Facts<'a> {
     pub length: f64,
     /// How far the witness is from it, where there is one.
     pub difference: Option<&'a Difference>,
+    /// How far rigid stick is from it, where its stick is elastic.
+    pub rigid: Option<&'a Difference>,
     /// Why it ended early.
     pub ended: Option<&'a str>,
     /// Why the witness ended early, where it alone did.
@@ -136,6 +138,30 @@ pub fn human<R: Number>(
             "open",
             &format!(
                 "{open} CTF: constraints repeat each other, so that many forces fit; pintle audit names them"
+            ),
+        )?;
+    }
+    if let Some((time, connector)) = solution.ties.first() {
+        let title = solution.connectors.get(*connector).map_or("", |(_, title)| title.as_str());
+        let more = match solution.ties.len() - 1 {
+            0 => String::new(),
+            more => format!(" ({more} more)"),
+        };
+        say(
+            "tie",
+            &format!("at {time} {title} sticks, though its load is what friction holds, to rounding{more}"),
+        )?;
+    }
+    if let Some(rigid) = facts.rigid {
+        let events = match rigid.same_events {
+            true => format!("{:.0e} in the times of events", rigid.event),
+            false => "and has other events".to_string(),
+        };
+        let Difference { displacement, velocity, force, .. } = rigid;
+        say(
+            "rigid",
+            &format!(
+                "rigid stick differs by {displacement:.0e} in displacement, {velocity:.0e} in velocity, {force:.0e} in force, {events}"
             ),
         )?;
     }
@@ -310,6 +336,8 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
         "error_is": facts.level::<R>(),
         "lipschitz": solution.lipschitz,
         "violation": solution.violation,
+        "ties": solution.ties.iter().map(|(time, of)| json!({"time": time, "connector": label(*of)})).collect::<Vec<_>>(),
+        "rigid_stick": facts.rigid,
         "steps": solution.steps,
         "evaluations": solution.evaluations,
         "ended_early": facts.ended,

@@ -418,8 +418,8 @@ impl<R: Number> Assembled<R> {
     }
 
     /// The degrees of freedom that supports hold, with a reaction that is the only one: no force that is one of many acts there.
-    pub(crate) fn supported(&self, layout: &Layout) -> Vec<bool> {
-        let mut held: Vec<bool> = layout.place.iter().map(Option::is_none).collect();
+    pub(crate) fn supported(&self, mechanism: &Mechanism<R>, layout: &Layout) -> Vec<bool> {
+        let mut held = mechanism.held.clone();
         for row in self.rows.iter().filter(|row| matches!(row.owner, Owner::Bound(_))) {
             row.coefficients.iter().for_each(|(dof, _)| held[*dof] = true);
         }

@@ -127,7 +127,12 @@ impl<R: Number> Run<'_, R> {
                     "reduce the coefficient of friction, or the offset of the load",
                 ));
             }
-            ([], _) => 0,
+            ([], _) => {
+                let time = self.state.time.to_f64();
+                let tied = open.iter().map(|s| (time, self.mechanism.sliders[*s].joint));
+                self.solution.ties.extend(tied);
+                0
+            }
             (several, _) => {
                 let told: Vec<String> =
                     several.iter().map(|i| self.told(&consistent[*i].0, open, &touching)).collect();

@@ -31,6 +31,8 @@ pub struct Kept<R> {
     beginnings: Beginnings,
     frames: Vec<Frame<R>>,
     events: Vec<Event<R>>,
+    #[serde(default)]
+    ties: Vec<(f64, usize)>,
     lipschitz: f64,
     steps: usize,
     evaluations: usize,
@@ -83,6 +85,7 @@ impl<R: Number> Run<'_, R> {
             beginnings: self.beginnings.clone(),
             frames: self.solution.frames.clone(),
             events: self.solution.events.clone(),
+            ties: self.solution.ties.clone(),
             lipschitz: self.solution.lipschitz,
             steps: self.solution.steps,
             evaluations: self.solution.evaluations,
@@ -109,6 +112,7 @@ impl<R: Number> Run<'_, R> {
         self.beginnings = kept.beginnings;
         self.solution.frames = kept.frames;
         self.solution.events = kept.events;
+        self.solution.ties = kept.ties;
         self.solution.lipschitz = kept.lipschitz;
         self.solution.steps = kept.steps;
         self.solution.evaluations = kept.evaluations;

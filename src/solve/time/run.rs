@@ -201,6 +201,7 @@ impl<R> Solution<R> {
             connectors: Vec::new(),
             frames: Vec::new(),
             events: Vec::new(),
+            ties: Vec::new(),
             lipschitz: 0.0,
             method,
             steps: 0,
@@ -665,7 +666,8 @@ impl<'a, R: Number> Run<'a, R> {
         if self.is_still {
             resting.accelerations.fill([R::ZERO; DOFS]);
         }
-        let (reactions, held) = (found.reactions(&self.layout, &resting), found.supported(&self.layout));
+        let (reactions, held) =
+            (found.reactions(&self.layout, &resting), found.supported(&self.mechanism, &self.layout));
         let nodes = self.state.poses.iter().enumerate().map(|(node, pose)| NodeFrame {
             displacement: pose.displacement,
             rotation: pose.vector,

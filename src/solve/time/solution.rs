@@ -153,6 +153,8 @@ pub struct Solution<R> {
     pub frames: Vec<Frame<R>>,
     /// Events in order.
     pub events: Vec<Event<R>>,
+    /// Ties: times at which both stick and slip fit, and the place of the connector. It sticks.
+    pub ties: Vec<(f64, usize)>,
     /// The largest κ: below 1 the solution is the only one.
     pub lipschitz: f64,
     /// The method.

@@ -28,6 +28,9 @@ const CAREFUL: f64 = 0.02;
 /// The part of a step by which the change of a limit is found.
 const DIFFERENCE: f64 = 1e-3;
 
+/// What is less than this part of a step is next to the error of its end.
+const STALE: f64 = 1e-6;
+
 /// How far two nodes may turn in a step (rad): less than half a turn against each other.
 const MOST_TURNED: f64 = 2.5;
 
@@ -604,6 +607,8 @@ impl<R: Number> Run<'_, R> {
         let mut which: Option<usize> = known.map(|(index, _)| index);
         let mut weight = R::integer(1);
         let mut high_value: Option<R> = known.map(|(_, switch)| switch.value);
+        // The value before, and when.
+        let mut last: Option<(R, R)> = None;
         // Half of a step that was too long.
         let mut shorter: Option<R> = None;
         let start = self.state.time;
@@ -617,7 +622,24 @@ impl<R: Number> Run<'_, R> {
             if let Some(switch) = beyond.filter(|switch| switch.value.less(zero)) {
                 return self.crosses(switch);
             }
+            if iteration > 0 {
+                low.1.clone_from(&slope.switches);
+            }
             let passed = base.time - start;
+            // The end of the interval is known from before, by the error of a longer step: what vanishes just beyond it is followed there.
+            let value = which.and_then(|index| low.1.get(index)).map(|switch| switch.value);
+            if let (Some(value), Some((at, known))) = (value, last)
+                && at.less(passed)
+                && value.less(known)
+            {
+                let left = value * (passed - at) / (known - value);
+                if (high - passed).less(left) && left.less(h * R::from_f64(STALE)) {
+                    high = passed + left + left;
+                    high_value = Some(-value);
+                    weight = R::integer(1);
+                }
+            }
+            last = value.map(|value| (passed, value));
             // Where the switch that is nearest to its end would vanish.
             let ahead = high - passed;
             let guess = match (which, high_value) {

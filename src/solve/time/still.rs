@@ -76,6 +76,12 @@ impl<R: Number> Assembled<R> {
         for (dof, _) in rows.chain(columns) {
             acts[*dof] = true;
         }
+        for (node, body) in mechanism.bodies.iter().enumerate() {
+            for (k, _) in &body.loads {
+                acts[DOFS * node + k / 3 * 3] = true;
+            }
+            acts[DOFS * node] |= !body.weights.is_empty();
+        }
         for spring in &mechanism.springs {
             let along = spring.line.into_iter().flatten().map(|node| (node, false));
             for (node, turns) in along.chain(spring.terms.iter().map(|(node, _, turns, _)| (*node, *turns))) {

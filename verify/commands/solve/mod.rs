@@ -89,8 +89,9 @@ const PULLED: &str = "\
 /// What would be the solution of another mechanism is none.
 #[test]
 fn what_is_left_out_is_refused_by_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("deck.inp");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solve_1");
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("deck.inp");
     for (more, words) in [
         (
             "*CONNECTOR PLASTICITY, COMPONENT=1\n*CONNECTOR HARDENING\n5., 0.\n6., 1.\n",
@@ -114,11 +115,26 @@ fn what_is_left_out_is_refused_by_name() {
     }
 }
 
+/// A load of exactly μ F_N: stick and slip both fit, which is said.
+#[test]
+fn a_tie_is_told() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solve_2");
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("deck.inp");
+    let deck = fs::read_to_string("references/self_locking/deck.inp").unwrap();
+    let exact = deck.replace("0., 0., 2., 1., 3., 1.", "0., 1., 3., 1.").replace("2, 1, 4.9", "2, 1, 5.");
+    assert_ne!(exact, deck);
+    fs::write(&path, exact).unwrap();
+    let done = pintle(&["solve", path.to_str().unwrap()]).assert().success();
+    assert!(stdout(&done).contains("tie"), "{}", stdout(&done));
+}
+
 /// Nodes that only AXIAL connectors hold do not turn; a run ends with a step, and supports pull as hard as the load.
 #[test]
 fn a_spring_alone_is_pulled_step_by_step() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("deck.inp");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solve_3");
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("deck.inp");
     fs::write(&path, format!("{SPRING}{PULLED}")).unwrap();
     for (step, time, force) in [("1", 1.0, 6.0), ("2", 2.0, 3.0)] {
         let done =
@@ -129,7 +145,7 @@ fn a_spring_alone_is_pulled_step_by_step() {
         assert_eq!(number(&last["time"]), time);
         assert!((number(&last["connectors"]["10"]["CU"][0]) - force / 3.0).abs() < 1e-14, "{last}");
         assert!((number(&last["nodes"]["1"]["RF"][0]) + force).abs() < 1e-13, "{last}");
-        assert!(last["nodes"]["2"]["RF"][0].is_null(), "{last}");
+        assert!(last["nodes"]["2"]["RF"][0].is_null() && last["nodes"]["1"]["RM"][0].is_null(), "{last}");
     }
     let done = pintle(&["solve", path.to_str().unwrap(), "--step", "3"]).assert().failure();
     assert!(stderr(&done).contains("step"), "{}", stderr(&done));
@@ -160,7 +176,8 @@ fn references_are_solved_by_name() {
     let kinds: Vec<&str> =
         found["events"].as_array().unwrap().iter().map(|event| event["event"].as_str().unwrap()).collect();
     assert_eq!(kinds, ["closes", "sticks", "opens", "slips"]);
-    pintle(&["solve", "gallery:drawer", "--stick", "elastic"]).assert().success();
+    let done = pintle(&["solve", "gallery:drawer", "--stick", "elastic"]).assert().success();
+    assert!(stdout(&done).contains("rigid stick differs by"), "{}", stdout(&done));
     let done = pintle(&["solve", "gallery:no_such_thing"]).assert().failure();
     assert!(stderr(&done).contains("no_such_thing"), "{}", stderr(&done));
 }

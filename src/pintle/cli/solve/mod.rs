@@ -15,7 +15,8 @@ use pintle_model::evaluate::Model;
 use pintle_report::solve as report;
 use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State, StateFile};
 use pintle_solve::{
-    Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Solvable, Stick, solve_keeping,
+    Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Solvable, Stick, solve,
+    solve_keeping,
 };
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
@@ -294,12 +295,18 @@ fn solved<R: Solvable>(
         });
         solution.difference(&other, length)
     });
+    // What a spring in the place of stick changes.
+    let rigid = (options.stick == Stick::Elastic && ended.is_none())
+        .then(|| solve::<R>(scene, &Options { stick: Stick::Rigid, ..options.clone() }).ok())
+        .flatten()
+        .map(|rigid| rigid.difference(&solution, length));
     let why = ended.as_ref().map(|(time, why)| format!("at {time}: {why}"));
     let facts = report::Facts {
         scene: &scene.name,
         digits: usize::from(arguments.digits),
         length,
         difference: difference.as_ref(),
+        rigid: rigid.as_ref(),
         ended: why.as_deref(),
         witness_ended: witness_ended.as_deref(),
     };
