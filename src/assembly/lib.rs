@@ -52,7 +52,7 @@ pub mod steps;
 pub mod system;
 #[cfg(test)]
 mod tests;
-pub mod unread;
+mod unread;
 
 pub use facts::{
     Assembly, Constraint, Gap, Holds, Line, Mode, NotAssembled, OPERATIONS, Position, Redundant, Role,

@@ -23,6 +23,10 @@ pub(crate) enum Fault {
     StopPulls,
     /// Whole turns within a step are lost.
     TurnLost,
+    /// Whole turns of two nodes are those of each by itself.
+    TurnsApart,
+    /// A magnitude that passes zero with another one keeps its sign for a step.
+    KinksApart,
     /// A lock lets go of the velocity that it stops.
     LockSlips,
     /// What comes to rest sticks, whatever pulls.

@@ -698,7 +698,7 @@ fn steps_go_on() {
 /// Each fault of the solver is noticed by one of these references.
 #[test]
 fn faults_are_noticed() {
-    let faults: [(Fault, &[&str]); 23] = [
+    let faults: [(Fault, &[&str]); 25] = [
         (Fault::SlipReversed, &["stop_friction"]),
         (Fault::OnsetByDefault, &["stop_friction"]),
         (Fault::Drift, &["pendulum"]),
@@ -709,6 +709,8 @@ fn faults_are_noticed() {
         (Fault::ImpactForgotten, &["collision"]),
         (Fault::StopPulls, &["stop_rigid"]),
         (Fault::TurnLost, &["spin_down"]),
+        (Fault::TurnsApart, &["clutch"]),
+        (Fault::KinksApart, &["cross_swing"]),
         (Fault::LockSlips, &["lock"]),
         (Fault::SticksAlways, &["block"]),
         (Fault::ReversesAlways, &["block"]),

@@ -6,7 +6,7 @@ use pintle_assembly::matrix::dense;
 use pintle_assembly::modes::MODES;
 use pintle_assembly::redundant::EXPLAINED;
 use pintle_assembly::{
-    Assembly, Constraint, Holds, Mode, NotAssembled, OPERATIONS, Position, Redundant, Role, Spent, unread,
+    Assembly, Constraint, Holds, Mode, NotAssembled, OPERATIONS, Position, Redundant, Role, Spent,
 };
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_model::evaluate::Freedom;
@@ -743,7 +743,7 @@ fn moves(
     });
     let types = scene.skipped.element_types.keys().map(String::as_str);
     let others: Vec<&str> = types.filter(|_| may_hold).take(NAMED).collect();
-    let reason = if unread::is_any(scene) {
+    let reason = if !scene.unread_constraints().is_empty() {
         "degrees of freedom less the rank of the constraints and drives that are read; other constraints, springs, friction, stops and other \
          elements are not looked at"
     } else {
@@ -797,7 +797,7 @@ fn not_read(scene: &Scene) -> Vec<Finding> {
         let about = About { value: Some(spans.len() as f64), ..About::default() };
         Finding::new(scene, Code::AssemblyConstraintsUnread, first, message, reason, remedy).about(about)
     };
-    unread::of_scene(scene).into_iter().map(finding).collect()
+    scene.unread_constraints().into_iter().map(finding).collect()
 }
 
 #[cfg(test)]

@@ -312,7 +312,7 @@ impl Source<'_> {
 
 /// That there is nothing to evaluate, and which constraints were not read.
 pub(crate) fn nothing(scene: &Scene) -> Failure {
-    let unread = pintle_assembly::unread::of_scene(scene);
+    let unread = scene.unread_constraints();
     let unread = unread.iter().map(|(what, places)| match places[..] {
         [one] => format!("{what} (line {})", one.line()),
         [first, ..] => format!("{what} ({} times, the first in line {})", places.len(), first.line()),

@@ -719,7 +719,7 @@ fn resolved_coupling(
     if let Target::Set(name) = &coupling.reference.value
         && deck.scene.node_sets.get(name).is_some_and(|set| set.labels.len() > 1)
     {
-        // Each node of the surface goes with the reference node that is nearest to it.
+        // Which node of the surface goes with which of several reference nodes is not followed.
         deck.leave_out("COUPLING", coupling.span, 0);
         return Ok(false);
     }

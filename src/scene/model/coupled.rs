@@ -5,7 +5,8 @@ use crate::label::labelled::{LabelMap, LabelSet};
 use crate::model::Target;
 use crate::model::constraint::{Coupling, CouplingKind, RigidBody, Tie};
 use crate::model::scene::Scene;
-use crate::span::Spanned;
+use crate::span::{Span, Spanned};
+use indexmap::IndexMap;
 use std::collections::HashMap;
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     pintle_kinematics::scalar::elementary::norm([0, 1, 2].map(|i| a[i] - b[i]))
@@ -28,6 +29,19 @@ impl Scene {
             };
             let new = labels.iter().filter(|label| known.insert(**label));
             found.extend(new.map(|label| (*label, weight.unwrap_or(1.0))));
+        }
+        found
+    }
+
+    /// The constraints that are not read, by kind (`*TIE`, `MPC SLIDER`), with the place of each.
+    #[must_use]
+    pub fn unread_constraints(&self) -> IndexMap<String, Vec<Span>> {
+        let mut found: IndexMap<String, Vec<Span>> = IndexMap::new();
+        for skipped in &self.skipped.constraints {
+            found.entry(format!("*{}", skipped.keyword)).or_default().push(skipped.span);
+        }
+        for mpc in self.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_none()) {
+            found.entry(format!("MPC {}", mpc.kind.name())).or_default().push(mpc.span);
         }
         found
     }

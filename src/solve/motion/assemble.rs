@@ -691,7 +691,11 @@ impl<R: Number> Mechanism<R> {
 /// leave as much, to opposite sides.
 fn whole_turns<R: Number>([a, b]: [Vector<R>; 2]) -> [Vector<R>; 2] {
     let first = whole(a);
-    if are_parallel([a, b]) { [first, add(first, whole(sub(b, a)))] } else { [first, whole(b)] }
+    if are_parallel([a, b]) && !has(Fault::TurnsApart) {
+        [first, add(first, whole(sub(b, a)))]
+    } else {
+        [first, whole(b)]
+    }
 }
 
 /// Whether two nodes turn about one axis, or one of them not at all.

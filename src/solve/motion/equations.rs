@@ -375,10 +375,11 @@ impl<R: Number> Assembled<R> {
     /// R_k v_k of each component: of the state, or as integrated since slip began.
     pub(crate) fn slip_velocity(&self, mechanism: &Mechanism<R>, modes: &Modes<R>, s: usize) -> [R; 6] {
         let slider = &mechanism.sliders[s];
-        let mut onset = mechanism.turning().filter(|(of, _)| *of == s && modes.frictions[s].in_onset);
-        let Some((_, places)) = onset.next() else {
-            return slider.rates(&self.joints[slider.joint].velocity);
+        let places = match modes.frictions[s].in_onset {
+            true => mechanism.turning().find(|(of, _)| *of == s),
+            false => None,
         };
+        let Some((_, places)) = places else { return slider.rates(&self.joints[slider.joint].velocity) };
         let mut found = [R::ZERO; 6];
         for ((k, _), place) in slider.components.iter().zip(places) {
             found[*k] = self.slips.get(place).copied().unwrap_or(R::ZERO);
@@ -386,11 +387,16 @@ impl<R: Number> Assembled<R> {
         found
     }
 
-    /// What supports exert in each degree of freedom: M a + Gᵀ f less what acts there, without the rows of boundary conditions. It is zero
-    /// where nothing is prescribed.
-    pub(crate) fn reactions(&self, layout: &Layout, solved: &Solved<R>) -> Vec<R> {
+    /// What supports exert in each degree of freedom, along global axes: M a + Gᵀ f less what acts there, without the rows of boundary
+    /// conditions. It is zero where nothing is prescribed.
+    pub(crate) fn reactions(
+        &self,
+        layout: &Layout,
+        solved: &Solved<R>,
+        accelerations: &[[R; DOFS]],
+    ) -> Vec<R> {
         let mut all: Vec<R> = self.applied.iter().map(|force| -*force).collect();
-        for (node, a) in solved.accelerations.iter().enumerate() {
+        for (node, a) in accelerations.iter().enumerate() {
             let turning = apply(&self.inertias[node], [a[3], a[4], a[5]]);
             for k in 0..3 {
                 let (of_force, of_moment) = (DOFS * node + k, DOFS * node + 3 + k);

@@ -15,8 +15,8 @@ use crate::time::solution::{Event, What};
 pub(crate) const TIE: f64 = 1e-9;
 
 impl<R: Number> Run<'_, R> {
-    /// What frictions do that have no slip rate (`open`, which may still have the modes in which they came to rest), and stops that are
-    /// closed or at their limit without a rate: all that is consistent is tried.
+    /// What frictions do that have no slip rate, and stops that are closed or at their limit without a rate: all that is consistent is tried.
+    /// The `open` frictions may still have the modes in which they came to rest.
     pub(crate) fn choose(&mut self, open: &[usize]) -> Result<(), Refusal> {
         /// The most frictions, and stops, whose combinations are all tried.
         const ALL: usize = 6;

@@ -330,7 +330,7 @@ fn gauss<R: Number>(stages: usize) -> Vec<R> {
     (0..stages).map(|i| root(guess(i), |x| legendre(stages, x))).collect()
 }
 
-/// The points of Radau IIA, the first of them the end of the step: with s of them the order is 2 s − 1, and what is stiff decays at once
+/// The points of Radau IIA, the first of them the end of the step. With s of them the order is 2 s − 1, and what is stiff decays at once
 /// (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5).
 fn radau<R: Number>(stages: usize) -> Vec<R> {
     let guess = |i: usize| -(std::f64::consts::TAU * i as f64 / (2.0 * stages as f64 - 1.0)).cos();

@@ -1,8 +1,11 @@
 //! Slips of several components as they begin.
 //!
 //! A slip that grazes begins as v ~ t². Its friction has the direction of v, which follows the force at once: next to rest the equations are
-//! stiff without bound, μ F_N/(m |v|). So R_k v_k are numbers of their own, integrated from zero, whose direction is exact though they are tiny;
-//! and the stages of collocation are solved for them by Newton's method, with their slopes at each stage. Other numbers follow.
+//! stiff without bound, μ F_N/(m |v|). So R_k v_k are numbers of their own, integrated from zero: their direction is exact though they are tiny.
+//! The stages of collocation are solved for them by Newton's method, with their slopes at each stage. Other numbers follow.
+//!
+//! Where they begin from rest, the first iteration has the direction that the force has there; later ones turn it. The method is derived here; the
+//! turntable of `references/` is solved apart by SciPy's Radau method (`scripts/reference/reference_solve.py`).
 
 use crate::motion::rows::Trouble;
 use crate::number::Number;

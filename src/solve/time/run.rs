@@ -18,7 +18,6 @@ use pintle_kinematics::vector::Vector;
 use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
@@ -213,13 +212,10 @@ impl<R> Solution<R> {
 }
 
 /// Refuses what would be the solution of another mechanism: constraints that were not read, and elements of other types on the same nodes.
-fn whole(scene: &Scene) -> Result<(), Refusal> {
-    let constraints = scene.skipped.constraints.iter().map(|skipped| format!("*{}", skipped.keyword));
-    let mpcs = scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated().is_none());
-    let unread: BTreeSet<String> =
-        constraints.chain(mpcs.map(|mpc| format!("MPC {}", mpc.kind.name()))).collect();
+fn refuse_unread(scene: &Scene) -> Result<(), Refusal> {
+    let unread = scene.unread_constraints();
     if !unread.is_empty() {
-        let all: Vec<&str> = unread.iter().map(String::as_str).collect();
+        let all: Vec<&str> = unread.keys().map(String::as_str).collect();
         let why = format!("{}: nodes are constrained by what is not read", all.join(", "));
         return Err(Refusal::of(
             &scene.name,
@@ -244,7 +240,7 @@ fn whole(scene: &Scene) -> Result<(), Refusal> {
 
 impl<'a, R: Number> Run<'a, R> {
     pub(crate) fn new(scene: &'a Scene, model: &'a Model, options: &'a Options) -> Result<Self, Refusal> {
-        whole(scene)?;
+        refuse_unread(scene)?;
         let mechanism: Mechanism<R> = Mechanism::new(scene, model, 0)?;
         if mechanism.schedule.is_empty() {
             return Err(Refusal::of(
@@ -662,17 +658,17 @@ impl<'a, R: Number> Run<'a, R> {
             self.solution.violation = self.solution.violation.max(gap);
         }
         let six = |all: &[R; DOFS]| [all[0], all[1], all[2], all[3], all[4], all[5]];
-        let mut resting = solved.clone();
-        if self.is_still {
-            resting.accelerations.fill([R::ZERO; DOFS]);
-        }
-        let (reactions, held) =
-            (found.reactions(&self.layout, &resting), found.supported(&self.mechanism, &self.layout));
+        let accelerations = match self.is_still {
+            true => vec![[R::ZERO; DOFS]; solved.accelerations.len()],
+            false => solved.accelerations.clone(),
+        };
+        let reactions = found.reactions(&self.layout, &solved, &accelerations);
+        let held = found.supported(&self.mechanism, &self.layout);
         let nodes = self.state.poses.iter().enumerate().map(|(node, pose)| NodeFrame {
             displacement: pose.displacement,
             rotation: pose.vector,
             velocity: six(&self.state.rates[node]),
-            acceleration: six(&resting.accelerations[node]),
+            acceleration: six(&accelerations[node]),
             reaction: [0, 1, 2, 3, 4, 5].map(|k| {
                 let dof = DOFS * node + k;
                 if held[dof] { reactions[dof] } else { R::ZERO }

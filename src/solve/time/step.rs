@@ -257,8 +257,16 @@ impl<R: Number> Run<'_, R> {
 
     /// How far the nodes of a connector have turned in a step, together, where it is not about one axis.
     fn most_turned(&self, base: &State<R>, y: &[R]) -> R {
-        let (_, rates, turned) = self.unpacked(base, y, false);
-        let spins: Vec<Vector<R>> = rates.iter().map(|rates| [rates[3], rates[4], rates[5]]).collect();
+        let n = self.layout.columns.len();
+        let mut turned = vec![[R::ZERO; 3]; base.poses.len()];
+        let mut spins: Vec<Vector<R>> =
+            base.rates.iter().map(|rates| [rates[3], rates[4], rates[5]]).collect();
+        for (i, dof) in
+            self.layout.columns.iter().enumerate().filter(|(_, dof)| (3..6).contains(&(**dof % DOFS)))
+        {
+            let (node, k) = (dof / DOFS, dof % DOFS - 3);
+            (turned[node][k], spins[node][k]) = (y[i], y[n + i]);
+        }
         let both = |all: &[Vector<R>], ends: &[Option<usize>; 2]| {
             ends.map(|end| end.and_then(|n| all.get(n)).copied().unwrap_or([R::ZERO; 3]))
         };
@@ -565,7 +573,9 @@ impl<R: Number> Run<'_, R> {
                     changed |= is_beyond;
                     // Next to zero, where another has turned at the same time, there is no direction but the opposite one.
                     match (&mut *known, now) {
-                        (Some(unit), Some(now)) if is_beyond && zero.less(along_of(unit, now)) => {
+                        (Some(unit), Some(now))
+                            if is_beyond && zero.less(along_of(unit, now)) && !has(Fault::KinksApart) =>
+                        {
                             unit.iter_mut().for_each(|x| *x = -*x);
                         }
                         _ => known.clone_from(now),

@@ -106,8 +106,9 @@ impl Spectrum {
     }
 }
 
-/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles: (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a
-/// (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8).
+/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles.
+///
+/// It is (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8).
 pub(crate) struct Stages<'a> {
     spectrum: &'a Spectrum,
     eliminated: Vec<LU<Complex<f64>, Dyn, Dyn>>,
