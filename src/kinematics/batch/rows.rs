@@ -8,7 +8,7 @@ use crate::measure::Measure;
 use crate::node::{Dependence, Node, Pair};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::so3;
-use crate::vector::{Matrix, identity, product};
+use crate::vector::{Matrix, product};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -160,19 +160,17 @@ pub enum Columns<'a> {
 /// The columns θ_a, x_b, θ_b.
 pub const COMPACT: [usize; 9] = [3, 4, 5, 6, 7, 8, 9, 10, 11];
 
-/// How many states are computed at a time: they stay in the first cache with up to three rows.
+/// How many tiles are computed and written at a time: they stay in the first cache with their rows.
+const TILES: usize = 8;
+/// How many states are read before any is computed.
 const AT_ONCE: usize = 64;
 /// Of more states than the second cache holds with their rows, longer parts of their arrays are read at a time.
 const MANY: usize = 16_384;
-const AT_ONCE_OF_MANY: usize = 512;
+const AT_ONCE_OF_MANY: usize = 2048;
 
-/// How many of `count` states with so many rows are computed at a time.
-const fn at_once(count: usize, each: usize) -> usize {
-    match (count, each) {
-        (MANY.., _) => AT_ONCE_OF_MANY,
-        (_, 4..) => AT_ONCE / 2,
-        _ => AT_ONCE,
-    }
+/// How many of `count` states are read at a time.
+const fn at_once(count: usize) -> usize {
+    if count < MANY { AT_ONCE } else { AT_ONCE_OF_MANY }
 }
 
 /// Twelve columns.
@@ -205,7 +203,12 @@ impl Batch {
 
     /// How many numbers of rows a state has.
     pub fn width(&self, columns: Columns<'_>) -> usize {
-        self.places(columns).iter().map(Vec::len).sum()
+        match columns {
+            Columns::Twelve => 12 * self.rows(),
+            Columns::Fourteen => 14 * self.rows(),
+            Columns::Chosen(places) => places.len() * self.rows(),
+            Columns::Sparse => self.pattern().iter().map(Vec::len).sum(),
+        }
     }
 
     /// Values and rows of many states, into memory of the caller, in C order: those of [`Batch::rows_of`], bit by bit where triads are
@@ -278,8 +281,7 @@ impl Batch {
         {
             return Err(BatchError::Column(*place));
         }
-        let places = self.places(columns);
-        let width = places.iter().map(Vec::len).sum::<usize>();
+        let width = self.width(columns);
         same_length("values", values.len(), count.saturating_mul(each))?;
         same_length("rows", rows.len(), count.saturating_mul(width))?;
         if count == 0 || each == 0 {
@@ -287,39 +289,76 @@ impl Batch {
         }
         let work = &mut Work::new(self, states);
         let is_dense = matches!(columns, Columns::Twelve);
-        let at_once = at_once(count, each);
+        let places = if is_dense { Vec::new() } else { self.places_of_state(columns) };
+        let at_once = at_once(count);
         for first in (0..count).step_by(at_once) {
             let these = first..count.min(first + at_once);
-            let value = values.get_mut(these.start * each..these.end * each);
-            let (Some(value), Some(row)) = (value, rows.get_mut(these.start * width..these.end * width))
-            else {
-                break;
-            };
-            work.evaluate(self, states, &these)?;
-            if is_dense && these.len().is_multiple_of(LANES) {
-                work.spread(self, value, row.as_chunks_mut::<12>().0);
-                continue;
+            work.fill(self, states, &these);
+            for first in these.clone().step_by(LANES * TILES) {
+                let these = first..these.end.min(first + LANES * TILES);
+                let value = values.get_mut(these.start * each..these.end * each);
+                let (Some(value), Some(row)) = (value, rows.get_mut(these.start * width..these.end * width))
+                else {
+                    break;
+                };
+                work.evaluate(self, states, &these)?;
+                if is_dense && these.len().is_multiple_of(LANES) {
+                    spread(self, &work.found, value, row.as_chunks_mut::<12>().0);
+                    continue;
+                }
+                work.spread_apart(self);
+                let dense = work.dense.as_flattened();
+                copy(&work.values, value);
+                if is_dense {
+                    copy(dense, row);
+                    continue;
+                }
+                let states = row.chunks_exact_mut(places.len()).zip(dense.chunks_exact(12 * each));
+                for (to, from) in states {
+                    for i in 0..to.len().min(places.len()) {
+                        to[i] = from.get(places[i]).copied().unwrap_or(0.0);
+                    }
+                }
             }
-            work.spread_apart(self);
-            value.iter_mut().zip(&work.values).for_each(|(to, from)| *to = *from);
-            let found = work.dense.iter().zip(places.iter().cycle());
-            let numbers = found
-                .flat_map(|(row, places)| places.iter().map(|place| row.get(*place).copied().unwrap_or(0.0)));
-            row.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
         }
         Ok(())
     }
+
+    /// The places of the numbers of a state among its rows of twelve columns; beyond them are those that are zero.
+    fn places_of_state(&self, columns: Columns<'_>) -> Vec<usize> {
+        let of = |(row, places): (usize, Vec<usize>)| {
+            places.into_iter().map(move |j| if j < NONE { 12 * row + j } else { usize::MAX })
+        };
+        self.places(columns).into_iter().enumerate().flat_map(of).collect()
+    }
 }
+
+/// As many of the numbers as there is room for.
+fn copy(from: &[f64], to: &mut [f64]) {
+    let count = from.len().min(to.len());
+    to[..count].copy_from_slice(&from[..count]);
+}
+
+/// Values and rows that were found, state by state.
+fn spread(batch: &Batch, found: &[CompactRow], values: &mut [f64], rows: &mut [Dense]) {
+    on_unit(batch.arch, Spread { found, each: batch.rows(), values, rows });
+}
+
+const ZERO: Four = [0.0; LANES];
+const ONE: Four = [1.0; LANES];
+const IDENTITY: [[Four; 3]; 3] = [[ONE, ZERO, ZERO], [ZERO, ONE, ZERO], [ZERO, ZERO, ONE]];
+/// Nodes at the origin, along the axes.
+const STILL: Tile = Tile { reference: [ZERO; 3], displacement: [[ZERO; 3]; 2], triad: [IDENTITY, IDENTITY] };
 
 /// Room for a block of states, and for their rows.
 struct Work {
     reference: Vec<[f64; 3]>,
     displacement: [Vec<[f64; 3]>; 2],
     triad: [Vec<[f64; 9]>; 2],
-    /// x_b − x_a.
-    separation: Vec<[f64; 3]>,
     needed: Dependence,
     tiles: Vec<Tile>,
+    /// The first state of the tiles.
+    first: usize,
     sections: Vec<Section>,
     histories: Vec<History>,
     /// The rows of the tiles that there are now.
@@ -330,33 +369,26 @@ struct Work {
 
 impl Work {
     fn new(batch: &Batch, states: &States<'_>) -> Self {
-        let tiles = states.count.min(at_once(states.count, batch.rows())).div_ceil(LANES);
-        let still = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
-        let still = Tile::new(&[Pair { reference: [0.0; 3], a: still, b: still }; LANES]);
+        let tiles = states.count.min(at_once(states.count)).div_ceil(LANES);
+        let some = tiles.min(TILES);
         let needed = batch.measures().iter().map(|(_, measure)| measure.dependence());
         Self {
             reference: Vec::new(),
             displacement: [Vec::new(), Vec::new()],
             triad: [Vec::new(), Vec::new()],
-            separation: vec![[0.0; 3]; tiles * LANES],
             needed: needed.fold(Dependence::default(), Dependence::or),
-            tiles: vec![still; tiles],
-            sections: states.sections.first().map(|one| vec![*one; tiles]).unwrap_or_default(),
-            histories: states.histories.first().map(|one| vec![*one; tiles]).unwrap_or_default(),
-            found: vec![CompactRow::default(); tiles * batch.rows()],
+            tiles: vec![STILL; tiles],
+            first: 0,
+            sections: states.sections.first().map(|one| vec![*one; some]).unwrap_or_default(),
+            histories: states.histories.first().map(|one| vec![*one; some]).unwrap_or_default(),
+            found: vec![CompactRow::default(); some * batch.rows()],
             values: Vec::new(),
             dense: Vec::new(),
         }
     }
 
-    /// The rows of some states, in tiles; the last tile is filled with the last state.
-    fn evaluate(
-        &mut self,
-        batch: &Batch,
-        states: &States<'_>,
-        these: &Range<usize>,
-    ) -> Result<(), BatchError> {
-        let count = these.len().div_ceil(LANES);
+    /// Takes some states, in tiles; the last tile is filled with the last state.
+    fn fill(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
         let [a, b] = states.nodes;
         let ([x_a, x_b], [triad_a, triad_b]) = (&mut self.displacement, &mut self.triad);
         let block = Block {
@@ -367,15 +399,27 @@ impl Work {
                 b.orientation.triads(batch.arch, these, triad_b),
             ],
         };
-        let tiles = part(&mut self.tiles, count);
-        on_unit(batch.arch, Fill { block, needed: self.needed, separation: &mut self.separation, tiles });
-        let first = these.start / LANES;
+        let tiles = part(&mut self.tiles, these.len().div_ceil(LANES));
+        on_unit(batch.arch, Fill { block, needed: self.needed, tiles });
+        self.first = these.start;
+    }
+
+    /// The rows of some of these states.
+    fn evaluate(
+        &mut self,
+        batch: &Batch,
+        states: &States<'_>,
+        these: &Range<usize>,
+    ) -> Result<(), BatchError> {
+        let (count, first) = (these.len().div_ceil(LANES), these.start / LANES);
         fn of<'a, T>(all: &'a [T], shared: &'a [T], first: usize, count: usize) -> &'a [T] {
             let all = if all.len() == 1 { shared.get(..count) } else { all.get(first..first + count) };
             all.unwrap_or_default()
         }
+        let here = (these.start - self.first) / LANES;
+        let tiles = self.tiles.get(here..here + count).unwrap_or_default();
         batch.rows_of(
-            part(&mut self.tiles, count),
+            tiles,
             of(states.sections, &self.sections, first, count),
             of(states.histories, &self.histories, first, count),
             part(&mut self.found, count * batch.rows()),
@@ -384,18 +428,12 @@ impl Work {
         Ok(())
     }
 
-    /// The rows found, state by state.
-    fn spread(&self, batch: &Batch, values: &mut [f64], rows: &mut [Dense]) {
-        on_unit(batch.arch, Spread { found: &self.found, each: batch.rows(), values, rows });
-    }
-
-    /// The same, with those of the last tile that are too many, in room of its own.
+    /// The rows found, state by state, with those of the last tile that are too many, in room of their own.
     fn spread_apart(&mut self, batch: &Batch) {
         let count = self.found.len() * LANES;
         self.values.resize(count, 0.0);
         self.dense.resize(count, [0.0; 12]);
-        let (values, rows) = (&mut self.values, &mut self.dense);
-        on_unit(batch.arch, Spread { found: &self.found, each: batch.rows(), values, rows });
+        spread(batch, &self.found, &mut self.values, &mut self.dense);
     }
 }
 
@@ -444,30 +482,32 @@ impl<U: Unit, W: Moves> WithSimd for On<U, W> {
 struct Fill<'l, 'a> {
     block: Block<'a>,
     needed: Dependence,
-    separation: &'l mut [[f64; 3]],
     tiles: &'l mut [Tile],
 }
 
 impl Moves for Fill<'_, '_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn on<U: Unit>(self, unit: U) {
-        let Self { block, needed, separation, tiles } = self;
-        if needed.translation {
-            let [a, b] = block.displacement.map(<[_]>::as_flattened);
-            let nodes = block.reference.as_flattened().iter().zip(a.iter().zip(b));
-            for (to, (reference, (a, b))) in separation.as_flattened_mut().iter_mut().zip(nodes) {
-                *to = reference + (b - a);
+        let Self { block, needed, tiles } = self;
+        // By numbers: an iterator over several arrays is a call for each where another unit of the crate holds it.
+        let reference = block.reference.as_chunks::<LANES>().0;
+        let [x_a, x_b] = block.displacement.map(|of| of.as_chunks::<LANES>().0);
+        let [of_a, of_b] = block.triad.map(|of| of.as_chunks::<LANES>().0);
+        let count =
+            tiles.len().min(reference.len()).min(x_a.len()).min(x_b.len()).min(of_a.len()).min(of_b.len());
+        for i in 0..count {
+            if needed.translation {
+                let mut separation = [[0.0; 3]; LANES];
+                for lane in 0..LANES {
+                    for k in 0..3 {
+                        separation[lane][k] = reference[i][lane][k] + (x_b[i][lane][k] - x_a[i][lane][k]);
+                    }
+                }
+                fill_vector(unit, &separation, &mut tiles[i].reference);
             }
-            for (tile, of) in tiles.iter_mut().zip(separation.as_chunks::<LANES>().0) {
-                fill_vector(unit, of, &mut tile.reference);
-            }
-        }
-        for (tile, of) in tiles.iter_mut().zip(block.triad[0].as_chunks::<LANES>().0) {
-            fill_matrix(unit, of, &mut tile.triad[0]);
-        }
-        if needed.rotation {
-            for (tile, of) in tiles.iter_mut().zip(block.triad[1].as_chunks::<LANES>().0) {
-                fill_matrix(unit, of, &mut tile.triad[1]);
+            fill_matrix(unit, &of_a[i], &mut tiles[i].triad[0]);
+            if needed.rotation {
+                fill_matrix(unit, &of_b[i], &mut tiles[i].triad[1]);
             }
         }
     }
@@ -507,21 +547,29 @@ impl Moves for Spread<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn on<U: Unit>(self, unit: U) {
         let Self { found, each, values, rows } = self;
-        let states = values.chunks_exact_mut(LANES * each).zip(rows.chunks_exact_mut(LANES * each));
-        for (tile, (values, rows)) in found.chunks_exact(each).zip(states) {
-            let [v0, v1, v2, v3] = quarters(values);
-            let [r0, r1, r2, r3] = quarters(rows);
-            let values = v0.iter_mut().zip(v1).zip(v2.iter_mut().zip(v3));
-            let rows = r0.iter_mut().zip(r1).zip(r2.iter_mut().zip(r3));
-            for (row, (((v0, v1), (v2, v3)), ((r0, r1), (r2, r3)))) in tile.iter().zip(values.zip(rows)) {
-                (*v0, *v1, *v2, *v3) = (row.value[0], row.value[1], row.value[2], row.value[3]);
+        for first in (0..found.len() / each * each).step_by(each) {
+            let (states, tile) = (LANES * first..LANES * (first + each), &found[first..first + each]);
+            let (Some(values), Some(rows)) = (values.get_mut(states.clone()), rows.get_mut(states)) else {
+                return;
+            };
+            let [v0, v1, v2, v3] = quarters(values, each);
+            let [r0, r1, r2, r3] = quarters(rows, each);
+            for i in 0..each {
+                let row = &tile[i];
+                (v0[i], v1[i], v2[i], v3[i]) = (row.value[0], row.value[1], row.value[2], row.value[3]);
+                let to = [&mut r0[i], &mut r1[i], &mut r2[i], &mut r3[i]];
                 let [t1, t2, t3] = row.turning_a;
                 let [x1, x2, x3] = row.moving_b;
                 let [y1, y2, y3] = row.turning_b;
                 let of = [unit.opposite(x1), unit.opposite(x2), unit.opposite(x3), t1];
-                put(unit.transposed(of), 0, [&mut *r0, &mut *r1, &mut *r2, &mut *r3]);
-                put(unit.transposed([t2, t3, x1, x2]), 1, [&mut *r0, &mut *r1, &mut *r2, &mut *r3]);
-                put(unit.transposed([x3, y1, y2, y3]), 2, [r0, r1, r2, r3]);
+                put(
+                    [
+                        unit.transposed(of),
+                        unit.transposed([t2, t3, x1, x2]),
+                        unit.transposed([x3, y1, y2, y3]),
+                    ],
+                    to,
+                );
             }
         }
     }
@@ -529,19 +577,20 @@ impl Moves for Spread<'_> {
 
 /// The parts of four states.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn quarters<T>(of: &mut [T]) -> [&mut [T]; LANES] {
-    let each = of.len() / LANES;
+fn quarters<T>(of: &mut [T], each: usize) -> [&mut [T]; LANES] {
     let (a, rest) = of.split_at_mut(each);
     let (b, rest) = rest.split_at_mut(each);
-    let (c, d) = rest.split_at_mut(each);
-    [a, b, c, d]
+    let (c, rest) = rest.split_at_mut(each);
+    [a, b, c, rest.split_at_mut(each).0]
 }
 
-/// Four columns of four states.
+/// Twelve columns of four states.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn put(block: [Four; LANES], at: usize, [a, b, c, d]: [&mut Dense; LANES]) {
-    (a.as_chunks_mut().0[at], b.as_chunks_mut().0[at]) = (block[0], block[1]);
-    (c.as_chunks_mut().0[at], d.as_chunks_mut().0[at]) = (block[2], block[3]);
+fn put([first, second, third]: [[Four; LANES]; 3], to: [&mut Dense; LANES]) {
+    for lane in 0..LANES {
+        let (to, _) = to[lane].as_chunks_mut();
+        (to[0], to[1], to[2]) = (first[lane], second[lane], third[lane]);
+    }
 }
 
 impl<'a> Orientation<'a> {

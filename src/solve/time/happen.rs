@@ -9,7 +9,7 @@ use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
 use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::slide::length;
-use crate::motion::state::DOFS;
+use crate::motion::state::{DOFS, WORKS};
 use crate::number::{Number, largest};
 use crate::refusal::Refusal;
 use crate::time::choose::TIE;
@@ -98,6 +98,7 @@ impl<R: Number> Run<'_, R> {
                         self.stretched[s] = limit.value * limit.value / *stiffness * R::ratio(1, 2);
                     }
                     modes.frictions[s] = Mode::slips(along);
+                    self.forget_onset(s);
                     self.event(s, What::Slips, None);
                 }
             }
@@ -112,6 +113,7 @@ impl<R: Number> Run<'_, R> {
         if let Some(stiffness) = self.mechanism.stiffness.get(slider).copied() {
             return self.rests_on_spring(slider, stiffness);
         }
+        self.forget_onset(slider);
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let joint = self.mechanism.sliders[slider].joint;
         let position = found.joints[joint].position;
@@ -140,6 +142,13 @@ impl<R: Number> Run<'_, R> {
         }
         self.choose(&open)?;
         self.record(true)
+    }
+
+    /// What slips from here begins from rest, whatever way it slipped before.
+    fn forget_onset(&mut self, slider: usize) {
+        for (_, places) in self.mechanism.turning().filter(|(s, _)| *s == slider) {
+            self.state.sums[WORKS + places.start..WORKS + places.end].fill(R::ZERO);
+        }
     }
 
     /// Slip ends in elastic stick: the spring goes on with the force that friction has.
@@ -416,6 +425,7 @@ impl<R: Number> Run<'_, R> {
         let free = self.modes.without_friction();
         let found = self.assembled(&free).map_err(|trouble| self.say(trouble))?;
         self.modes.spans = self.spans(&found);
+        (0..self.mechanism.sliders.len()).for_each(|s| self.forget_onset(s));
         if !self.mechanism.stiffness.is_empty() {
             // Springs go on through impacts, and so do slips until their plastic part has ended.
             for slider in self.mechanism.sliders.iter().skip(self.modes.frictions.len()) {
