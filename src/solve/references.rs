@@ -31,6 +31,7 @@ pub static REFERENCES: &[(&str, &str)] = &[
     deck!("cross_swing"),
     deck!("cv_joint"),
     deck!("cylinder_eccentric"),
+    deck!("cylinder_wander"),
     deck!("damped_coast"),
     deck!("damper_oneway"),
     deck!("double_hinge"),
@@ -91,4 +92,5 @@ pub static REFERENCES: &[(&str, &str)] = &[
     deck!("two_blocks"),
     deck!("two_masses"),
     deck!("unbalance"),
+    deck!("wander"),
 ];

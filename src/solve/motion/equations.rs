@@ -593,7 +593,8 @@ fn direction<R: Number>(slider: &Slider, mode: &Mode<R>, along: &[R; 6], moving:
         return *along;
     }
     let size = length(moving);
-    let least = if mode.in_onset { 0.0 } else { 1e-14 };
+    // What is left of a velocity by rounding has no direction.
+    let least = if mode.in_onset { 0.0 } else { 100.0 * R::ROUNDING };
     if R::from_f64(least).less(size) { moving.map(|x| x / size) } else { *along }
 }
 

@@ -285,9 +285,8 @@ fn collocate<R: Number>(
     let tolerance = allowed.last().map_or(1.0, |last| last.to_f64());
     let differences = end.iter().zip(&other).map(|(x, y)| *x - *y);
     let part = excess(differences, allowed) * tolerance;
-    // Where motion is stiff that order is not reached.
-    let power = if is_implicit { 1.5 } else { 2.0 };
-    let error = part.powf(power) / tolerance;
+    // Where motion is stiff, or changes within the step, that order is not reached: three quarters of it are counted on.
+    let error = part.powf(1.5) / tolerance;
     let growth = match error <= 1e-30 {
         true => GROWTH,
         false => (0.9 * error.powf(-1.0 / (2.0 * stages as f64))).clamp(0.1, GROWTH),
@@ -402,7 +401,7 @@ mod tests {
         for method in [Method::Extrapolation, Method::Collocation] {
             let lost = energy_after::<f64>(method, 14, 0.1, 50);
             assert!(lost < 1e-13, "{method:?} on doubles: {lost:e}");
-            let lost = energy_after::<Wide>(method, 36, 0.1, 10);
+            let lost = energy_after::<Wide>(method, 36, 0.05, 20);
             assert!(lost < 1e-35, "{method:?} on 237 bits: {lost:e}");
         }
     }

@@ -186,7 +186,7 @@ impl<R: Number> Run<'_, R> {
         let size = |dof: usize| if dof % DOFS < 3 || dof % DOFS == 6 { length } else { 1.0 };
         let energy = larger(self.kinetic.magnitude(), largest(self.state.sums.iter().take(WORKS).copied()));
         let energy = energy.to_f64().max(1e-6 * self.work());
-        let speed = self.speed();
+        let speed = self.usual_speed();
         let each = (0..y.len()).map(|i| {
             let scale = if i < n {
                 size(self.layout.columns[i])
@@ -220,6 +220,14 @@ impl<R: Number> Run<'_, R> {
             rates.iter().enumerate().map(move |(k, x)| x.to_f64().abs() / if k < 3 { length } else { 1.0 })
         });
         all.fold(self.fastest.max(1e-12), f64::max)
+    }
+
+    /// The same, but no less than what goes a thousandth of a length within a step of the scene: what sets out from rest would be lost in
+    /// rounding.
+    fn usual_speed(&self) -> f64 {
+        const PACE: f64 = 1e-3;
+        let span = self.mechanism.schedule.span(self.step);
+        span.map_or(0.0, |([from, to], _)| PACE / (to - from)).max(self.speed())
     }
 
     pub(crate) fn tried(
@@ -295,6 +303,8 @@ impl<R: Number> Run<'_, R> {
     fn leave_onsets(&mut self) -> Result<(), Refusal> {
         /// What moves faster than this part of the largest speed has been moving.
         const MOVES: f64 = 1e-9;
+        /// Below so many roundings of the largest speed is rest.
+        const ROUNDINGS: f64 = 1e4;
         /// From this part of the largest speed on the direction of a velocity is exact enough.
         const CLEAR: f64 = 1e-3;
         /// Within a step a direction decays less often than this to where it belongs.
@@ -325,10 +335,11 @@ impl<R: Number> Run<'_, R> {
                     false => !is_clear || is_stiff,
                 };
             self.modes.frictions[s].in_onset = begins;
+            let is_moving = is_at_rest && speed > ROUNDINGS * R::ROUNDING * self.usual_speed();
             for ((k, _), place) in self.mechanism.sliders[s].components.iter().zip(places) {
                 let sum = &mut self.state.sums[place];
                 *sum = match begins {
-                    true if is_clear => moving[*k],
+                    true if is_clear || is_moving => moving[*k],
                     true => *sum,
                     false => R::ZERO,
                 };
