@@ -35,7 +35,7 @@ mod share;
 pub mod singular;
 
 pub use candidate::{
-    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent,
+    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent, values_before,
 };
 pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;
@@ -49,7 +49,7 @@ pub use judge::comparison::{Compared, Comparison};
 pub use judge::outcome::{Against, Check, Report, Subject};
 pub use judge::verdict::{Fared, Finding, Judgement, Score, Verdict};
 pub use laws::Invariant;
-pub use measured::{AgainstTruth, Measured, against_truth};
+pub use measured::{AgainstTruth, Measured, against_truth, others_against_truth};
 pub use mpc::ConstraintNumbers;
 pub use mutants::diagnosis::{Cause, Diagnosis, Explained};
 pub use oracles::force::product_with_forces as product;

@@ -1,5 +1,6 @@
 //! Values and rows of one state against 237 bits, without mutants: what a sweep over very many states asks of each that it judges.
 
+use crate::candidate::Given;
 use crate::case::Case;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::judge::components::{AtRotations, Surroundings};
@@ -34,6 +35,15 @@ pub struct AgainstTruth {
 /// differences off the singular sets: equal to far below rounding, and second differences cost most of the time. And no referee
 /// excuses what is wrong by what another oracle says. `None` for an empty path.
 pub fn against_truth(case: &Case, numbers: &Numbers<f64>) -> Option<AgainstTruth> {
+    judged(case, numbers, false)
+}
+
+/// The same of somebody else's routine, by the bound of others. What it does not give is not judged.
+pub fn others_against_truth(case: &Case, given: &Given) -> Option<AgainstTruth> {
+    judged(case, given.numbers(), true)
+}
+
+fn judged(case: &Case, numbers: &Numbers<f64>, is_of_others: bool) -> Option<AgainstTruth> {
     let (narrow, truth) = (Narrow::of(case)?, Truth::of(case)?);
     let nearness = truth.nearness_of_components();
     let dual = truth.dual_functions();
@@ -43,6 +53,7 @@ pub fn against_truth(case: &Case, numbers: &Numbers<f64>) -> Option<AgainstTruth
     }
     let examined = Examined::new(case, numbers, Trusted::Wide(trusted), &narrow, &nearness)?;
     let (examined, sides) = examined.on_sets(Some(&truth));
+    let examined = if is_of_others { examined.of_others() } else { examined };
     let bound = &examined.bound;
     let rotations = AtRotations::new(case);
     let exact = |quantity: Quantity| rotations.exact(quantity);

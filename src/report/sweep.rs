@@ -84,6 +84,9 @@ pub fn human(
         both(|verdict| verdict == Verdict::Undecided),
         both(Verdict::is_mismatch),
     )?;
+    if summary.subjects.iter().any(|of| of.outside > 0) {
+        writeln!(out, "outside   {} states, which the routine does not cover", all(&|of| of.outside))?;
+    }
     for of in summary.subjects.iter().filter(|of| of.wrong > 0) {
         wrong(out, of)?;
     }
@@ -95,6 +98,9 @@ pub fn human(
 fn wrong(out: &mut dyn Write, of: &OfSubject) -> io::Result<()> {
     if let Some(index) = of.first_not_finite {
         writeln!(out, "{}: state {index} has a number that is not finite", of.name)?;
+    }
+    if let Some(index) = of.first_wrong {
+        writeln!(out, "{}: the first wrong state is {index}: --state {index} prints it", of.name)?;
     }
     let laws =
         [(&of.rigid, "a rigid motion changes a value"), (&of.frame, "turning both nodes changes numbers")];

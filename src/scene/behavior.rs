@@ -89,6 +89,21 @@ impl Behavior {
         .filter(|(_, count)| *count > 0)
     }
 
+    /// Lower and upper limit of each component's position (CP): of several stops the tighter ones. `None` where there is no stop.
+    #[must_use]
+    pub fn limits_of_stops(&self) -> [Option<[Option<f64>; 2]>; 6] {
+        let mut all = [None; 6];
+        for stop in &self.stops {
+            let Some(limits) = all.get_mut(usize::from(stop.component).wrapping_sub(1)) else { continue };
+            let [lower, upper] = limits.unwrap_or([None; 2]);
+            let tighter = |known: Option<f64>, new: Option<f64>, of: fn(f64, f64) -> f64| {
+                known.map_or(new, |known| Some(new.map_or(known, |new| of(known, new))))
+            };
+            *limits = Some([tighter(lower, stop.lower, f64::max), tighter(upper, stop.upper, f64::min)]);
+        }
+        all
+    }
+
     /// The number of items under `*CONNECTOR FRICTION, PREDEFINED`, without empty ones at the end; none if the behaviour has
     /// no predefined friction.
     #[must_use]

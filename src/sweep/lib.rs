@@ -20,6 +20,7 @@ pub mod folder;
 pub mod philox;
 pub mod plan;
 pub mod ranges;
+pub mod routine;
 pub mod states;
 pub mod summary;
 pub mod sweep;
@@ -30,6 +31,7 @@ pub mod whole;
 pub use folder::Folder;
 pub use plan::{Plan, Subject};
 pub use ranges::Ranges;
+pub use routine::{Routine, Routines};
 pub use summary::{OfLaw, OfQuantity, OfSubject, Summary, Worst};
 pub use sweep::Sweep;
 
@@ -60,6 +62,9 @@ pub enum SweepError {
         /// How many.
         count: u64,
     },
+    /// A routine that does not answer as it should.
+    #[error("{0}")]
+    Routine(String),
     /// A folder that cannot be read.
     #[error("cannot read {0}: {1}")]
     Unread(String, std::io::Error),

@@ -33,6 +33,9 @@ pub struct Plan {
     pub share: f64,
     /// The SHA-256 of all that defines the connectors: those of types are drawn by sines, cosines and powers, which a machine may round otherwise.
     pub definitions: String,
+    /// Whose numbers are swept: the command of a routine; none for pintle's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub routine: Option<String>,
     /// What is summed up by itself.
     pub subjects: Vec<Subject>,
 }
@@ -106,10 +109,17 @@ impl Plan {
             seed: seed.into(),
             share,
             definitions: String::new(),
+            routine: None,
             subjects,
         };
         (_, plan.definitions) = plan.connectors()?;
         Ok(plan)
+    }
+
+    /// The same of somebody's routine.
+    #[must_use]
+    pub fn of_routine(self, routine: Option<String>) -> Self {
+        Self { routine, ..self }
     }
 
     /// The connectors by subject, and the SHA-256 of all that defines them.
@@ -131,6 +141,9 @@ impl Plan {
         }
         if self.seed != other.seed {
             found.push(format!("the seed {:?} in place of {:?}", other.seed, self.seed));
+        }
+        if self.routine != other.routine {
+            found.push("the numbers of another routine".into());
         }
         if self.share.to_bits() != other.share.to_bits() {
             found.push(format!("the share {} in place of {}", other.share, self.share));

@@ -215,6 +215,22 @@ pub struct OfSubject {
     pub row: OfQuantity,
     /// The states at which anything is wrong, each counted once.
     pub wrong: u64,
+    /// The first state at which a number of a routine is wrong.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_wrong: Option<u64>,
+    /// The states outside the domain of a routine, of which nothing else is known.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub outside: u64,
+}
+
+/// The smaller index.
+fn first(known: Option<u64>, other: Option<u64>) -> Option<u64> {
+    known.zip(other).map(|(a, b)| a.min(b)).or(known).or(other)
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
+const fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl OfSubject {
@@ -224,10 +240,8 @@ impl OfSubject {
         }
         self.numbers += other.numbers;
         self.not_finite += other.not_finite;
-        self.first_not_finite = match (self.first_not_finite, other.first_not_finite) {
-            (Some(a), Some(b)) => Some(a.min(b)),
-            (a, b) => a.or(b),
-        };
+        self.first_not_finite = first(self.first_not_finite, other.first_not_finite);
+        self.first_wrong = first(self.first_wrong, other.first_wrong);
         self.turned.merge(&other.turned);
         self.apart.merge(&other.apart);
         self.rigid.merge(&other.rigid);
@@ -236,6 +250,7 @@ impl OfSubject {
         self.value.merge(&other.value);
         self.row.merge(&other.row);
         self.wrong += other.wrong;
+        self.outside += other.outside;
     }
 
     /// The states of it.

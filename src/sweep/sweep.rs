@@ -3,10 +3,11 @@
 use crate::SweepError;
 use crate::plan::{Plan, sha256};
 use crate::ranges::{Ranges, checked};
+use crate::routine::{Due, Routines};
 use crate::states::{Drawn, Source};
 use crate::summary::{OfSubject, Summary};
 use pintle_audit::sampling::cube_orientations;
-use pintle_audit::{C, Case, Entries, Numbers, Quantity, against_truth};
+use pintle_audit::{C, Case, Entries, Given, Numbers, Quantity, against_truth, others_against_truth};
 use pintle_kinematics::batch::{
     Batch, COLUMNS, Four, Fours, HessianRow, History, LANES, Row, Section, Tile, vector_unit,
 };
@@ -29,6 +30,19 @@ const PIECE: u64 = 4096;
 
 /// One block of so many is turned as a whole, and computed again.
 const TURNED: u64 = 16;
+
+/// Numbers of a routine may be so many roundings of the audit's scale off ours: its own are within three times C, ours within C. What is
+/// further, 237 bits judge.
+const APART: f64 = 2.0 * C;
+
+/// What is so far off is wrong, whatever 237 bits say.
+const FAR: f64 = 1e6;
+
+/// On a singular set there is no scale: 237 bits judge.
+const BESIDE: f64 = FAR;
+
+/// As near to a singular set (rad, or lengths) 237 bits judge whatever is apart.
+const NEAR: f64 = 1e-6;
 
 /// How many roundings may be left of a row along rotations, of all that is added up.
 ///
@@ -186,12 +200,26 @@ impl Sweep {
         count: u64,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Summary, SweepError> {
+        self.run_of(first, count, progress, None)
+    }
+
+    /// The same of the numbers of somebody's routine, where one is given.
+    ///
+    /// # Errors
+    /// As [`checked`], and [`SweepError::Routine`].
+    pub fn run_of(
+        &self,
+        first: u64,
+        count: u64,
+        progress: &(dyn Fn(u64) + Sync),
+        routines: Option<&Routines<'_>>,
+    ) -> Result<Summary, SweepError> {
         let end = checked(first, count)?;
         let pieces = first / PIECE..end.div_ceil(PIECE);
         let done = |mut summary: Summary, piece: u64| {
             let range = first.max(piece * PIECE)..end.min((piece + 1) * PIECE);
             let some = range.end - range.start;
-            self.piece(range, &mut summary);
+            self.piece(range, &mut summary, routines)?;
             progress(some);
             Ok(summary)
         };
@@ -208,8 +236,17 @@ impl Sweep {
     }
 
     fn connector_of(&self, index: u64) -> Option<&Ready> {
-        let count = self.connectors.len() as u64;
-        self.connectors.get((index / BLOCK).checked_rem(count)? as usize)
+        self.connectors.get(self.place_of(index)?)
+    }
+
+    /// The place of the connector that a state is of.
+    fn place_of(&self, index: u64) -> Option<usize> {
+        (index / BLOCK).checked_rem(self.connectors.len() as u64).map(|place| place as usize)
+    }
+
+    /// What defines the connector at a place.
+    pub(crate) fn definition_at(&self, place: usize) -> Option<&Definition> {
+        self.connectors.get(place).map(|ready| &ready.source.definition)
     }
 
     /// Whether a state is judged on 237 bits: a matter of its index alone.
@@ -226,19 +263,30 @@ impl Sweep {
         self.cubes.get(at as usize).copied().filter(|_| drawn.is_multiple_of(TURNED))
     }
 
-    fn piece(&self, range: Range<u64>, summary: &mut Summary) {
+    fn piece(
+        &self,
+        range: Range<u64>,
+        summary: &mut Summary,
+        routines: Option<&Routines<'_>>,
+    ) -> Result<(), SweepError> {
         let mut room = Room::default();
         let mut from = range.start;
         while from < range.end {
             let to = ((from / BLOCK + 1) * BLOCK).min(range.end);
-            let Some(ready) = self.connector_of(from) else { return };
+            let (Some(ready), Some(place)) = (self.connector_of(from), self.place_of(from)) else { break };
             if let Some(of) = summary.subjects.get_mut(ready.subject) {
-                let hash = self.block(ready, from..to, &mut room, of);
+                let hash = match routines {
+                    Some(routines) => {
+                        self.block_of_routine(ready, from..to, &mut room, of, (routines, place))?
+                    }
+                    None => self.block(ready, from..to, &mut room, of),
+                };
                 summary.fingerprint = summary.fingerprint.wrapping_add(hash);
             }
             from = to;
         }
         summary.states.add(&Ranges::of(range.start, range.end - range.start));
+        Ok(())
     }
 
     /// The states of one block, and the sum of their hashes.
@@ -281,7 +329,7 @@ impl Sweep {
                 let Some(drawn) = room.drawn.get(at).filter(|_| range.contains(&index)) else { continue };
                 // On a singular set rounding decides values, and the sign of a zero may.
                 if seen.frame[lane].is_some_and(|frame| frame > FRAME)
-                    && ready.is_singular(drawn, room.branches.get(at).unwrap_or(&ready.branch))
+                    && ready.distance(drawn, room.branches.get(at).unwrap_or(&ready.branch)) <= 0.0
                 {
                     seen.frame[lane] = None;
                 }
@@ -299,6 +347,74 @@ impl Sweep {
         }
         sum
     }
+
+    /// The same of a routine: asked at every state, compared with our own numbers where a batch has them, and judged on 237 bits where it is
+    /// further from these than two right ones can be, and at the share.
+    fn block_of_routine(
+        &self,
+        ready: &Ready,
+        range: Range<u64>,
+        room: &mut Room,
+        of: &mut OfSubject,
+        (routines, place): (&Routines<'_>, usize),
+    ) -> Result<u64, SweepError> {
+        const FOUR: u64 = LANES as u64;
+        let whole = range.start / FOUR * FOUR..range.end.div_ceil(FOUR) * FOUR;
+        room.drawn.clear();
+        room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
+        room.follow(ready);
+        room.hessians.clear();
+        let rows = ready.batch.as_ref().map_or(0, Batch::rows);
+        if let Some(batch) = &ready.batch {
+            room.hessians.resize(rows * room.tiles.len(), HessianRow::default());
+            let done = batch.rows_of(&room.tiles, &room.sections, &room.histories, &mut room.hessians);
+            debug_assert_eq!(done, Ok(()), "the slices have been made for each other");
+        }
+        let at = |index: u64| (index - whole.start) as usize;
+        let drawn = |index: u64| room.drawn.get(at(index)).map(|drawn| (index, drawn));
+        let asked: Vec<(u64, &Drawn)> = range.clone().filter_map(drawn).collect();
+        let cases: Vec<Case> =
+            asked.iter().map(|(index, drawn)| ready.source.case(&of.name, *index, drawn)).collect();
+        let (answers, due) = routines.ask(self, place, &cases)?;
+        let mut sum = 0_u64;
+        for (((index, drawn), case), given) in asked.iter().zip(&cases).zip(answers) {
+            let Some(given) = given.map(|given| given.on_sheet_of(case)) else {
+                *of.places.entry(drawn.place).or_default() += 1;
+                of.outside += 1;
+                continue;
+            };
+            let branch = room.branches.get(at(*index)).unwrap_or(&ready.branch);
+            let lane = at(*index) % LANES;
+            let own = room.hessians.get(at(*index) / LANES * rows..).and_then(|own| own.get(..rows));
+            let own = own.filter(|own| !own.is_empty());
+            let read = ready.read(&given, due);
+            let mut seen = Seen { hash: [0; LANES], finite: [0.0; LANES], rigid: None, frame: [None; LANES] };
+            (seen.hash[lane], seen.finite[lane]) = (read.hash, read.finite);
+            sum = sum.wrapping_add(splitmix64(read.hash ^ splitmix64(*index)));
+            let mut is_wrong = of.add(drawn, *index, (&seen, lane), ready.source.length);
+            of.numbers += read.numbers;
+            let apart = own.map_or(0.0, |own| ready.apart(&given, (own, lane), branch, case.length));
+            // Next to a singular set another number may be as right.
+            let is_far = apart > FAR && ready.distance(drawn, branch) > NEAR;
+            is_wrong |= is_far;
+            if self.is_judged(*index) || (apart > APART && !is_far) {
+                is_wrong |= ready.judge_routine(&given, case, *index, of);
+            }
+            if is_wrong {
+                of.wrong += 1;
+                of.first_wrong = Some(of.first_wrong.map_or(*index, |first| first.min(*index)));
+            }
+        }
+        Ok(sum)
+    }
+}
+
+/// What is read off the numbers of a routine at a state.
+struct Read {
+    hash: u64,
+    /// Zero, or not a number: where something is missing that is due, too.
+    finite: f64,
+    numbers: u64,
 }
 
 /// A function of the machine, of which no standard says how it rounds.
@@ -448,10 +564,79 @@ impl Ready {
         if winds { f64::with_turns(value, branch.turns[k].turns) } else { value }
     }
 
-    /// Whether a state lies on a singular set, as far as doubles can tell.
-    fn is_singular(&self, drawn: &Drawn, branch: &Branch<f64>) -> bool {
+    /// How far a state is from the nearest singular set, as far as doubles can tell.
+    fn distance(&self, drawn: &Drawn, branch: &Branch<f64>) -> f64 {
         let margins = self.connector.margins(&drawn.state(), branch, [true; 6]);
-        margins.iter().flatten().any(|margin| margin.distance <= 0.0)
+        margins.iter().flatten().map(|margin| margin.distance).fold(f64::INFINITY, f64::min)
+    }
+
+    fn read(&self, given: &Given, due: Due) -> Read {
+        let mut read = Read { hash: 0, finite: 0.0, numbers: 0 };
+        for (quantity, is_due) in [(Quantity::Value, due.values), (Quantity::FirstDerivatives, due.rows)] {
+            for (k, (entries, factors)) in
+                given.numbers().entries(quantity).0.iter().zip(&FACTORS).enumerate()
+            {
+                let measure = self.connector.differentiated(k);
+                let is_form = quantity == Quantity::Value && measure.is_some_and(|of| of.is_one_form());
+                if entries.is_none() && is_due && due.components[k] && measure.is_some() && !is_form {
+                    read.finite = f64::NAN;
+                }
+                let first = usize::from(quantity == Quantity::FirstDerivatives);
+                for (x, factor) in entries.iter().flatten().zip(factors.iter().skip(first)) {
+                    read.hash = read.hash.wrapping_add(x.to_bits().wrapping_mul(*factor));
+                    read.finite += x * 0.0;
+                    read.numbers += 1;
+                }
+            }
+        }
+        read
+    }
+
+    /// How far numbers of a routine are from our own, in roundings of the audit's scale; [`BESIDE`] where that has no end.
+    fn apart(
+        &self,
+        given: &Given,
+        (own, lane): (&[HessianRow], usize),
+        branch: &Branch<f64>,
+        length: f64,
+    ) -> f64 {
+        let size = |j: usize| if (j / 3).is_multiple_of(2) { length } else { 1.0 };
+        let mut most = 0.0_f64;
+        let mut add = |off: f64, scale: f64| most = most.max(in_units(off, scale).unwrap_or(BESIDE));
+        let measures = self.batch.iter().flat_map(Batch::measures);
+        for ((k, measure), HessianRow { row, hessian }) in measures.zip(own) {
+            let sum = |of: &[Four; 12]| (0..12).map(|j| of[j][lane].abs() * size(j)).sum::<f64>();
+            let value = self.counted(*k, row.value[lane], branch);
+            let scale = row.value[lane].abs().max(value.abs()) + sum(&row.columns);
+            if let Some(other) = given.numbers().entries(Quantity::Value).get(*k, 0) {
+                let mut off = (value - other).abs();
+                if measure.winds() {
+                    off = off.min((off - TAU).abs());
+                }
+                add(off, scale);
+            }
+            let Some(entries) = given.numbers().entries(Quantity::FirstDerivatives).0.get(*k) else {
+                continue;
+            };
+            let Some(entries) = entries else { continue };
+            for (place, (column, bent)) in row.columns.iter().zip(hessian).enumerate() {
+                let j = COLUMNS[place];
+                let own = if self.connector.active()[j] { column[lane] } else { 0.0 };
+                let Some(other) = entries.get(j) else { continue };
+                add((own - other).abs(), scale / size(place) + sum(bent));
+            }
+        }
+        most
+    }
+
+    /// What 237 bits say of the numbers of a routine, and whether they are wrong.
+    fn judge_routine(&self, given: &Given, case: &Case, index: u64, of: &mut OfSubject) -> bool {
+        let Some(found) = others_against_truth(case, given) else { return false };
+        let [value, row] = &found.found;
+        of.judged += 1;
+        of.value.add(found.nearness, value, index);
+        of.row.add(found.nearness, row, index);
+        found.found.iter().any(|measured| measured.verdict.is_mismatch())
     }
 
     /// What 237 bits say of the numbers of a lane, and whether they are wrong.

@@ -163,3 +163,47 @@ fn what_is_wrong_ends_with_code_one() {
     let sound = run(&["sweep", "CARDAN", "--states", "3200", "--oracle-share", "0.02"]);
     assert!(sound.status.success());
 }
+
+/// A routine of somebody else: a right one, one that is wrong everywhere, and one that is wrong at a few states, which no share has to meet.
+#[test]
+fn a_routine_is_swept() {
+    let path = folder("routine");
+    fs::create_dir_all(&path).expect("a folder");
+    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/elements");
+    let rare = "import sys\nsys.path.insert(0, OWN)\nfrom my_elements import cartesian, without_arm\n\
+        def rare(state, connector):\n    values, rows = cartesian(state, connector)\n    \
+        if abs(state['b']['x'][0] - state['a']['x'][0]) < 2e-3:\n        rows[1][3] += 1e-9\n    return values, rows\n\
+        def nowhere(state, connector):\n    raise ValueError('no')\n";
+    fs::write(path.join("mine.py"), rare.replace("OWN", &format!("{own:?}"))).expect("a module");
+    let sweep = |function: &str, more: &[&str]| {
+        let python = format!("mine:{function}");
+        let words = ["sweep", "CARTESIAN", "--python", &python, "--states", "6000"];
+        let words: Vec<&str> = words.into_iter().chain(more.iter().copied()).collect();
+        pintle(&words).current_dir(&path).output().expect("it runs")
+    };
+    let right = sweep("cartesian", &["--oracle-share", "0.01"]);
+    assert!(right.status.success(), "{}", String::from_utf8_lossy(&right.stderr));
+    assert!(line(&right, "CARTESIAN").trim_end().ends_with(" 0"), "{}", line(&right, "CARTESIAN"));
+    // The same numbers in chunks, on one thread.
+    let parts = sweep("cartesian", &["--oracle-share", "0.01", "--chunk", "700"]);
+    assert_eq!(line(&parts, "digest"), line(&right, "digest"));
+    let wrong = sweep("without_arm", &["--oracle-share", "0"]);
+    assert_eq!(wrong.status.code(), Some(1));
+    assert!(line(&wrong, "CARTESIAN").trim_end().ends_with(" 6,000"), "{}", line(&wrong, "CARTESIAN"));
+    let some = sweep("rare", &["--oracle-share", "0"]);
+    assert_eq!(some.status.code(), Some(1));
+    let table = line(&some, "CARTESIAN");
+    let count: u64 =
+        table.split_whitespace().next_back().and_then(|last| last.parse().ok()).expect("a count");
+    assert!((1..200).contains(&count), "{table}");
+    assert!(
+        line(&some, "CARTESIAN: ").contains("the first wrong state is"),
+        "{}",
+        line(&some, "CARTESIAN: ")
+    );
+    let none = sweep("nowhere", &[]);
+    assert_eq!(none.status.code(), Some(6), "{}", String::from_utf8_lossy(&none.stderr));
+    let unnamed = run(&["sweep", "--python", "mine:cartesian"]);
+    assert_eq!(unnamed.status.code(), Some(2));
+    fs::remove_dir_all(path).expect("a folder");
+}

@@ -1,7 +1,7 @@
 //! What a routine is asked, and what it may give.
 
-use crate::case::Step;
 use crate::case::quantity::{Entries, Numbers, Quantity};
+use crate::case::{Case, Step};
 use pintle_kinematics::connector::{Components, NodalMatrix, NodalRow, State};
 use pintle_kinematics::node::DOFS;
 
@@ -131,6 +131,19 @@ impl Given {
     #[must_use]
     pub fn element_stiffness(mut self, stiffness: NodalMatrix<f64>) -> Self {
         self.1.stiffness = Some(stiffness);
+        self
+    }
+
+    /// Values, rows and all else but what an element of springs gives as a whole.
+    pub const fn numbers(&self) -> &Numbers<f64> {
+        &self.0
+    }
+
+    /// As they are compared where whole turns of angles are no error: angles on the sheet of the right ones, columns of the ground zero.
+    #[must_use]
+    pub fn on_sheet_of(mut self, case: &Case) -> Self {
+        self.without_ground(case.definition.moves);
+        self.continue_angles(case);
         self
     }
 

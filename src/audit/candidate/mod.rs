@@ -674,17 +674,8 @@ impl<'a> Candidate<'a> {
 impl Asked {
     /// With what is right at the state before its end.
     fn new(number: usize, case: Case) -> Self {
-        let mut before = case.clone();
-        before.path.pop();
-        if before.path.is_empty() {
-            let pair = case.definition.initial;
-            before.path.push(Step::between(&pair, pair));
-        }
-        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let found = before.evaluation(&asked).map(|(found, _)| found);
-        let of =
-            |found: Evaluation<f64>| std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
-        Self { number, case, values_before: found.map_or([None; 6], of) }
+        let values_before = values_before(&case);
+        Self { number, case, values_before }
     }
 
     fn question<'a>(&'a self, wants: &'a [Quantity]) -> Option<Question<'a>> {
@@ -692,6 +683,20 @@ impl Asked {
         let Self { number, values_before, .. } = *self;
         Some(Question { number, step, path, values_before, wants, is_drawn: true })
     }
+}
+
+/// What is right at the state before the end of a case: residuals of constrained components, displacements of others.
+pub fn values_before(case: &Case) -> Components<f64> {
+    let mut before = case.clone();
+    before.path.pop();
+    if before.path.is_empty() {
+        let pair = case.definition.initial;
+        before.path.push(Step::between(&pair, pair));
+    }
+    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+    let found = before.evaluation(&asked).map(|(found, _)| found);
+    let of = |found: Evaluation<f64>| std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
+    found.map_or([None; 6], of)
 }
 
 impl Given {

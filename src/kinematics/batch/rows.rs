@@ -313,7 +313,8 @@ impl Batch {
                     copy(dense, row);
                     continue;
                 }
-                let states = row.chunks_exact_mut(places.len()).zip(dense.chunks_exact(12 * each));
+                // None may be chosen.
+                let states = row.chunks_exact_mut(places.len().max(1)).zip(dense.chunks_exact(12 * each));
                 for (to, from) in states {
                     for i in 0..to.len().min(places.len()) {
                         to[i] = from.get(places[i]).copied().unwrap_or(0.0);

@@ -3,10 +3,12 @@
 //! Linear, F_i = C_ii v_i or F_i = Σ C_ij v_j over the available components, or a table over the component's own velocity and,
 //! besides, positions or constitutive displacements of several components.
 //!
+//! Dampings of one component add, coupled ones and others.
+//!
 //! `TYPE=STRUCTURAL` is damping proportional to the displacement in a harmonic response, a complex stiffness D (1 + i s). It gives no
 //! force in time, and none here; [`Damping::structural`] says that there is one.
 
-use crate::behavior::law::{Driver, Law, check_single, merged};
+use crate::behavior::law::{self, Driver, Law, merged};
 use crate::behavior::{Conditions, Forces, Motion};
 use pintle_kinematics::connector::Mask;
 use pintle_kinematics::scalar::Scalar;
@@ -24,25 +26,23 @@ impl Damping {
     /// The dampings that a deck gives, for a type with these available components.
     ///
     /// # Errors
-    /// Tables out of order or incomplete; a component that is not available; two dampings of one kind on one component.
+    /// Tables out of order or incomplete; a component that is not available.
     pub fn new(
         given: &[scene::Damping],
         available: Mask,
         defaults: &TableOptions,
     ) -> Result<Self, Diagnostic> {
         let mut laws = Vec::new();
-        let mut structural = Vec::new();
+        let mut structural = 0;
         for damping in given {
             let options = [&damping.table, defaults];
             let law = Law::new(&damping.law, Driver::Velocity, available, options, damping.span)?;
             match damping.kind {
-                DampingKind::Viscous => laws.push((law, damping.span)),
-                DampingKind::Structural => structural.push((law, damping.span)),
+                DampingKind::Viscous => laws.push(law),
+                DampingKind::Structural => structural += 1,
             }
         }
-        check_single(&laws, "dampings")?;
-        check_single(&structural, "structural dampings")?;
-        Ok(Self { laws: laws.into_iter().map(|(law, _)| law).collect(), structural: structural.len() })
+        Ok(Self { laws, structural })
     }
 
     /// The components that have a viscous force.
@@ -70,8 +70,8 @@ impl Damping {
     }
 
     /// The components whose force is a table over their own velocity, with the rows where its slope jumps.
-    pub fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> + '_ {
-        self.laws.iter().filter_map(Law::rows)
+    pub fn rows(&self) -> Vec<(usize, Vec<f64>)> {
+        law::rows(&self.laws)
     }
 
     /// The laws, each by itself.

@@ -4,13 +4,15 @@
 //! reference (CCU). Or a table over the component's own displacement, or over positions or constitutive displacements of several
 //! components. A table need not pass through zero.
 //!
+//! *Several.* Elasticities of one component add, coupled ones and others.
+//!
 //! *Frequency.* Coefficients that depend on the frequency are taken at zero frequency, as in every procedure that is not a harmonic
 //! response.
 //!
 //! *RIGID.* The solver chooses a stiff spring, of a stiffness that is not documented. Here the component is kept at its
 //! reference: its residual is CCU, and its elastic force is what a given total force leaves for it; motions alone do not tell it.
 
-use crate::behavior::law::{Driver, Law, check_single, merged};
+use crate::behavior::law::{self, Driver, Law, merged};
 use crate::behavior::{Conditions, Forces, Motion};
 use pintle_kinematics::connector::Mask;
 use pintle_kinematics::scalar::Scalar;
@@ -27,7 +29,7 @@ impl Elasticity {
     /// The elasticities that a deck gives, for a type with these available components.
     ///
     /// # Errors
-    /// Tables out of order or incomplete; a component that is not available; two elasticities of one component.
+    /// Tables out of order or incomplete; a component that is not available.
     pub fn new(
         given: &[scene::Elasticity],
         available: Mask,
@@ -37,10 +39,9 @@ impl Elasticity {
         for elasticity in given {
             let options = [&elasticity.table, defaults];
             let law = Law::new(&elasticity.law, Driver::Displacement, available, options, elasticity.span)?;
-            laws.push((law, elasticity.span));
+            laws.push(law);
         }
-        check_single(&laws, "elasticities")?;
-        Ok(Self { laws: laws.into_iter().map(|(law, _)| law).collect() })
+        Ok(Self { laws })
     }
 
     /// The components that have an elastic force.
@@ -68,8 +69,8 @@ impl Elasticity {
     }
 
     /// The components whose force is a table over their own displacement, with the rows where its slope jumps.
-    pub fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> + '_ {
-        self.laws.iter().filter_map(Law::rows)
+    pub fn rows(&self) -> Vec<(usize, Vec<f64>)> {
+        law::rows(&self.laws)
     }
 
     /// The laws, each by itself.

@@ -2,7 +2,7 @@
 
 use crate::behavior::table::{Kink, Table, Variable};
 use crate::behavior::{Conditions, Forces, Motion, Unknown};
-use pintle_kinematics::connector::{Components, Mask};
+use pintle_kinematics::connector::Mask;
 use pintle_kinematics::scalar::{Real, Scalar};
 use pintle_scene as scene;
 use pintle_scene::{Basis, Code, Diagnostic, Extrapolation, Independent, Row, Span, TableOptions};
@@ -171,11 +171,12 @@ impl Law {
         table.depends_on().find_map(|variable| conditions.lacks(variable))
     }
 
-    /// The forces of the law, beside those of other components.
+    /// The forces of the law, added to those of others. A sum of which a part is not known is not known.
     pub(super) fn add<S: Scalar>(&self, motion: &Motion<S>, conditions: &Conditions, forces: &mut Forces<S>) {
         let unknown = self.unknown(conditions);
-        // A component has one law: `check_single`.
-        let mut put = |k: usize, force: S| forces.value[k] = Some(force);
+        let mut put = |k: usize, force: S| {
+            forces.value[k] = Some(forces.value[k].map_or(force, |others| others + force));
+        };
         if unknown.is_none() {
             let x = self.driver.of(motion);
             match &self.kind {
@@ -200,6 +201,9 @@ impl Law {
         }
         for k in (0..6).filter(|k| self.components()[*k]) {
             forces.unknown[k] = forces.unknown[k].or(unknown);
+            if forces.unknown[k].is_some() {
+                forces.value[k] = None;
+            }
         }
     }
 
@@ -245,7 +249,7 @@ impl Law {
     }
 
     /// The component whose force is a table over its own displacement or velocity alone, with the rows where its slope jumps.
-    pub(super) fn rows(&self) -> Option<(usize, Vec<f64>)> {
+    fn rows(&self) -> Option<(usize, Vec<f64>)> {
         match &self.kind {
             Kind::Nonlinear { component, table, axes } if axes.as_slice() == [Axis::Own] => {
                 Some((*component, table.rows(Variable::Column(0))))
@@ -411,20 +415,20 @@ pub(super) fn merged(masks: impl Iterator<Item = Mask>) -> Mask {
     masks.fold([false; 6], |sum, mask| [0, 1, 2, 3, 4, 5].map(|k| sum[k] || mask[k]))
 }
 
-/// Refuses two laws of one component.
-pub(super) fn check_single(laws: &[(Law, Span)], what: &str) -> Result<(), Diagnostic> {
-    let mut seen: Components<Span> = [None; 6];
-    for (law, span) in laws {
-        for k in (0..6).filter(|k| law.components()[*k]) {
-            if let Some(first) = seen[k].replace(*span) {
-                let message =
-                    format!("component {} has two {what}, the first at line {}", k + 1, first.line());
-                return Err(Diagnostic::error(Code::RepeatedSuboption, *span, message, "the second one")
-                    .help("keep one of the two"));
-            }
+/// The components whose force is a table over their own motion, each with the rows of all its tables where slopes jump.
+pub(super) fn rows(laws: &[Law]) -> Vec<(usize, Vec<f64>)> {
+    let mut all: Vec<(usize, Vec<f64>)> = Vec::new();
+    for (component, rows) in laws.iter().filter_map(Law::rows) {
+        match all.iter_mut().find(|(known, _)| *known == component) {
+            Some((_, known)) => known.extend(rows),
+            None => all.push((component, rows)),
         }
     }
-    Ok(())
+    for (_, rows) in &mut all {
+        rows.sort_by(f64::total_cmp);
+        rows.dedup();
+    }
+    all
 }
 
 #[cfg(test)]

@@ -221,12 +221,7 @@ impl Behavior {
         let has = |k: usize| !is_planar || matches!(k, 0 | 1 | 5);
         let available = [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_available());
         let constrained = [0, 1, 2, 3, 4, 5].map(|k| has(k) && connection.slots[k].is_constrained());
-        let mut stops = [None; 6];
-        for stop in &given.stops {
-            if let Some(place) = stops.get_mut(usize::from(stop.component).wrapping_sub(1)) {
-                *place = Some(Stop { lower: stop.lower, upper: stop.upper });
-            }
-        }
+        let stops = given.limits_of_stops().map(|limits| limits.map(|[lower, upper]| Stop { lower, upper }));
         let masks = [available, constrained];
         let defaults = &given.table;
         let locks = given.locks.iter().map(|lock| Criterion::lock(lock, available, defaults));

@@ -278,10 +278,8 @@ impl Model {
         let facts = rules::facts(scene, (section, element), behavior, acting, reference == [0.0; 3]);
         if let Some(behavior) = behavior {
             references = behavior.constitutive_reference;
-            for stop in &behavior.stops {
-                let k = usize::from(stop.component) - 1;
-                stops[k] = Some(Stop { lower: stop.lower, upper: stop.upper });
-            }
+            stops =
+                behavior.limits_of_stops().map(|limits| limits.map(|[lower, upper]| Stop { lower, upper }));
         }
         let mut is_left_out = false;
         for breach in connection.breaches(&facts) {

@@ -68,7 +68,8 @@ pub(super) fn facts(
         // Zeros fill the places of components that have none.
         let is_given = |k: &usize| behavior.constitutive_reference[*k].is_some_and(|x| x != 0.0);
         facts.references = (0..6).filter(is_given).collect();
-        facts.stops = behavior.stops.iter().map(|stop| index(stop.component)).collect();
+        let limits = behavior.limits_of_stops();
+        facts.stops = (0..6).filter(|k| limits[*k].is_some()).collect();
         facts.predefined_friction = behavior.predefined_friction_parameters();
         facts.friction_numbers = behavior.friction.iter().find_map(constants).unwrap_or_default();
         facts.lock_temperature = behavior.locks.iter().any(has_fifth_item);

@@ -4,12 +4,13 @@ use super::audit::Bar;
 use super::subject::{in_scene, model_of_scene, named, type_of};
 use super::{Failure, Files, page_width};
 use clap::{Args, ValueEnum};
-use pintle_audit::{Against, CounterExample, Oracle};
+use pintle_audit::{Against, CounterExample, Given, Oracle, Quantity, Question};
+use pintle_check::{Convention, Patience, Process, Session};
 use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
 use pintle_sweep::ranges::checked;
 use pintle_sweep::sweep::Planted;
-use pintle_sweep::{Folder, Plan, Ranges, Subject, Summary, Sweep, SweepError};
+use pintle_sweep::{Folder, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -39,6 +40,12 @@ a folder take a part each: --range 0/8 is the first of eight. --merge prints
 what a folder holds. A folder with more states than asked for has all of them
 in its summary.
 
+With --python, --library or --with (as in pintle check) the numbers are those of
+your routine. It is asked for values and rows at every state. Each is compared
+with pintle's; where both cannot be right within their bounds, and at the share,
+237 bits judge. Whole turns of angles are no error here: pintle check judges
+histories. Of types with material flow the share alone is judged.
+
 Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep or
 cannot be read, 7 where it cannot be written.
 
@@ -47,6 +54,7 @@ Examples:
   pintle sweep REVOLUTE \"CARTESIAN CARDAN\" --states 1e7 --oracle-share 1e-4
   pintle sweep --states 1e9 --out all --picture all.svg
   pintle sweep model.inp --states 1e8 --range $SLURM_ARRAY_TASK_ID/100 --out model
+  pintle sweep UJOINT --states 1e7 --library ./ujoint.so
   pintle sweep --merge all --picture all.svg
   pintle sweep REVOLUTE --state 4711 > it.json; pintle replay it.json";
 
@@ -96,6 +104,18 @@ pub(crate) struct SweepOf {
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// The command that starts a routine, for a shell, whose numbers are swept in place of pintle's
+    #[arg(long, value_name = "COMMAND", group = "routine", requires = "of")]
+    with: Option<String>,
+    /// The same for a Python function
+    #[arg(long, value_name = "MODULE:FUNCTION", group = "routine", requires = "of")]
+    python: Option<String>,
+    /// The same for a shared library with a routine of pintle_element.h
+    #[arg(long, value_name = "FILE", group = "routine", requires = "of")]
+    library: Option<PathBuf>,
+    /// A TOML file with what differs from pintle's conventions, in place of what the routine says
+    #[arg(long, value_name = "FILE", requires = "routine")]
+    convention: Option<PathBuf>,
     /// Put a fault into the numbers, to see it found
     #[arg(long, value_enum, hide = true, conflicts_with_all = ["out", "merge", "state"])]
     plant: Option<Plant>,
@@ -207,7 +227,10 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
         let wanted = summary.states.count();
         return tell(arguments, files, &summary, wanted);
     }
-    let text = planned(&arguments.of, &arguments.seed, arguments.oracle_share)?;
+    let routine = routine(arguments)?;
+    let named = routine.as_ref().map(|(command, _)| command.clone());
+    let plan = Plan::new(&arguments.seed, arguments.oracle_share, subjects(&arguments.of)?)?;
+    let text = plan.of_routine(named).text()?;
     let sweep = Sweep::new(&text)?.planting(arguments.plant.map(Planted::from));
     if let Some(index) = arguments.state {
         return state(&sweep, index);
@@ -218,11 +241,13 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         left = left.without(&folder.done()?);
     }
+    let routines =
+        routine.as_ref().map(|routine| Routines::new(&sweep, |definition| opened(routine, definition)));
     let bar = Bar::new();
     bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
     let progress = |more: u64| bar.advance(more as usize, "states");
     for (first, count) in left.chunks(arguments.chunk) {
-        let chunk = sweep.run(first, count, &progress)?;
+        let chunk = sweep.run_of(first, count, &progress, routines.as_ref())?;
         match &folder {
             Some(folder) => folder.keep(&chunk)?,
             None => summary.merge(&chunk)?,
@@ -233,6 +258,43 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
         summary = folder.merged(sweep.empty())?;
     }
     tell(arguments, files, &summary, arguments.states)
+}
+
+/// The command of the routine that is swept, and what replaces the conventions of its greeting.
+fn routine(arguments: &SweepOf) -> Result<Option<(String, Option<Convention>)>, Failure> {
+    let door = (arguments.python.as_deref(), arguments.library.as_deref(), arguments.with.as_deref());
+    if matches!(door, (None, None, None)) {
+        return Ok(None);
+    }
+    let convention = arguments.convention.as_deref().map(super::check::convention).transpose()?;
+    let command = super::check::command(door, (&[], 0), convention.as_ref())?;
+    Ok(Some((command, convention)))
+}
+
+/// A routine in a process of its own.
+struct Opened<'a>(Session<'a, Process>);
+
+impl Routine for Opened<'_> {
+    fn ask(&mut self, asked: &[Question<'_>]) -> Result<Vec<Option<Given>>, String> {
+        self.0.ask(asked).map_err(|misbehaviour| misbehaviour.to_string())
+    }
+
+    fn offers(&self) -> &[Quantity] {
+        self.0.offers()
+    }
+
+    fn components(&self) -> [bool; 6] {
+        self.0.components()
+    }
+}
+
+fn opened<'a>(
+    (command, convention): &(String, Option<Convention>),
+    definition: &'a Definition,
+) -> Result<Box<dyn Routine + 'a>, String> {
+    let process = Process::start(command, Patience::default()).map_err(|why| why.to_string())?;
+    let session = Session::open(process, definition, convention.as_ref(), &[None; 6]);
+    Ok(Box::new(Opened(session.map_err(|why| why.to_string())?)))
 }
 
 /// The states of a part: whole chunks.

@@ -34,8 +34,12 @@ pub struct Human<'w> {
     first: u64,
     last: u64,
     scenes: u64,
+    /// The relations of this state until now.
+    relations: usize,
 }
 
+/// As many relations of a state are written: one for each node of a large coupling is a flood.
+const RELATIONS_TOLD: usize = 12;
 /// What is smaller than this, in comparison with the largest number of its table, is shown with four digits at most: it is
 /// rounding, or nearly so, and its size says all.
 const NEGLIGIBLE: f64 = 1e-10;
@@ -51,7 +55,7 @@ const NAMES: usize = 26;
 impl<'w> Human<'w> {
     /// Tables on a stream.
     pub fn new(out: &'w mut dyn Write, style: Style) -> Self {
-        Self { out, style, first: 0, last: 0, scenes: 0 }
+        Self { out, style, first: 0, last: 0, scenes: 0, relations: 0 }
     }
 
     fn number(&self, value: f64) -> String {
@@ -481,6 +485,7 @@ impl Format for Human<'_> {
     fn state(&mut self, index: u64, time: Option<f64>) -> io::Result<()> {
         let time = time.map(|time| format!(", t = {}", self.number(time))).unwrap_or_default();
         let (first, last) = (self.first, self.last);
+        self.relations = 0;
         writeln!(self.out, "\n{}", styled(BOLD, format!("── state {index} of {first} … {last}{time} ──")))
     }
 
@@ -489,12 +494,25 @@ impl Format for Human<'_> {
         Box::new(move |block, text| Human::new(text, style).write(block))
     }
 
-    fn rendered(&mut self, _kind: BlockKind, text: &[u8]) -> io::Result<()> {
+    fn rendered(&mut self, kind: BlockKind, text: &[u8]) -> io::Result<()> {
+        if kind == BlockKind::Relation {
+            self.relations += 1;
+            if self.relations > RELATIONS_TOLD {
+                return Ok(());
+            }
+        }
         self.out.write_all(text)
     }
 
     fn end_state(&mut self) -> io::Result<()> {
-        Ok(())
+        match self.relations.saturating_sub(RELATIONS_TOLD) {
+            0 => Ok(()),
+            more => writeln!(
+                self.out,
+                "{}",
+                styled(DIM, format!("{more} more relations: --format csv or json writes every one"))
+            ),
+        }
     }
 
     fn end_scene(&mut self, work: Tally) -> io::Result<()> {

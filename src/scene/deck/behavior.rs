@@ -598,10 +598,15 @@ pub(super) fn stop(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         deck.warn(no_limits(keyword, span));
     }
     let behavior = deck.behavior(keyword)?;
-    if behavior.stops.iter().any(|stop| stop.component == component) {
-        return Err(repeated(keyword, &format!("a second stop of component {component}")));
-    }
     behavior.stops.push(Stop { component, lower, upper, span });
+    let left = behavior.limits_of_stops().get(usize::from(component) - 1).copied().flatten();
+    if let Some([Some(lower), Some(upper)]) = left
+        && lower > upper
+    {
+        let message = format!("the stops of component {component} leave it no position");
+        return Err(Diagnostic::error(Code::RepeatedSuboption, span, message, "the last of them")
+            .help("of several stops the tighter limits hold: let them overlap"));
+    }
     Ok(())
 }
 

@@ -58,7 +58,15 @@ impl Layout {
         let n = self.columns.len();
         // Orthonormal directions, with the equations that each is made of.
         let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-        for (index, row) in assembled.rows.iter().enumerate() {
+        // Stick comes last: what boundary conditions hold or move needs no friction to do so.
+        let sticks = |owner: Owner| match owner {
+            Owner::Joint(joint, k) => mechanism.is_stuck(modes, joint, k),
+            _ => false,
+        };
+        let [held, stuck] = [false, true].map(|wanted| {
+            assembled.rows.iter().enumerate().filter(move |(_, row)| sticks(row.owner) == wanted)
+        });
+        for (index, row) in held.chain(stuck) {
             let mut vector = vec![0.0; n];
             for (dof, entry) in &row.coefficients {
                 let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
@@ -92,9 +100,21 @@ impl Layout {
             let involved = made.iter().zip(self.kept.iter().chain([&index]));
             let involved: Vec<usize> =
                 involved.filter(|(part, _)| part.abs() > ZERO).map(|(_, index)| *index).collect();
+            // At a dead point a row may follow from those of other connectors for a moment: they do not hold it.
+            let holds = |of: &usize| match (assembled.rows[*of].owner, row.owner) {
+                (Owner::Bound(_), _) => true,
+                (Owner::Joint(of, k), Owner::Joint(joint, own)) => {
+                    of == joint && (k == own || !mechanism.is_stuck(modes, of, k))
+                }
+                _ => false,
+            };
+            if sticks(row.owner) && involved.iter().all(holds) {
+                continue;
+            }
             needed(mechanism, assembled, modes, &involved)?;
             self.open.extend(involved);
         }
+        self.kept.sort_unstable();
         self.open.sort_unstable();
         self.open.dedup();
         Ok(())

@@ -412,9 +412,9 @@ impl<R: Number> Mechanism<R> {
                 let (component, affected) = (given.component, given.affected);
                 self.criteria.push(Threshold { joint, component, affected, is_failure, limits });
             }
-            let tables = behavior.elasticity.rows().map(|rows| (rows, false));
-            for ((component, rows), is_rate) in tables.chain(behavior.damping.rows().map(|rows| (rows, true)))
-            {
+            let tables = behavior.elasticity.rows().into_iter().map(|rows| (rows, false));
+            let of_rates = behavior.damping.rows().into_iter().map(|rows| (rows, true));
+            for ((component, rows), is_rate) in tables.chain(of_rates) {
                 self.tables.push(Table { of: TableOf::Joint(joint, component), is_rate, rows });
             }
             for (index, friction) in behavior.friction.frictions.iter().enumerate() {

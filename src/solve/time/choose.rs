@@ -54,6 +54,7 @@ impl<R: Number> Run<'_, R> {
                 slider.against(force.unwrap_or(&[zero; 6]))
             })
             .collect();
+        let driven = self.driven(&all_held, open)?;
         let slips = 3_usize.pow(open.len().min(ALL) as u32);
         let stops = 2_usize.pow(touching.len().min(ALL) as u32);
         let mut consistent: Vec<(Modes<R>, f64)> = Vec::new();
@@ -63,6 +64,11 @@ impl<R: Number> Run<'_, R> {
             let mut rest = number % slips;
             for (i, s) in open.iter().enumerate().take(ALL) {
                 match rest % 3 {
+                    // What is driven from here slips, and that way.
+                    which if driven[i].is_some() => match (which, driven[i]) {
+                        (1, Some(along)) => modes.frictions[*s] = Mode::slips(along),
+                        _ => continue 'combinations,
+                    },
                     0 => {}
                     // What has no inertia slips by its tensions alone, whose ratio is another one.
                     _ if self.mechanism.sliders[*s].ring.is_some() => continue 'combinations,
@@ -99,7 +105,9 @@ impl<R: Number> Run<'_, R> {
             if self.turn(&mut modes, open, (&mut found, &mut layout, &mut solved)).is_err() {
                 continue;
             }
-            let margin = self.margin(&found, (&layout, &solved), &modes, open);
+            let undriven: Vec<usize> =
+                open.iter().zip(&driven).filter(|(_, along)| along.is_none()).map(|(s, _)| *s).collect();
+            let margin = self.margin(&found, (&layout, &solved), &modes, &undriven);
             let margin = margin.min(self.margin_of_stops(&found, (&layout, &solved), &modes, &touching));
             if margin >= 0.0 {
                 consistent.push((modes, margin));
@@ -177,6 +185,48 @@ impl<R: Number> Run<'_, R> {
         }
         let (found, layout, solved) = self.instant(&modes)?;
         self.settle(modes, &found, layout, &solved)
+    }
+
+    /// Of the frictions named those that what is prescribed moves from now on, though all of them stick: each with the direction in which it
+    /// slips a moment later.
+    fn driven(&mut self, all_held: &Modes<R>, open: &[usize]) -> Result<Vec<Option<[R; 6]>>, Refusal> {
+        /// A moment, as a part of the time to the next break.
+        const MOMENT: f64 = 1e-3;
+        /// Below this part of the usual speed nothing moves.
+        const STILL: f64 = 1e-10;
+        let none = vec![None; open.len()];
+        if open.is_empty() || self.is_still {
+            return Ok(none);
+        }
+        let now = self.state.time;
+        let Some(([_, end], _)) = self.mechanism.schedule.span(self.step) else { return Ok(none) };
+        let later = |time: &f64| *time > now.to_f64();
+        let next = self.breaks().into_iter().chain([end]).filter(later).fold(f64::INFINITY, f64::min);
+        if next.is_infinite() {
+            return Ok(none);
+        }
+        let Ok((_, layout, _)) = self.instant(all_held) else { return Ok(none) };
+        self.state.time = now + (R::from_f64(next) - now) * R::from_f64(MOMENT);
+        let found = self.assembled(all_held);
+        self.state.time = now;
+        let found = found.map_err(|trouble| self.say(trouble))?;
+        let Ok((change, _)) = found.correction(&layout, |row| row.rate) else { return Ok(none) };
+        let usual = self.usual_speed();
+        let moves = |s: &usize| {
+            let slider = &self.mechanism.sliders[*s];
+            let joint = &found.joints[slider.joint];
+            let mut along = [R::ZERO; 6];
+            for (k, radius) in &slider.components {
+                let rate = joint.rows[*k]
+                    .iter()
+                    .fold(joint.velocity[*k], |sum, (dof, entry)| sum + *entry * change[*dof]);
+                along[*k] = R::from_f64(*radius) * rate;
+            }
+            let size = length(&along);
+            let lever = slider.components.iter().fold(0.0, |most: f64, (_, radius)| most.max(*radius));
+            (size.to_f64() > STILL * usual * lever.max(f64::MIN_POSITIVE)).then(|| along.map(|x| x / size))
+        };
+        Ok(open.iter().map(moves).collect())
     }
 
     /// The stops at a limit that need not stay as they are: closed ones, and those that have no rate.
@@ -353,6 +403,15 @@ impl<R: Number> Run<'_, R> {
                 return -1.0;
             };
             let margin = match &modes.frictions[*s].does {
+                Does::Sticks(_)
+                    if slider.components.iter().any(|(k, _)| {
+                        // What others move does not stick.
+                        let [acceleration, parts] = self.second_rate(found, solved, (slider.joint, *k));
+                        (parts * R::from_f64(TIE)).less(acceleration.magnitude())
+                    }) =>
+                {
+                    -1.0
+                }
                 Does::Sticks(_) | Does::Stretches(_) => {
                     let size = larger(limit.value, *tangential);
                     match R::ZERO.less(size) {

@@ -6,7 +6,7 @@
 
 use crate::fault::{Fault, has};
 use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
-use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
+use crate::motion::mode::{Cause, Does, Mode, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, WORKS};
@@ -17,6 +17,9 @@ use crate::time::run::Run;
 use crate::time::solution::What;
 use pintle_model::behavior::friction::{ContactParts, Context};
 use pintle_model::behavior::{Conditions, Motion};
+
+/// So many roundings of a slip rate beyond zero it has passed it.
+pub(crate) const PASSED: f64 = 64.0;
 
 impl<R: Number> Run<'_, R> {
     /// An event at this state.
@@ -113,13 +116,15 @@ impl<R: Number> Run<'_, R> {
         if let Some(stiffness) = self.mechanism.stiffness.get(slider).copied() {
             return self.rests_on_spring(slider, stiffness);
         }
-        self.forget_onset(slider);
+        let others = self.resting_too(slider)?;
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let joint = self.mechanism.sliders[slider].joint;
-        let position = found.joints[joint].position;
         let before = self.modes.clone();
-        if let Some(mode) = self.modes.frictions.get_mut(slider) {
-            *mode = Mode::sticks(position);
+        for s in std::iter::once(slider).chain(others) {
+            self.forget_onset(s);
+            let position = found.joints[self.mechanism.sliders[s].joint].position;
+            if let Some(mode) = self.modes.frictions.get_mut(s) {
+                *mode = Mode::sticks(position);
+            }
         }
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         // What is driven cannot stick.
@@ -142,6 +147,22 @@ impl<R: Number> Run<'_, R> {
         }
         self.choose(&open)?;
         self.record(true)
+    }
+
+    /// The other slips of one component that pass zero now: within rounding of it, and slowing down.
+    fn resting_too(&mut self, slider: usize) -> Result<Vec<usize>, Refusal> {
+        let modes = self.modes.clone();
+        let (found, _, solved) = self.instant(&modes)?;
+        let rests = |switch: &&Switch<R>| {
+            let of = &self.mechanism.sliders[switch.of];
+            let slack = switch.scale * R::from_f64(PASSED * R::ROUNDING);
+            switch.of != slider
+                && of.components.len() == 1
+                && switch.value.magnitude().less(slack)
+                && self.slows(switch.of, &found, &solved)
+        };
+        let stops = solved.switches.iter().filter(|switch| switch.cause == Cause::Stops);
+        Ok(stops.filter(rests).map(|switch| switch.of).collect())
     }
 
     /// What slips from here begins from rest, whatever way it slipped before.

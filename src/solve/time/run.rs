@@ -450,9 +450,31 @@ impl<'a, R: Number> Run<'a, R> {
         let time = self.state.time;
         self.state.time =
             time + larger(time.magnitude(), R::from_f64(1e-300)) * R::from_f64(4.0 * R::ROUNDING);
+        if self.rates_jump()? {
+            // As at the beginning of a step: friction takes no impulse, and stops only push.
+            let frictions = std::mem::take(&mut self.modes.frictions);
+            self.modes.stops = vec![Touch::Open; self.mechanism.stops.len()];
+            let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+            self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+            self.jump()?;
+            self.touch()?;
+            self.modes.frictions = frictions;
+            self.begin_modes()?;
+            return self.record(true);
+        }
         self.jump()?;
         let open = self.standing();
         self.choose(&open)
+    }
+
+    /// Whether rates are prescribed from now on that things do not have.
+    fn rates_jump(&self) -> Result<bool, Refusal> {
+        /// As much of the usual speed is no jump.
+        const SMALL: f64 = 1e-10;
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let rates = self.layout.kept.iter().filter_map(|index| found.rows.get(*index)?.rate);
+        let most = rates.fold(0.0, |most: f64, rate| most.max(rate.to_f64().abs()));
+        Ok(most > SMALL * self.usual_speed() * self.mechanism.length.max(1.0))
     }
 
     /// Brings rates to what is prescribed from now on. All other equations take no work of the impulse, so that its work is the change of

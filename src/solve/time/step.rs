@@ -10,6 +10,7 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
+use crate::time::happen::PASSED;
 use crate::time::integrate::{Newton, Slope, Tried};
 use crate::time::onset::{Onset, decay};
 use crate::time::run::Run;
@@ -224,7 +225,7 @@ impl<R: Number> Run<'_, R> {
 
     /// The same, but no less than what goes a thousandth of a length within a step of the scene: what sets out from rest would be lost in
     /// rounding.
-    fn usual_speed(&self) -> f64 {
+    pub(crate) fn usual_speed(&self) -> f64 {
         const PACE: f64 = 1e-3;
         let span = self.mechanism.schedule.span(self.step);
         span.map_or(0.0, |([from, to], _)| PACE / (to - from)).max(self.speed())
@@ -261,6 +262,29 @@ impl<R: Number> Run<'_, R> {
         }
         self.solution.evaluations += evaluations;
         tried
+    }
+
+    /// Whether the friction of several components has another direction, by more than 60°, and did not begin at rest.
+    fn has_turned(&self, before: &Solved<R>, after: &Solved<R>) -> bool {
+        let usual = self.usual_speed();
+        self.mechanism.turning().any(|(s, _)| {
+            let slider = &self.mechanism.sliders[s];
+            let least = R::from_f64(usual * 1e4 * R::ROUNDING);
+            let moved = before.slip_rates.get(s).is_some_and(|rate| least.less(*rate));
+            if !moved || self.modes.frictions[s].is_stuck() {
+                return false;
+            }
+            let [one, other] = [before, after].map(|solved| {
+                let mut traction = [R::ZERO; 6];
+                for (k, radius) in &slider.components {
+                    traction[*k] =
+                        solved.friction[slider.joint][*k] * R::from_f64(*radius).reciprocal_or_zero();
+                }
+                traction
+            });
+            let along = one.iter().zip(&other).fold(R::ZERO, |sum, (x, y)| sum + *x * *y);
+            along.less(length(&one) * length(&other) * R::ratio(1, 2))
+        })
     }
 
     /// How far the nodes of a connector have turned in a step, together, where it is not about one axis.
@@ -395,7 +419,7 @@ impl<R: Number> Run<'_, R> {
             if self.keep_branches(&solved) {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             }
-            if let Some(switch) = self.overdue(&slope.switches) {
+            if let Some(switch) = self.overdue(&slope.switches, &solved)? {
                 self.crosses(&switch)?;
                 continue;
             }
@@ -441,8 +465,16 @@ impl<R: Number> Run<'_, R> {
                 self.h = h.to_f64() * 0.9 * MOST_TURNED / turned;
                 continue;
             }
+            self.solution.evaluations += 1;
+            let (ended, after) =
+                self.flow(&base, base.time + h, &tried.end).map_err(|trouble| self.say(trouble))?;
+            let ended = ended.switches;
+            // A slip that has passed rest has turned, and its stages need not show it.
+            if self.has_turned(&solved, &after) && self.h > least {
+                self.h = h.to_f64() * 0.5;
+                continue;
+            }
             halvings = 0;
-            let ended = self.switches_at(&base, base.time + h, &tried.end)?;
             let crossing = crossing(&slope.switches, &tried.inner, &ended);
             match crossing {
                 None => {
@@ -488,13 +520,24 @@ impl<R: Number> Run<'_, R> {
 
     /// What has passed its end as a step begins: a stop that another has made close, a limit that a force has jumped over, a table left by
     /// rounding. What has gone away from a limit is open.
-    fn overdue(&mut self, switches: &[Switch<R>]) -> Option<Switch<R>> {
+    fn overdue(&mut self, switches: &[Switch<R>], solved: &Solved<R>) -> Result<Option<Switch<R>>, Refusal> {
         let zero = R::ZERO;
+        let mut passed = Vec::new();
+        for switch in switches.iter().filter(|switch| switch.cause == Cause::Stops) {
+            if switch.value.less(-switch.scale * R::from_f64(PASSED * R::ROUNDING)) {
+                let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+                if self.slows(switch.of, &found, solved) {
+                    passed.push(switch.of);
+                }
+            }
+        }
         let beyond = |switch: &&Switch<R>| {
             let slack = switch.scale * R::from_f64(crate::motion::equations::LEAVING * R::ROUNDING);
             match switch.cause {
                 Cause::Meets(_) | Cause::Closes(_) => switch.value.less(zero),
                 Cause::Stops if !self.mechanism.stiffness.is_empty() => switch.value.less(-slack),
+                // What goes against its direction has passed zero with another.
+                Cause::Stops => passed.contains(&switch.of),
                 Cause::Passes(_) => switch.value.less(-slack),
                 _ => false,
             }
@@ -509,7 +552,15 @@ impl<R: Number> Run<'_, R> {
                 *touch = Touch::Open;
             }
         }
-        switches.iter().find(beyond).copied()
+        Ok(switches.iter().find(beyond).copied())
+    }
+
+    /// Whether what slips in one direction goes ever less that way.
+    pub(crate) fn slows(&self, slider: usize, found: &Assembled<R>, solved: &Solved<R>) -> bool {
+        let of = &self.mechanism.sliders[slider];
+        let Does::Slips(along) = &self.modes.frictions[slider].does else { return false };
+        let pairs = of.components.iter().zip(found.slip_acceleration(of, &solved.accelerations));
+        pairs.fold(R::ZERO, |sum, ((k, _), x)| sum + along[*k] * x).less(R::ZERO)
     }
 
     pub(crate) fn stuck_in_time(&self) -> Refusal {

@@ -165,16 +165,29 @@ fn springs(text: &str) -> Result<Springs, String> {
 }
 
 /// The conventions that a file declares.
-fn convention(file: &Path) -> Result<Convention, Failure> {
+pub(super) fn convention(file: &Path) -> Result<Convention, Failure> {
     let named = |why: String| Failure::Input(format!("{}: {why}", file.display()));
     let text = std::fs::read_to_string(file).map_err(|error| named(error.to_string()))?;
     Convention::from_toml(&text).map_err(named)
 }
 
+/// The command that starts a routine: a Python function, a shared library, or what is given for a shell.
+pub(super) fn command(
+    (python, library, with): (Option<&str>, Option<&Path>, Option<&str>),
+    (properties, svars): (&[f64], usize),
+    convention: Option<&Convention>,
+) -> Result<String, Failure> {
+    match (python, library) {
+        (Some(routine), _) => pintle_check::python_command(routine).map_err(Failure::Usage),
+        (None, Some(library)) => library_command(library, (properties, svars), convention),
+        (None, None) => Ok(with.unwrap_or_default().to_string()),
+    }
+}
+
 /// The command that asks a shared library: this program, in a process of its own.
 fn library_command(
     library: &Path,
-    arguments: &Check,
+    (properties, svars): (&[f64], usize),
     convention: Option<&Convention>,
 ) -> Result<String, Failure> {
     let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', r"'\''"));
@@ -183,9 +196,9 @@ fn library_command(
         Ok(command) => command,
         Err(_) => quoted(&std::env::current_exe().map_err(|error| Failure::Usage(error.to_string()))?),
     };
-    let mut command = format!("exec {program} element {} --svars {}", quoted(library), arguments.svars);
-    if !arguments.properties.is_empty() {
-        let properties: Vec<String> = arguments.properties.iter().map(f64::to_string).collect();
+    let mut command = format!("exec {program} element {} --svars {}", quoted(library), svars);
+    if !properties.is_empty() {
+        let properties: Vec<String> = properties.iter().map(f64::to_string).collect();
         command.push_str(&format!(" --properties={}", properties.join(",")));
     }
     if let Some(convention) = convention {
@@ -278,11 +291,8 @@ fn one(
         return Err(Failure::Usage(what));
     }
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
-    let command = match (&arguments.python, &arguments.library, &arguments.with) {
-        (Some(routine), ..) => pintle_check::python_command(routine).map_err(Failure::Usage)?,
-        (None, Some(library), _) => library_command(library, arguments, convention.as_ref())?,
-        (None, None, with) => with.clone().unwrap_or_default(),
-    };
+    let door = (arguments.python.as_deref(), arguments.library.as_deref(), arguments.with.as_deref());
+    let command = command(door, (&arguments.properties, arguments.svars), convention.as_ref())?;
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
     if arguments.fit_convention {
         let about = match subject {
