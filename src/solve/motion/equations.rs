@@ -509,8 +509,8 @@ impl<R: Number> Assembled<R> {
         !mechanism.joints[joint].constrained[k]
     }
 
-    /// How strongly the limits of frictions may depend on friction: the largest row sum of μ ∂F_N/∂T (κ). Below 1 the friction forces are
-    /// the only ones.
+    /// How strongly the limits of frictions may depend on friction: the spectral radius of the bounds |μ ∂F_N/∂T| (κ), of any units. Below 1
+    /// the friction forces are the only ones.
     pub(crate) fn lipschitz(
         &self,
         mechanism: &Mechanism<R>,
@@ -533,12 +533,13 @@ impl<R: Number> Assembled<R> {
             self.push(&mut matrix, layout, n + m + i, (slider, &direction));
         }
         let found = matrix.solve().map_err(|error| at(layout, error))?;
-        let mut most = zero;
+        let mut bounds = Vec::with_capacity(acting.len());
         for s in &acting {
             let joint = mechanism.sliders[*s].joint;
             let Some(limit) = solved.limits.get(*s) else { continue };
-            let mut sum = zero;
+            let mut row = Vec::with_capacity(acting.len());
             for response in &found {
+                let mut sum = zero;
                 let mut change = [zero; 6];
                 for (r, index) in layout.kept.iter().enumerate() {
                     if let Owner::Joint(of, k) = self.rows[*index].owner
@@ -554,10 +555,11 @@ impl<R: Number> Assembled<R> {
                         .collect();
                     sum = sum + *factor * length(&vector);
                 }
+                row.push(sum.to_f64());
             }
-            most = larger(most, sum);
+            bounds.push(row);
         }
-        Ok(most)
+        Ok(R::from_f64(radius(&bounds)))
     }
 
     /// ½ Σ v·M v.
@@ -585,6 +587,23 @@ impl<R: Number> Assembled<R> {
     pub(crate) fn is_loaded(&self, dof: usize) -> bool {
         R::ZERO.less(self.applied[dof].magnitude())
     }
+}
+
+/// An upper bound of the spectral radius of a matrix without negative entries: the largest (A x)_i/x_i of a positive x (Collatz, Wielandt), which
+/// falls to it along powers of A + 1.
+fn radius(matrix: &[Vec<f64>]) -> f64 {
+    const POWERS: usize = 200;
+    let mut x = vec![1.0; matrix.len()];
+    let mut least = f64::INFINITY;
+    for _ in 0..POWERS {
+        let times: Vec<f64> =
+            matrix.iter().map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()).collect();
+        least = times.iter().zip(&x).map(|(y, x)| y / x).fold(0.0, f64::max).min(least);
+        x.iter_mut().zip(times).for_each(|(x, y)| *x += y);
+        let most = x.iter().copied().fold(0.0, f64::max);
+        x.iter_mut().for_each(|x| *x = (*x / most).max(f64::MIN_POSITIVE));
+    }
+    least
 }
 
 /// n of a slipping friction: the direction of its R_k v_k; of one component, and where it is at rest, the one it has.

@@ -152,6 +152,8 @@ impl<R: Number> System<R> {
         let mut follows = vec![NONE; n];
         let mut rows: Vec<Range<usize>> = Vec::with_capacity(n);
         let mut factors = Vec::with_capacity(n);
+        // The largest entry of each column: masses may have any unit.
+        let mut sizes = vec![R::ZERO; n];
         for row in 0..n {
             let mut end = ends[row];
             for at in ends[row]..ends[row + 1] {
@@ -168,6 +170,9 @@ impl<R: Number> System<R> {
             entries.iter_mut().for_each(|(_, x)| *x = *x * factor);
             if let Some((k, _)) = entries.first() {
                 follows[row] = std::mem::replace(&mut begins[*k], row);
+            }
+            for (k, x) in &left[ends[row]..end] {
+                sizes[*k] = larger(sizes[*k], x.magnitude());
             }
             factors.push(factor);
             rows.push(ends[row]..end);
@@ -187,7 +192,8 @@ impl<R: Number> System<R> {
             let most = candidates.iter().fold(R::ZERO, |most, row| larger(most, size(*row)));
             let enough = most * R::from_f64(SHORTEST);
             let large = candidates.iter().filter(|row| !size(**row).less(enough));
-            let best = large.min_by_key(|row| (rows[**row].len(), **row)).filter(|_| least.less(most));
+            let best =
+                large.min_by_key(|row| (rows[**row].len(), **row)).filter(|_| (least * sizes[k]).less(most));
             let Some(best) = best.copied() else { return Err(NoPivot { column: order[k] }) };
             let pivot = rows[best].clone();
             let inverse = R::integer(1) / left[pivot.start].1;
