@@ -152,6 +152,25 @@ def spin_down():
     return [(stops, "sticks")], component("101", 4, angle, 0, 0)
 
 
+def stop_together():
+    """v̇ = −3 of both: v = ±1.3 ends at one time."""
+    stops, way = mpf("1.3") / 3, mpf("1.69") / 6
+    end = component("101", 1, -way, 0, 0)
+    end.update(component("102", 1, way, 0, 0))
+    return [(stops, "sticks"), (stops, "sticks")], end
+
+
+def carrier_jumps():
+    """v̇ = 2.5 until the carrier's 1, from 0.5 on."""
+    goes_along = mpf("0.5") + 1 / mpf("2.5")
+    return [(mpf("0.5"), "slips"), (goes_along, "sticks")], component("101", 1, -1 / mpf(5), 0, 0)
+
+
+def collar_held():
+    """v̇ = −2 from 2 on."""
+    return [(mpf(1), "sticks")], component("101", 1, 1, 0, 0)
+
+
 def static_drawer():
     """F = 40 (e − x) pulls 0.1 aside: |F − 30 x| = 0.2 (4 + 10 · 0.1 |F|) in slip, e = 0.5 of the amplitude."""
     there = (mpf(16) - mpf("0.8")) / 62
@@ -537,11 +556,11 @@ def belt_swing():
 
 
 PROBLEMS = [
-    belt_swing, block, bricard, clutch, collision, cv_joint, damped_coast, damper_oneway, ellipse_slide, failure, failure_hang,
+    belt_swing, block, bricard, carrier_jumps, clutch, collar_held, collision, cv_joint, damped_coast, damper_oneway, ellipse_slide, failure, failure_hang,
     free_top, friction_decay, incline_rest, incline_return, load_reversal, lock, lock_flywheel, lock_slide, oscillator,
     pendulum, pendulum_turns, press, projectile, rotating_arm, scotch_yoke, self_locking, spin_down, static_axial, static_belt,
     static_drawer, static_hinge, static_lever, static_rings, static_slot, stop_between, stop_elastic, stop_friction,
-    stop_pendulum, stop_rigid, translator_moment, two_masses, unbalance,
+    stop_pendulum, stop_rigid, stop_together, translator_moment, two_masses, unbalance,
 ]
 
 

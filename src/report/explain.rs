@@ -251,7 +251,7 @@ impl Explanation {
                 line(
                     out,
                     "one-form",
-                    "only its rate is a function of the state: the value accumulates from state to state",
+                    "only its rate is a function of the state: the value accumulates from state to state, by the direction halfway",
                 )?;
             }
             if component.nodal_rates {

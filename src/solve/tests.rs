@@ -635,7 +635,7 @@ fn references_obey_their_laws() {
     assert!(frames > 500 && stuck > 100 && events > 150, "{frames} frames, {stuck} stuck, {events} events");
     assert!(momenta > 150, "{momenta}");
     assert!(
-        numbers >= 240 && closed >= 40 && criteria > 500,
+        numbers >= 240 && closed >= 45 && criteria > 500,
         "{numbers} numbers, {closed} problems in closed form"
     );
 }

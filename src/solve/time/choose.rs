@@ -135,6 +135,8 @@ impl<R: Number> Run<'_, R> {
                     "reduce the coefficient of friction, or the offset of the load",
                 ));
             }
+            // The one that there is: nothing presses what slips.
+            ([], 1) => 0,
             ([], _) => {
                 let time = self.state.time.to_f64();
                 let tied = open.iter().map(|s| (time, self.mechanism.sliders[*s].joint));

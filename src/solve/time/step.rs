@@ -524,7 +524,10 @@ impl<R: Number> Run<'_, R> {
         let zero = R::ZERO;
         let mut passed = Vec::new();
         for switch in switches.iter().filter(|switch| switch.cause == Cause::Stops) {
-            if switch.value.less(-switch.scale * R::from_f64(PASSED * R::ROUNDING)) {
+            // With another event it may have come to zero, or passed it by rounding.
+            if switch.value.less(switch.scale * R::from_f64(PASSED * R::ROUNDING))
+                && self.mechanism.sliders[switch.of].components.len() == 1
+            {
                 let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
                 if self.slows(switch.of, &found, solved) {
                     passed.push(switch.of);
@@ -555,12 +558,19 @@ impl<R: Number> Run<'_, R> {
         Ok(switches.iter().find(beyond).copied())
     }
 
-    /// Whether what slips in one direction goes ever less that way.
+    /// Whether what slips in one direction goes ever less that way: not by rounding, as where a slip begins.
     pub(crate) fn slows(&self, slider: usize, found: &Assembled<R>, solved: &Solved<R>) -> bool {
+        /// Of the acceleration to the usual speed within the step of the scene.
+        const LEAST: f64 = 1e-6;
         let of = &self.mechanism.sliders[slider];
         let Does::Slips(along) = &self.modes.frictions[slider].does else { return false };
-        let pairs = of.components.iter().zip(found.slip_acceleration(of, &solved.accelerations));
-        pairs.fold(R::ZERO, |sum, ((k, _), x)| sum + along[*k] * x).less(R::ZERO)
+        let unit = if of.components.iter().all(|(k, _)| *k < 3) { self.mechanism.length } else { 1.0 };
+        let span = self.mechanism.schedule.span(self.step).map_or(1.0, |([from, to], _)| to - from);
+        let least = LEAST * unit * self.usual_speed() / span;
+        let change = of.components.iter().fold(R::ZERO, |sum, (k, _)| {
+            sum + along[*k] * self.second_rate(found, solved, (of.joint, *k))[0]
+        });
+        change.less(R::from_f64(-least))
     }
 
     pub(crate) fn stuck_in_time(&self) -> Refusal {

@@ -182,7 +182,16 @@ pub(super) fn rounded(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<D
 pub(super) fn single_precision(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
     #[expect(clippy::cast_possible_truncation, reason = "that is what is looked for")]
     let is_single = |x: f64| x == f64::from(x as f32);
-    short_numbers((Cause::SinglePrecision, LOST), is_single, symptoms, words)
+    // A zero has few digits, too: as a rounding it stands for what is as small as one of single precision.
+    const ROUNDINGS: f64 = 1e9;
+    let is_zeroed = |one: &&Symptoms<'_>| {
+        one.got.iter().any(|(k, i, x)| {
+            let want = one.want.entries(one.quantity).get(k, i).unwrap_or(0.0);
+            x == 0.0 && want.abs() > ROUNDINGS * one.bound.tolerance(one.quantity, k, i)
+        })
+    };
+    let found = short_numbers((Cause::SinglePrecision, LOST), is_single, symptoms, words);
+    found.filter(|_| !symptoms.iter().any(is_zeroed))
 }
 
 /// Of a row by which a short entry is off at most.
