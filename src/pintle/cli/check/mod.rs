@@ -8,7 +8,7 @@ use super::subject::{At, found, named, of_scene};
 use super::tell::complain;
 use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
-use pintle_audit::{Domain, Report};
+use pintle_audit::{Check as Checking, Domain, Quantity, Report};
 use pintle_check::{Asked, Checked, Convention, Misbehaviour, Patience, Process};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -332,6 +332,14 @@ fn one(
 /// A short report for people, and what was not judged.
 fn tell(arguments: &Check, name: &str, among: Option<&str>, checked: &Checked) -> Result<(), Failure> {
     let mut notes = checked.notes();
+    let is_unnamed = |check: &Checking| {
+        let of = matches!(check.quantity, Some(Quantity::Value | Quantity::FirstDerivatives));
+        of && check.diagnosis.as_ref().is_some_and(|found| found.causes.is_empty())
+    };
+    let mut checks = checked.report.subjects.iter().flat_map(|subject| &subject.checks);
+    if !arguments.fit_convention && !name.starts_with("FRICTION") && checks.any(is_unnamed) {
+        notes.push("no cause is named: --fit-convention tries other units, orders, frames and variations of rotations".into());
+    }
     if let Some(among) = among {
         notes.iter_mut().for_each(|note| *note = format!("{among}: {note}"));
     }
