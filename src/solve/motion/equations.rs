@@ -36,6 +36,9 @@ pub(crate) struct Solved<R> {
     pub(crate) sums: Vec<R>,
 }
 
+/// So many roundings of a slip rate beyond zero it has passed it.
+pub(crate) const PASSED: f64 = 64.0;
+
 /// What goes away from a limit is open from this distance on, in rounding units of the size of lengths.
 pub(crate) const LEAVING: f64 = 1e5;
 

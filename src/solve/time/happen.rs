@@ -18,9 +18,6 @@ use crate::time::solution::What;
 use pintle_model::behavior::friction::{ContactParts, Context};
 use pintle_model::behavior::{Conditions, Motion};
 
-/// So many roundings of a slip rate beyond zero it has passed it.
-pub(crate) const PASSED: f64 = 64.0;
-
 impl<R: Number> Run<'_, R> {
     /// An event at this state.
     pub(crate) fn happens(&mut self, of: usize, cause: Cause) -> Result<(), Refusal> {
@@ -155,7 +152,7 @@ impl<R: Number> Run<'_, R> {
         let (found, _, solved) = self.instant(&modes)?;
         let rests = |switch: &&Switch<R>| {
             let of = &self.mechanism.sliders[switch.of];
-            let slack = switch.scale * R::from_f64(PASSED * R::ROUNDING);
+            let slack = switch.scale * R::from_f64(crate::motion::equations::PASSED * R::ROUNDING);
             switch.of != slider
                 && of.components.len() == 1
                 && switch.value.magnitude().less(slack)

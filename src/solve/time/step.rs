@@ -10,7 +10,6 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::happen::PASSED;
 use crate::time::integrate::{Newton, Slope, Tried};
 use crate::time::onset::{Onset, decay};
 use crate::time::run::Run;
@@ -525,7 +524,7 @@ impl<R: Number> Run<'_, R> {
         let mut passed = Vec::new();
         for switch in switches.iter().filter(|switch| switch.cause == Cause::Stops) {
             // With another event it may have come to zero, or passed it by rounding.
-            if switch.value.less(switch.scale * R::from_f64(PASSED * R::ROUNDING))
+            if switch.value.less(switch.scale * R::from_f64(crate::motion::equations::PASSED * R::ROUNDING))
                 && self.mechanism.sliders[switch.of].components.len() == 1
             {
                 let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
