@@ -270,7 +270,11 @@ impl<R: Number> Run<'_, R> {
             let slider = &self.mechanism.sliders[s];
             let least = R::from_f64(usual * 1e4 * R::ROUNDING);
             let moved = before.slip_rates.get(s).is_some_and(|rate| least.less(*rate));
-            if !moved || self.modes.frictions[s].is_stuck() {
+            // Where what presses passes zero, friction turns without the slip.
+            let presses = [before, after]
+                .iter()
+                .all(|solved| solved.limits.get(s).is_some_and(|limit| R::ZERO.less(limit.value)));
+            if !moved || !presses || self.modes.frictions[s].is_stuck() {
                 return false;
             }
             let [one, other] = [before, after].map(|solved| {
