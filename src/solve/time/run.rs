@@ -459,8 +459,9 @@ impl<'a, R: Number> Run<'a, R> {
             self.jump()?;
             self.touch()?;
             self.modes.frictions = frictions;
+            let known = self.solution.events.len();
             self.begin_modes()?;
-            return self.record(true);
+            return if self.solution.events.len() > known { self.record(true) } else { Ok(()) };
         }
         self.jump()?;
         let open = self.standing();
