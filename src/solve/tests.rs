@@ -488,6 +488,10 @@ fn obeys(name: &str, allowed: f64, expected: usize, seen: &mut Seen) {
     assert!(one.violation < 5e-15 && one.lipschitz < 1.0, "{name}: {} {}", one.violation, one.lipschitz);
     let most =
         one.frames.iter().map(|of| of.energies.external.abs().max(of.energies.kinetic)).fold(1e-3, f64::max);
+    for pair in one.frames.windows(2) {
+        let lost = pair[1].energies.dissipated - pair[0].energies.dissipated;
+        assert!(lost >= -1e-12 * most, "{name} at {}: dissipation gives {lost:e}", pair[1].time);
+    }
     for frame in &one.frames {
         seen.frames += 1;
         assert!(frame.energies.balance.abs() <= 1e-11 * most, "{name}: {:?}", frame.energies);
