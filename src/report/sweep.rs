@@ -84,8 +84,15 @@ pub fn human(
         both(|verdict| verdict == Verdict::Undecided),
         both(Verdict::is_mismatch),
     )?;
-    if summary.subjects.iter().any(|of| of.outside > 0) {
-        writeln!(out, "outside   {} states, which the routine does not cover", all(&|of| of.outside))?;
+    let passed: [(&dyn Fn(&OfSubject) -> u64, &str); 3] = [
+        (&|of| of.outside, "outside the domain of the routine"),
+        (&|of| of.elsewhere, "other angles of the same rotation"),
+        (&|of| of.undefined, "no number, on a singular set"),
+    ];
+    for (of, what) in passed {
+        if summary.subjects.iter().any(|subject| of(subject) > 0) {
+            writeln!(out, "passed    {} states, not judged: {what}", all(of))?;
+        }
     }
     for of in summary.subjects.iter().filter(|of| of.wrong > 0) {
         wrong(out, of)?;

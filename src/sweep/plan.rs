@@ -69,11 +69,12 @@ impl Subject {
         Self { name, of_type: Vec::new(), definitions: vec![definition] }
     }
 
-    /// Its connectors, those that are drawn and those that are given.
+    /// Its connectors, those that are drawn and those that are given. Where `all` are wanted, some begin at orientations that the type forbids: their
+    /// rows are not those that the manual prints.
     ///
     /// # Errors
     /// A type that there is not.
-    pub fn connectors(&self) -> Result<Vec<Definition>, SweepError> {
+    pub fn connectors(&self, all: bool) -> Result<Vec<Definition>, SweepError> {
         let found = match self.of_type.as_slice() {
             [] => return Ok(self.definitions.clone()),
             [one, rest @ ..] => ConnectionType::named(one, rest.first().map(String::as_str)),
@@ -88,7 +89,8 @@ impl Subject {
             let reference = draw.direction();
             definition(&connection, pair(reference, draw.triad(), &q0), 1.0)
         };
-        Ok((0..OF_A_TYPE).map(made).chain(self.definitions.iter().cloned()).collect())
+        let drawn = (0..OF_A_TYPE).filter(|i| all || i % 4 != 3);
+        Ok(drawn.map(made).chain(self.definitions.iter().cloned()).collect())
     }
 
     /// Every type of the catalogue.
@@ -98,28 +100,27 @@ impl Subject {
 }
 
 impl Plan {
-    /// Of such subjects.
+    /// Of such subjects, and of somebody's routine where its command is given.
     ///
     /// # Errors
     /// A type that there is not.
-    pub fn new(seed: &str, share: f64, subjects: Vec<Subject>) -> Result<Self, SweepError> {
+    pub fn new(
+        seed: &str,
+        share: f64,
+        subjects: Vec<Subject>,
+        routine: Option<String>,
+    ) -> Result<Self, SweepError> {
         let mut plan = Self {
             schema: SCHEMA.into(),
             version: VERSION.into(),
             seed: seed.into(),
             share,
             definitions: String::new(),
-            routine: None,
+            routine,
             subjects,
         };
         (_, plan.definitions) = plan.connectors()?;
         Ok(plan)
-    }
-
-    /// The same of somebody's routine.
-    #[must_use]
-    pub fn of_routine(self, routine: Option<String>) -> Self {
-        Self { routine, ..self }
     }
 
     /// The connectors by subject, and the SHA-256 of all that defines them.
@@ -128,7 +129,7 @@ impl Plan {
     /// A type that there is not.
     pub fn connectors(&self) -> Result<(Vec<Vec<Definition>>, String), SweepError> {
         let all: Vec<Vec<Definition>> =
-            self.subjects.iter().map(Subject::connectors).collect::<Result<_, _>>()?;
+            self.subjects.iter().map(|of| of.connectors(self.routine.is_none())).collect::<Result<_, _>>()?;
         let text = serde_json::to_string(&all).map_err(|error| SweepError::Plan(error.to_string()))?;
         Ok((all, sha256(&text)))
     }

@@ -1,9 +1,12 @@
 //! Somebody's routine in place of pintle's own numbers.
 //!
-//! It is asked for values and rows at every state, 32 states of one connector at a time. Whole turns of angles are no error here: every state
-//! follows the initial one, and how a routine counts turns is a matter of histories. Each thread has a routine of its own for each connector.
+//! It is asked for values and rows at every state, 32 states of one connector at a time. Each thread has a routine of its own for each connector.
+//!
+//! Every state follows the initial one, and how angles go on is a matter of histories. So whole turns are no error, and other angles of the same
+//! rotation are not judged. Nor is what is no number on a singular set that is not removable.
 
 use crate::SweepError;
+use crate::summary::Summary;
 use crate::sweep::Sweep;
 use pintle_audit::{Case, Given, Quantity, Question, values_before};
 use pintle_kinematics::connector::Definition;
@@ -57,14 +60,21 @@ impl<'a> Routines<'a> {
         Self { sweep, opens: Box::new(opens), idle: Mutex::default() }
     }
 
-    /// The numbers at the ends of cases of one connector.
-    pub(crate) fn ask(
+    /// As [`Sweep::run`], of the numbers of the routine.
+    ///
+    /// # Errors
+    /// As there, and [`SweepError::Routine`].
+    pub fn run(
         &self,
-        of: &Sweep,
-        place: usize,
-        cases: &[Case],
-    ) -> Result<(Vec<Option<Given>>, Due), SweepError> {
-        debug_assert!(std::ptr::eq(of, self.sweep), "routines are of one sweep");
+        first: u64,
+        count: u64,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Summary, SweepError> {
+        self.sweep.run_of(first, count, progress, Some(self))
+    }
+
+    /// The numbers at the ends of cases of the connector at a place.
+    pub(crate) fn ask(&self, place: usize, cases: &[Case]) -> Result<(Vec<Option<Given>>, Due), SweepError> {
         let known = {
             let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
             let at = idle.iter().position(|(of, _)| *of == place);

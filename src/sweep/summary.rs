@@ -218,13 +218,19 @@ pub struct OfSubject {
     /// The first state at which a number of a routine is wrong.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_wrong: Option<u64>,
-    /// The states outside the domain of a routine, of which nothing else is known.
+    /// The states outside the domain of a routine. Of these and the next two nothing else is known.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub outside: u64,
+    /// The states at which a routine gives other angles of the same rotation.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub elsewhere: u64,
+    /// The states on a singular set, not a removable one, at which a routine gives what is no number.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub undefined: u64,
 }
 
 /// The smaller index.
-fn first(known: Option<u64>, other: Option<u64>) -> Option<u64> {
+pub(crate) fn first(known: Option<u64>, other: Option<u64>) -> Option<u64> {
     known.zip(other).map(|(a, b)| a.min(b)).or(known).or(other)
 }
 
@@ -251,6 +257,8 @@ impl OfSubject {
         self.row.merge(&other.row);
         self.wrong += other.wrong;
         self.outside += other.outside;
+        self.elsewhere += other.elsewhere;
+        self.undefined += other.undefined;
     }
 
     /// The states of it.

@@ -5,15 +5,17 @@ use crate::plan::{Plan, sha256};
 use crate::ranges::{Ranges, checked};
 use crate::routine::{Due, Routines};
 use crate::states::{Drawn, Source};
-use crate::summary::{OfSubject, Summary};
+use crate::summary::{OfSubject, Summary, first};
 use pintle_audit::sampling::cube_orientations;
-use pintle_audit::{C, Case, Entries, Given, Numbers, Quantity, against_truth, others_against_truth};
+use pintle_audit::{
+    AgainstTruth, C, Case, Entries, Given, Numbers, Quantity, against_truth, others_against_truth,
+};
 use pintle_kinematics::batch::{
     Batch, COLUMNS, Four, Fours, HessianRow, History, LANES, Row, Section, Tile, vector_unit,
 };
 use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, Tally};
 use pintle_kinematics::draw::splitmix64;
-use pintle_kinematics::measure::Measure;
+use pintle_kinematics::measure::{Margin, Measure, SingularClass};
 use pintle_kinematics::node::{DOFS, PSI_A, PSI_B};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Real, U};
@@ -40,6 +42,9 @@ const FAR: f64 = 1e6;
 
 /// On a singular set there is no scale: 237 bits judge.
 const BESIDE: f64 = FAR;
+
+/// As near to a singular set is on it: rounding puts exact right angles so far off.
+const ON_SET: f64 = 1e-14;
 
 /// As near to a singular set (rad, or lengths) 237 bits judge whatever is apart.
 const NEAR: f64 = 1e-6;
@@ -204,10 +209,7 @@ impl Sweep {
     }
 
     /// The same of the numbers of somebody's routine, where one is given.
-    ///
-    /// # Errors
-    /// As [`checked`], and [`SweepError::Routine`].
-    pub fn run_of(
+    pub(crate) fn run_of(
         &self,
         first: u64,
         count: u64,
@@ -291,11 +293,7 @@ impl Sweep {
 
     /// The states of one block, and the sum of their hashes.
     fn block(&self, ready: &Ready, range: Range<u64>, room: &mut Room, of: &mut OfSubject) -> u64 {
-        const FOUR: u64 = LANES as u64;
-        let whole = range.start / FOUR * FOUR..range.end.div_ceil(FOUR) * FOUR;
-        room.drawn.clear();
-        room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
-        room.follow(ready);
+        let whole = self.draw(ready, &range, room);
         room.flows.clear();
         let rows = match &ready.batch {
             Some(batch) => {
@@ -329,7 +327,7 @@ impl Sweep {
                 let Some(drawn) = room.drawn.get(at).filter(|_| range.contains(&index)) else { continue };
                 // On a singular set rounding decides values, and the sign of a zero may.
                 if seen.frame[lane].is_some_and(|frame| frame > FRAME)
-                    && ready.distance(drawn, room.branches.get(at).unwrap_or(&ready.branch)) <= 0.0
+                    && ready.distance(drawn, room.branches.get(at).unwrap_or(&ready.branch), false) <= 0.0
                 {
                     seen.frame[lane] = None;
                 }
@@ -348,8 +346,18 @@ impl Sweep {
         sum
     }
 
-    /// The same of a routine: asked at every state, compared with our own numbers where a batch has them, and judged on 237 bits where it is
-    /// further from these than two right ones can be, and at the share.
+    /// Draws the states of whole tiles around a range, and follows their histories.
+    fn draw(&self, ready: &Ready, range: &Range<u64>, room: &mut Room) -> Range<u64> {
+        const FOUR: u64 = LANES as u64;
+        let whole = range.start / FOUR * FOUR..range.end.div_ceil(FOUR) * FOUR;
+        room.drawn.clear();
+        room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
+        room.follow(ready);
+        whole
+    }
+
+    /// The same of a routine, asked at every state. Where a batch has our own numbers they are compared: 237 bits judge what is further from them than
+    /// two right ones can be, and the share.
     fn block_of_routine(
         &self,
         ready: &Ready,
@@ -358,11 +366,7 @@ impl Sweep {
         of: &mut OfSubject,
         (routines, place): (&Routines<'_>, usize),
     ) -> Result<u64, SweepError> {
-        const FOUR: u64 = LANES as u64;
-        let whole = range.start / FOUR * FOUR..range.end.div_ceil(FOUR) * FOUR;
-        room.drawn.clear();
-        room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
-        room.follow(ready);
+        let whole = self.draw(ready, &range, room);
         room.hessians.clear();
         let rows = ready.batch.as_ref().map_or(0, Batch::rows);
         if let Some(batch) = &ready.batch {
@@ -375,19 +379,31 @@ impl Sweep {
         let asked: Vec<(u64, &Drawn)> = range.clone().filter_map(drawn).collect();
         let cases: Vec<Case> =
             asked.iter().map(|(index, drawn)| ready.source.case(&of.name, *index, drawn)).collect();
-        let (answers, due) = routines.ask(self, place, &cases)?;
+        let (answers, due) = routines.ask(place, &cases)?;
         let mut sum = 0_u64;
         for (((index, drawn), case), given) in asked.iter().zip(&cases).zip(answers) {
-            let Some(given) = given.map(|given| given.on_sheet_of(case)) else {
-                *of.places.entry(drawn.place).or_default() += 1;
-                of.outside += 1;
-                continue;
-            };
             let branch = room.branches.get(at(*index)).unwrap_or(&ready.branch);
+            let given = given.map(|given| given.on_sheet_of(case));
+            let read = given.as_ref().map(|given| ready.read(given, due));
+            let passed = match (&given, &read) {
+                (Some(given), _) if given.is_on_another_sheet(case) => Some(&mut of.elsewhere),
+                (Some(_), Some(Read { finite, .. }))
+                    if *finite != 0.0 && ready.distance(drawn, branch, true) <= ON_SET =>
+                {
+                    Some(&mut of.undefined)
+                }
+                (Some(_), _) => None,
+                (None, _) => Some(&mut of.outside),
+            };
+            if let Some(passed) = passed {
+                *passed += 1;
+                *of.places.entry(drawn.place).or_default() += 1;
+                continue;
+            }
+            let (Some(given), Some(read)) = (given, read) else { continue };
             let lane = at(*index) % LANES;
             let own = room.hessians.get(at(*index) / LANES * rows..).and_then(|own| own.get(..rows));
             let own = own.filter(|own| !own.is_empty());
-            let read = ready.read(&given, due);
             let mut seen = Seen { hash: [0; LANES], finite: [0.0; LANES], rigid: None, frame: [None; LANES] };
             (seen.hash[lane], seen.finite[lane]) = (read.hash, read.finite);
             sum = sum.wrapping_add(splitmix64(read.hash ^ splitmix64(*index)));
@@ -395,15 +411,13 @@ impl Sweep {
             of.numbers += read.numbers;
             let apart = own.map_or(0.0, |own| ready.apart(&given, (own, lane), branch, case.length));
             // Next to a singular set another number may be as right.
-            let is_far = apart > FAR && ready.distance(drawn, branch) > NEAR;
+            let is_far = apart > FAR && ready.distance(drawn, branch, false) > NEAR;
             is_wrong |= is_far;
             if self.is_judged(*index) || (apart > APART && !is_far) {
-                is_wrong |= ready.judge_routine(&given, case, *index, of);
+                is_wrong |= of.add_judged(others_against_truth(case, &given), *index);
             }
-            if is_wrong {
-                of.wrong += 1;
-                of.first_wrong = Some(of.first_wrong.map_or(*index, |first| first.min(*index)));
-            }
+            of.wrong += u64::from(is_wrong);
+            of.first_wrong = first(of.first_wrong, is_wrong.then_some(*index));
         }
         Ok(sum)
     }
@@ -564,12 +578,14 @@ impl Ready {
         if winds { f64::with_turns(value, branch.turns[k].turns) } else { value }
     }
 
-    /// How far a state is from the nearest singular set, as far as doubles can tell.
-    fn distance(&self, drawn: &Drawn, branch: &Branch<f64>) -> f64 {
+    /// How far a state is from the nearest singular set, or from one that cannot be removed, as far as doubles can tell.
+    fn distance(&self, drawn: &Drawn, branch: &Branch<f64>, stays: bool) -> f64 {
         let margins = self.connector.margins(&drawn.state(), branch, [true; 6]);
-        margins.iter().flatten().map(|margin| margin.distance).fold(f64::INFINITY, f64::min)
+        let counts = |margin: &&Margin| !stays || margin.set.class != SingularClass::Removable;
+        margins.iter().flatten().filter(counts).map(|margin| margin.distance).fold(f64::INFINITY, f64::min)
     }
 
+    /// What a routine gives, as it is hashed.
     fn read(&self, given: &Given, due: Due) -> Read {
         let mut read = Read { hash: 0, finite: 0.0, numbers: 0 };
         for (quantity, is_due) in [(Quantity::Value, due.values), (Quantity::FirstDerivatives, due.rows)] {
@@ -611,7 +627,7 @@ impl Ready {
             if let Some(other) = given.numbers().entries(Quantity::Value).get(*k, 0) {
                 let mut off = (value - other).abs();
                 if measure.winds() {
-                    off = off.min((off - TAU).abs());
+                    off = (off - TAU * (off / TAU).round()).abs();
                 }
                 add(off, scale);
             }
@@ -627,16 +643,6 @@ impl Ready {
             }
         }
         most
-    }
-
-    /// What 237 bits say of the numbers of a routine, and whether they are wrong.
-    fn judge_routine(&self, given: &Given, case: &Case, index: u64, of: &mut OfSubject) -> bool {
-        let Some(found) = others_against_truth(case, given) else { return false };
-        let [value, row] = &found.found;
-        of.judged += 1;
-        of.value.add(found.nearness, value, index);
-        of.row.add(found.nearness, row, index);
-        found.found.iter().any(|measured| measured.verdict.is_mismatch())
     }
 
     /// What 237 bits say of the numbers of a lane, and whether they are wrong.
@@ -678,12 +684,7 @@ impl Ready {
         numbers.set(Quantity::Value, values);
         numbers.set(Quantity::FirstDerivatives, first);
         let case = self.source.case(&of.name, index, drawn);
-        let Some(found) = against_truth(&case, &numbers) else { return false };
-        let [value, row] = &found.found;
-        of.judged += 1;
-        of.value.add(found.nearness, value, index);
-        of.row.add(found.nearness, row, index);
-        found.found.iter().any(|measured| measured.verdict.is_mismatch())
+        of.add_judged(against_truth(&case, &numbers), index)
     }
 }
 
@@ -798,6 +799,16 @@ fn left_along_rigid(of: &[Four; 12], lane: usize, d: Vector<f64>) -> f64 {
 }
 
 impl OfSubject {
+    /// Adds what 237 bits say of a state; whether anything is wrong with it.
+    fn add_judged(&mut self, found: Option<AgainstTruth>, index: u64) -> bool {
+        let Some(AgainstTruth { nearness, found }) = found else { return false };
+        let [value, row] = &found;
+        self.judged += 1;
+        self.value.add(nearness, value, index);
+        self.row.add(nearness, row, index);
+        found.iter().any(|measured| measured.verdict.is_mismatch())
+    }
+
     /// Adds a state; whether anything is wrong with it.
     fn add(&mut self, drawn: &Drawn, index: u64, (seen, lane): (&Seen, usize), length: f64) -> bool {
         let pair = &drawn.pair;

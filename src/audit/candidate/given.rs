@@ -1,5 +1,6 @@
 //! What a routine is asked, and what it may give.
 
+use crate::candidate::sheet;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::case::{Case, Step};
 use pintle_kinematics::connector::{Components, NodalMatrix, NodalRow, State};
@@ -145,6 +146,11 @@ impl Given {
         self.without_ground(case.definition.moves);
         self.continue_angles(case);
         self
+    }
+
+    /// Whether its angles are others of the same rotation, by more than whole turns of each.
+    pub fn is_on_another_sheet(&self, case: &Case) -> bool {
+        sheet::is_another(case, self, None)
     }
 
     /// Without columns of the ground, which a routine need not know of.

@@ -391,7 +391,9 @@ impl<'a> Candidate<'a> {
                 }
                 let Some(given) = answers.next().flatten() else { continue };
                 let given = self.read(given, &self.offers, asked);
-                if !self.is_principal && sheet::is_another(&asked.case, &given, &asked.values_before) {
+                // Principal angles may be far from those before.
+                let before = (!self.is_principal).then_some(&asked.values_before);
+                if sheet::is_another(&asked.case, &given, before) {
                     elsewhere += 1;
                     continue;
                 }
@@ -700,13 +702,15 @@ pub fn values_before(case: &Case) -> Components<f64> {
 }
 
 impl Given {
-    /// Angles by whole turns to those that are nearest to the right ones.
+    /// Angles by whole turns to those that are nearest to the right ones. Components of a rotation vector do not turn each by itself.
     fn continue_angles(&mut self, case: &Case) {
         let connector = case.connector();
         let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
         let Some((right, _)) = case.evaluation(&asked) else { return };
         for (k, value) in self.0.entries_mut(Quantity::Value).0.iter_mut().enumerate() {
-            let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
+            let is_angle = connector
+                .differentiated(k)
+                .is_some_and(|measure| measure.unit() == Unit::Angle && !sheet::is_of_vector(&measure));
             let right = right.residual[k].or(right.displacement[k]);
             if let (Some(value), Some(right), true) =
                 (value.as_mut().and_then(|x| x.first_mut()), right, is_angle)

@@ -16,18 +16,21 @@ use std::f64::consts::{PI, TAU};
 /// How far angles of one rotation may be apart (rad): more than rounding, and less than any fault that matters here.
 const SAME: f64 = 1e-6;
 
+/// Whether it is a component of a rotation vector, which another sheet lengthens.
+pub(super) const fn is_of_vector(measure: &Measure) -> bool {
+    matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))
+}
+
 /// Whether angles differ by whole turns.
 fn is_turn(by: f64) -> bool {
     (by - TAU * (by / TAU).round()).abs() < SAME
 }
 
-/// Whether what is given continues the angles on another sheet, no farther from the state before.
-pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -> bool {
+/// Whether what is given continues the angles on another sheet: no farther from the state before, where its values are given.
+pub(super) fn is_another(case: &Case, given: &Given, before: Option<&Components<f64>>) -> bool {
     let connector = case.connector();
     let kinds = [0, 1, 2, 3, 4, 5].map(|k| connector.differentiated(k));
-    let has_sheets = |measure: &Measure| {
-        measure.winds() || matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))
-    };
+    let has_sheets = |measure: &Measure| measure.winds() || is_of_vector(measure);
     let angles: Vec<usize> = (0..6).filter(|k| kinds[*k].as_ref().is_some_and(has_sheets)).collect();
     if angles.is_empty() && is_projected_otherwise(case, given) {
         return true;
@@ -40,12 +43,7 @@ pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -
     let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
     let Some((right, _)) = case.evaluation(&asked) else { return false };
     let wanted = angles.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
-    let start = angles.iter().map(|k| before[*k]);
-    let (Some(wanted), Some(start)) =
-        (wanted.collect::<Option<Vec<f64>>>(), start.collect::<Option<Vec<f64>>>())
-    else {
-        return false;
-    };
+    let Some(wanted) = wanted.collect::<Option<Vec<f64>>>() else { return false };
     if found.iter().zip(&wanted).all(|(x, y)| (x - y).abs() < SAME) {
         return false;
     }
@@ -54,7 +52,11 @@ pub(super) fn is_another(case: &Case, given: &Given, before: &Components<f64>) -
         of.iter().zip(&angles).map(|(x, k)| x + first[*k].unwrap_or(0.0)).collect()
     };
     let measures: Vec<Measure> = angles.iter().filter_map(|k| kinds[*k]).collect();
-    is_same(&measures, &position(&found), &position(&wanted)) && is_as_near(&found, &wanted, &start)
+    let is_near = |before: &Components<f64>| {
+        let start: Option<Vec<f64>> = angles.iter().map(|k| before[*k]).collect();
+        start.is_some_and(|start| is_as_near(&found, &wanted, &start))
+    };
+    is_same(&measures, &position(&found), &position(&wanted)) && before.is_none_or(is_near)
 }
 
 /// Whether coordinates along axes midway between those of both nodes have the other sign where the torsion is half a turn: rounding decides

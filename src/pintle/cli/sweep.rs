@@ -211,11 +211,11 @@ fn subject(definition: Definition, label: &str) -> Subject {
 /// # Errors
 /// In words, where there is nothing of that name.
 pub fn plan(words: &[String], seed: &str, share: f64) -> Result<String, String> {
-    planned(words, seed, share).map_err(|failure| failure.to_string())
+    planned(words, seed, share, None).map_err(|failure| failure.to_string())
 }
 
-fn planned(words: &[String], seed: &str, share: f64) -> Result<String, Failure> {
-    Ok(Plan::new(seed, share, subjects(words)?)?.text()?)
+fn planned(words: &[String], seed: &str, share: f64, routine: Option<String>) -> Result<String, Failure> {
+    Ok(Plan::new(seed, share, subjects(words)?, routine)?.text()?)
 }
 
 /// Sweeps, or prints what was swept.
@@ -229,8 +229,7 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     }
     let routine = routine(arguments)?;
     let named = routine.as_ref().map(|(command, _)| command.clone());
-    let plan = Plan::new(&arguments.seed, arguments.oracle_share, subjects(&arguments.of)?)?;
-    let text = plan.of_routine(named).text()?;
+    let text = planned(&arguments.of, &arguments.seed, arguments.oracle_share, named)?;
     let sweep = Sweep::new(&text)?.planting(arguments.plant.map(Planted::from));
     if let Some(index) = arguments.state {
         return state(&sweep, index);
@@ -247,7 +246,10 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
     let progress = |more: u64| bar.advance(more as usize, "states");
     for (first, count) in left.chunks(arguments.chunk) {
-        let chunk = sweep.run_of(first, count, &progress, routines.as_ref())?;
+        let chunk = match &routines {
+            Some(routines) => routines.run(first, count, &progress)?,
+            None => sweep.run(first, count, &progress)?,
+        };
         match &folder {
             Some(folder) => folder.keep(&chunk)?,
             None => summary.merge(&chunk)?,
