@@ -32,7 +32,7 @@ pub struct AgainstTruth {
 /// Judges values and rows at the end of a case against differences on 237 bits, by the bound of the audit.
 ///
 /// Two things differ from [`crate::audit_case`]. The bound rests on derivatives by dual numbers on 237 bits, where the audit's rests on
-/// differences off the singular sets: equal to far below rounding, and second differences cost most of the time. And no referee
+/// differences off the singular sets. They are equal to far below rounding, and second differences cost most of the time. And no referee
 /// excuses what is wrong by what another oracle says. `None` for an empty path.
 pub fn against_truth(case: &Case, numbers: &Numbers<f64>) -> Option<AgainstTruth> {
     judged(case, numbers, false)

@@ -78,7 +78,7 @@ impl Given {
 
     /// The residual of each constrained component, the displacement of any other (length, or rad).
     ///
-    /// A one-form, as of FLOW-CONVERTER and RETRACTOR, has a row that is the derivative of no function of the state: what it sums up
+    /// A one-form, as of FLOW-CONVERTER and RETRACTOR, has a row that is the derivative of no function of the state. What it sums up
     /// follows from the path, and its value may be `None`.
     #[must_use]
     pub fn values(self, values: Components<f64>) -> Self {

@@ -1,6 +1,6 @@
 //! `*CONNECTOR DAMPING`: forces over velocities.
 //!
-//! Linear, F_i = C_ii v_i or F_i = Σ C_ij v_j over the available components, or a table over the component's own velocity and,
+//! Linear, F_i = C_ii v_i or F_i = Σ C_ij v_j over the available components. Or a table over the component's own velocity and,
 //! besides, positions or constitutive displacements of several components.
 //!
 //! Dampings of one component add, coupled ones and others.

@@ -61,7 +61,7 @@ impl Elasticity {
         forces
     }
 
-    /// The elastic energy W taken up from the reference, ∂W/∂u_k = CEF_k; `None` where the forces have no potential: an unsymmetric
+    /// The elastic energy W taken up from the reference, ∂W/∂u_k = CEF_k. `None` where the forces have no potential: an unsymmetric
     /// matrix, or a force over the motion of another component.
     pub fn energy<S: Scalar>(&self, motion: &Motion<S>, conditions: &Conditions) -> Option<S> {
         let energies = self.laws.iter().map(|law| law.potential(motion, conditions));

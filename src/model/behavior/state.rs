@@ -1,11 +1,11 @@
 //! The behaviour of one connector at one state, after its history.
 //!
-//! [`Behavior`] holds what a section's `*CONNECTOR BEHAVIOR` says for its connection type; [`History`] what the states before have
-//! decided (locks, failures, where the component was); [`Behavior::at`] gives all forces at the next state, and the history to commit.
+//! [`Behavior`] holds what a section's `*CONNECTOR BEHAVIOR` says for its connection type. [`History`] holds what the states before have
+//! decided: locks, failures, where the component was. [`Behavior::at`] gives all forces at the next state, and the history to commit.
 //! A history is committed by keeping it: none is changed in place, so that an iteration can be repeated.
 //!
 //! *What a motion tells.* Elastic and viscous forces and loads follow from the motion. A component that is held by a stop, a lock, a
-//! prescribed motion or a rigid elasticity has a reaction besides, which follows only from a given total force:
+//! prescribed motion or a rigid elasticity has a reaction besides. It follows only from a given total force:
 //! CRF = CTF − CEF − CVF − CSF + CCF. Where it is not given, CRF and CTF of that component are not known, and said to be so. A
 //! component that is free has CRF = 0. A constrained component has CTF = CRF, given or not known.
 

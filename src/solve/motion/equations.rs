@@ -592,8 +592,8 @@ impl<R: Number> Assembled<R> {
     }
 }
 
-/// An upper bound of the spectral radius of a matrix without negative entries: the largest (A x)_i/x_i of a positive x (Collatz, Wielandt), which
-/// falls to it along powers of A + 1.
+/// An upper bound of the spectral radius of a matrix A without negative entries: the largest (A x)_i/x_i of a positive x (Collatz, Wielandt). Along
+/// powers of A + 1 it falls to that radius.
 fn radius(matrix: &[Vec<f64>]) -> f64 {
     const POWERS: usize = 200;
     let mut x = vec![1.0; matrix.len()];
@@ -626,4 +626,24 @@ fn at(layout: &Layout, NoPivot { column }: NoPivot) -> Trouble {
         k if k < n => NoPivotAt::Freedom(layout.columns[k]),
         k => NoPivotAt::Row(layout.kept[k - n]),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::radius;
+
+    /// Bounds of the radius, which no change of units moves: eigenvalues by hand.
+    #[test]
+    fn the_radius_has_no_units() {
+        // λ² − 0.6 λ + 0.05 = 0.
+        let matrix = |unit: f64| [vec![0.2, 0.3 * unit], vec![0.1 / unit, 0.4]];
+        for unit in [1.0, 1e3, 1e-6] {
+            let found = radius(&matrix(unit));
+            assert!((found - 0.5).abs() < 1e-12, "{unit}: {found}");
+        }
+        // What depends on another alone adds nothing.
+        let found = radius(&[vec![0.0, 6.0], vec![0.0, 0.0]]);
+        assert!((0.0..0.01).contains(&found), "{found}");
+        assert_eq!((radius(&[vec![0.7]]), radius(&[])), (0.7, 0.0));
+    }
 }

@@ -35,7 +35,7 @@ impl<R: Number> Run<'_, R> {
             all_held.frictions[*s] = Mode::sticks(position);
         }
         // Where slip would go: against the friction of stick; where stick repeats what others hold, as without friction.
-        let stuck = self.instant(&all_held).ok().map(|(_, _, stuck)| stuck);
+        let stuck = self.instant(&all_held).ok();
         let free = match stuck {
             None => self.instant(&before.without_friction()).ok(),
             Some(_) => None,
@@ -50,11 +50,14 @@ impl<R: Number> Run<'_, R> {
                         return along;
                     }
                 }
-                let force = stuck.as_ref().and_then(|stuck| stuck.friction.get(slider.joint));
+                let force = stuck.as_ref().and_then(|(_, _, stuck)| stuck.friction.get(slider.joint));
                 slider.against(force.unwrap_or(&[zero; 6]))
             })
             .collect();
-        let driven = self.driven(&all_held, open)?;
+        let driven = match &stuck {
+            Some((_, layout, _)) if !self.is_still => self.driven(&all_held, layout, open)?,
+            _ => vec![None; open.len()],
+        };
         let slips = 3_usize.pow(open.len().min(ALL) as u32);
         let stops = 2_usize.pow(touching.len().min(ALL) as u32);
         let mut consistent: Vec<(Modes<R>, f64)> = Vec::new();
@@ -191,15 +194,17 @@ impl<R: Number> Run<'_, R> {
 
     /// Of the frictions named those that what is prescribed moves from now on, though all of them stick: each with the direction in which it
     /// slips a moment later.
-    fn driven(&mut self, all_held: &Modes<R>, open: &[usize]) -> Result<Vec<Option<[R; 6]>>, Refusal> {
+    fn driven(
+        &mut self,
+        all_held: &Modes<R>,
+        layout: &Layout,
+        open: &[usize],
+    ) -> Result<Vec<Option<[R; 6]>>, Refusal> {
         /// A moment, as a part of the time to the next break.
         const MOMENT: f64 = 1e-3;
         /// Below this part of the usual speed nothing moves.
         const STILL: f64 = 1e-10;
         let none = vec![None; open.len()];
-        if open.is_empty() || self.is_still {
-            return Ok(none);
-        }
         let now = self.state.time;
         let Some(([_, end], _)) = self.mechanism.schedule.span(self.step) else { return Ok(none) };
         let later = |time: &f64| *time > now.to_f64();
@@ -207,12 +212,11 @@ impl<R: Number> Run<'_, R> {
         if next.is_infinite() {
             return Ok(none);
         }
-        let Ok((_, layout, _)) = self.instant(all_held) else { return Ok(none) };
         self.state.time = now + (R::from_f64(next) - now) * R::from_f64(MOMENT);
         let found = self.assembled(all_held);
         self.state.time = now;
         let found = found.map_err(|trouble| self.say(trouble))?;
-        let Ok((change, _)) = found.correction(&layout, |row| row.rate) else { return Ok(none) };
+        let Ok((change, _)) = found.correction(layout, |row| row.rate) else { return Ok(none) };
         let usual = self.usual_speed();
         let moves = |s: &usize| {
             let slider = &self.mechanism.sliders[*s];

@@ -6,7 +6,7 @@
 
 use crate::fault::{Fault, has};
 use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
-use crate::motion::mode::{Cause, Does, Mode, Side, Switch, Touch};
+use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, WORKS};
@@ -113,9 +113,10 @@ impl<R: Number> Run<'_, R> {
         if let Some(stiffness) = self.mechanism.stiffness.get(slider).copied() {
             return self.rests_on_spring(slider, stiffness);
         }
-        let others = self.resting_too(slider)?;
-        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let before = self.modes.clone();
+        let (found, _, solved) = self.instant(&before)?;
+        // Others that end at the same time are decided with it.
+        let others = self.ending(&solved.switches, &solved)?.into_iter().filter(|s| *s != slider);
         for s in std::iter::once(slider).chain(others) {
             self.forget_onset(s);
             let position = found.joints[self.mechanism.sliders[s].joint].position;
@@ -144,22 +145,6 @@ impl<R: Number> Run<'_, R> {
         }
         self.choose(&open)?;
         self.record(true)
-    }
-
-    /// The other slips of one component that pass zero now: within rounding of it, and slowing down.
-    fn resting_too(&mut self, slider: usize) -> Result<Vec<usize>, Refusal> {
-        let modes = self.modes.clone();
-        let (found, _, solved) = self.instant(&modes)?;
-        let rests = |switch: &&Switch<R>| {
-            let of = &self.mechanism.sliders[switch.of];
-            let slack = switch.scale * R::from_f64(crate::motion::equations::PASSED * R::ROUNDING);
-            switch.of != slider
-                && of.components.len() == 1
-                && switch.value.magnitude().less(slack)
-                && self.slows(switch.of, &found, &solved)
-        };
-        let stops = solved.switches.iter().filter(|switch| switch.cause == Cause::Stops);
-        Ok(stops.filter(rests).map(|switch| switch.of).collect())
     }
 
     /// What slips from here begins from rest, whatever way it slipped before.

@@ -473,9 +473,10 @@ impl<'a, R: Number> Run<'a, R> {
         /// As much of the usual speed is no jump.
         const SMALL: f64 = 1e-10;
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let rates = self.layout.kept.iter().filter_map(|index| found.rows.get(*index)?.rate);
-        let most = rates.fold(0.0, |most: f64, rate| most.max(rate.to_f64().abs()));
-        Ok(most > SMALL * self.usual_speed() * self.mechanism.length.max(1.0))
+        let least = SMALL * self.usual_speed();
+        let kept = self.layout.kept.iter().filter_map(|index| found.rows.get(*index));
+        let rates = kept.filter_map(|row| Some((row.rate?.magnitude() / self.size_of(row.owner)).to_f64()));
+        Ok(rates.into_iter().any(|rate| rate > least))
     }
 
     /// Brings rates to what is prescribed from now on. All other equations take no work of the impulse, so that its work is the change of

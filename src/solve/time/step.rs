@@ -2,7 +2,7 @@
 
 use crate::fault::{Fault, has};
 use crate::motion::assemble::are_parallel;
-use crate::motion::equations::Solved;
+use crate::motion::equations::{PASSED, Solved};
 use crate::motion::mechanism::Slider;
 use crate::motion::mode::{Cause, Does, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
@@ -230,6 +230,11 @@ impl<R: Number> Run<'_, R> {
         span.map_or(0.0, |([from, to], _)| PACE / (to - from)).max(self.speed())
     }
 
+    /// What is slower is at rest, but for rounding.
+    fn rounding_of_speed(&self) -> f64 {
+        1e4 * R::ROUNDING * self.usual_speed()
+    }
+
     pub(crate) fn tried(
         &mut self,
         base: &State<R>,
@@ -265,10 +270,9 @@ impl<R: Number> Run<'_, R> {
 
     /// Whether the friction of several components has another direction, by more than 60°, and did not begin at rest.
     fn has_turned(&self, before: &Solved<R>, after: &Solved<R>) -> bool {
-        let usual = self.usual_speed();
+        let least = R::from_f64(self.rounding_of_speed());
         self.mechanism.turning().any(|(s, _)| {
             let slider = &self.mechanism.sliders[s];
-            let least = R::from_f64(usual * 1e4 * R::ROUNDING);
             let moved = before.slip_rates.get(s).is_some_and(|rate| least.less(*rate));
             // Where what presses passes zero, friction turns without the slip.
             let presses = [before, after]
@@ -330,8 +334,6 @@ impl<R: Number> Run<'_, R> {
     fn leave_onsets(&mut self) -> Result<(), Refusal> {
         /// What moves faster than this part of the largest speed has been moving.
         const MOVES: f64 = 1e-9;
-        /// Below so many roundings of the largest speed is rest.
-        const ROUNDINGS: f64 = 1e4;
         /// From this part of the largest speed on the direction of a velocity is exact enough.
         const CLEAR: f64 = 1e-3;
         /// Within a step a direction decays less often than this to where it belongs.
@@ -362,7 +364,7 @@ impl<R: Number> Run<'_, R> {
                     false => !is_clear || is_stiff,
                 };
             self.modes.frictions[s].in_onset = begins;
-            let is_moving = is_at_rest && speed > ROUNDINGS * R::ROUNDING * self.usual_speed();
+            let is_moving = is_at_rest && speed > self.rounding_of_speed();
             for ((k, _), place) in self.mechanism.sliders[s].components.iter().zip(places) {
                 let sum = &mut self.state.sums[place];
                 *sum = match begins {
@@ -468,10 +470,7 @@ impl<R: Number> Run<'_, R> {
                 self.h = h.to_f64() * 0.9 * MOST_TURNED / turned;
                 continue;
             }
-            self.solution.evaluations += 1;
-            let (ended, after) =
-                self.flow(&base, base.time + h, &tried.end).map_err(|trouble| self.say(trouble))?;
-            let ended = ended.switches;
+            let (ended, after) = self.switches_at(&base, base.time + h, &tried.end)?;
             // A slip that has passed rest has turned, and its stages need not show it.
             if self.has_turned(&solved, &after) && self.h > least {
                 self.h = h.to_f64() * 0.5;
@@ -525,25 +524,13 @@ impl<R: Number> Run<'_, R> {
     /// rounding. What has gone away from a limit is open.
     fn overdue(&mut self, switches: &[Switch<R>], solved: &Solved<R>) -> Result<Option<Switch<R>>, Refusal> {
         let zero = R::ZERO;
-        let mut passed = Vec::new();
-        for switch in switches.iter().filter(|switch| switch.cause == Cause::Stops) {
-            // With another event it may have come to zero, or passed it by rounding.
-            if switch.value.less(switch.scale * R::from_f64(crate::motion::equations::PASSED * R::ROUNDING))
-                && self.mechanism.sliders[switch.of].components.len() == 1
-            {
-                let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-                if self.slows(switch.of, &found, solved) {
-                    passed.push(switch.of);
-                }
-            }
-        }
+        let ending = self.ending(switches, solved)?;
         let beyond = |switch: &&Switch<R>| {
             let slack = switch.scale * R::from_f64(crate::motion::equations::LEAVING * R::ROUNDING);
             match switch.cause {
                 Cause::Meets(_) | Cause::Closes(_) => switch.value.less(zero),
                 Cause::Stops if !self.mechanism.stiffness.is_empty() => switch.value.less(-slack),
-                // What goes against its direction has passed zero with another.
-                Cause::Stops => passed.contains(&switch.of),
+                Cause::Stops => ending.contains(&switch.of),
                 Cause::Passes(_) => switch.value.less(-slack),
                 _ => false,
             }
@@ -561,8 +548,23 @@ impl<R: Number> Run<'_, R> {
         Ok(switches.iter().find(beyond).copied())
     }
 
+    /// The slips of one component that end now. With another event one may have come to zero, or passed it by rounding.
+    pub(crate) fn ending(&self, switches: &[Switch<R>], solved: &Solved<R>) -> Result<Vec<usize>, Refusal> {
+        let is_near = |switch: &&Switch<R>| {
+            switch.cause == Cause::Stops
+                && self.mechanism.sliders[switch.of].components.len() == 1
+                && switch.value.less(switch.scale * R::from_f64(PASSED * R::ROUNDING))
+        };
+        let near: Vec<usize> = switches.iter().filter(is_near).map(|switch| switch.of).collect();
+        if near.is_empty() {
+            return Ok(near);
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        Ok(near.into_iter().filter(|s| self.slows(*s, &found, solved)).collect())
+    }
+
     /// Whether what slips in one direction goes ever less that way: not by rounding, as where a slip begins.
-    pub(crate) fn slows(&self, slider: usize, found: &Assembled<R>, solved: &Solved<R>) -> bool {
+    fn slows(&self, slider: usize, found: &Assembled<R>, solved: &Solved<R>) -> bool {
         /// Of the acceleration to the usual speed within the step of the scene.
         const LEAST: f64 = 1e-6;
         let of = &self.mechanism.sliders[slider];
@@ -677,10 +679,10 @@ impl<R: Number> Run<'_, R> {
         base: &State<R>,
         time: R,
         y: &[R],
-    ) -> Result<Vec<Switch<R>>, Refusal> {
+    ) -> Result<(Vec<Switch<R>>, Solved<R>), Refusal> {
         self.solution.evaluations += 1;
-        let found = self.flow(base, time, y).map_err(|trouble| self.say(trouble))?;
-        Ok(found.0.switches)
+        let (slope, solved) = self.flow(base, time, y).map_err(|trouble| self.say(trouble))?;
+        Ok((slope.switches, solved))
     }
 
     /// Finds the first event within h, by whole steps: the state goes on to it. Switches at both ends are known.
@@ -747,7 +749,7 @@ impl<R: Number> Run<'_, R> {
                 shorter = Some(guess * R::ratio(1, 2));
                 continue;
             }
-            let ended = self.switches_at(&base, base.time + guess, &tried.end)?;
+            let (ended, _) = self.switches_at(&base, base.time + guess, &tried.end)?;
             match earliest(&low.1, &ended) {
                 None => {
                     // On this side: the state goes on to it.
@@ -851,20 +853,23 @@ impl<R: Number> Run<'_, R> {
         self.project_from(found)
     }
 
+    /// What a residual of an equation is measured by: 1 rad, or the length of the model.
+    pub(crate) fn size_of(&self, owner: Owner) -> R {
+        match owner {
+            Owner::Joint(_, k) if k >= 3 => R::integer(1),
+            Owner::Mpc(_, row) if (3..6).contains(&row) => R::integer(1),
+            _ => R::from_f64(self.mechanism.length),
+        }
+    }
+
     /// The same, where it is known what holds now.
     fn project_from(&mut self, mut found: Assembled<R>) -> Result<(), Refusal> {
         let zero = R::ZERO;
         let small = R::from_f64(4.0 * R::ROUNDING);
-        let length = R::from_f64(self.mechanism.length);
         for iteration in 0..12 {
-            let size = |owner: Owner| match owner {
-                Owner::Joint(_, k) if k >= 3 => R::integer(1),
-                Owner::Mpc(_, row) if (3..6).contains(&row) => R::integer(1),
-                _ => length,
-            };
             let gap = self.layout.kept.iter().fold(zero, |most, index| {
                 let row = &found.rows[*index];
-                let gap = row.residual.unwrap_or(zero).magnitude() / size(row.owner);
+                let gap = row.residual.unwrap_or(zero).magnitude() / self.size_of(row.owner);
                 larger(most, gap)
             });
             if !small.less(gap) || has(Fault::Drift) {
