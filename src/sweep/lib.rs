@@ -10,6 +10,7 @@
 //! | [`philox`] | which numbers belong to an index? |
 //! | [`plan`] | what is swept? |
 //! | [`states`] | which state has an index? |
+//! | [`routine`] | whose numbers are they, if not our own? |
 //! | [`sweep`] | what do the states of a chunk give? |
 //! | [`summary`] | what is known of them in the end? |
 //! | [`folder`] | what is done already? |

@@ -43,8 +43,10 @@ in its summary.
 With --python, --library or --with (as in pintle check) the numbers are those of
 your routine. It is asked for values and rows at every state. Each is compared
 with pintle's; where both cannot be right within their bounds, and at the share,
-237 bits judge. Whole turns of angles are no error here: pintle check judges
-histories. Of types with material flow the share alone is judged.
+237 bits judge. Other angles of the same rotation are not judged, nor is what is
+no number on a singular set: pintle check judges histories. Initial orientations
+are those that the type allows. Of types with material flow the share alone is
+judged.
 
 Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep or
 cannot be read, 7 where it cannot be written.
