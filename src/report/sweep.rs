@@ -61,7 +61,8 @@ pub fn human(
     for line in layout::wrap(legend, width) {
         writeln!(out, "{}", layout::styled(layout::DIM, line))?;
     }
-    let all = |of: &dyn Fn(&OfSubject) -> u64| count(summary.subjects.iter().map(of).sum());
+    let sum = |of: &dyn Fn(&OfSubject) -> u64| summary.subjects.iter().map(of).sum::<u64>();
+    let all = |of: &dyn Fn(&OfSubject) -> u64| count(sum(of));
     let done = summary.states.count();
     let states = if done == wanted { count(done) } else { format!("{} of {}", count(done), count(wanted)) };
     let both = |verdict: fn(Verdict) -> bool| {
@@ -84,15 +85,13 @@ pub fn human(
         both(|verdict| verdict == Verdict::Undecided),
         both(Verdict::is_mismatch),
     )?;
-    let passed: [(&dyn Fn(&OfSubject) -> u64, &str); 3] = [
-        (&|of| of.outside, "outside the domain of the routine"),
-        (&|of| of.elsewhere, "other angles of the same rotation"),
-        (&|of| of.undefined, "no number, on a singular set"),
+    let passed = [
+        (sum(&|of| of.outside), "outside the domain of the routine"),
+        (sum(&|of| of.elsewhere), "other angles of the same rotation"),
+        (sum(&|of| of.undefined), "no number, on a singular set"),
     ];
-    for (of, what) in passed {
-        if summary.subjects.iter().any(|subject| of(subject) > 0) {
-            writeln!(out, "passed    {} states, not judged: {what}", all(of))?;
-        }
+    for (states, what) in passed.iter().filter(|(states, _)| *states > 0) {
+        writeln!(out, "passed    {} states, not judged: {what}", count(*states))?;
     }
     for of in summary.subjects.iter().filter(|of| of.wrong > 0) {
         wrong(out, of)?;

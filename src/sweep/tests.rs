@@ -293,10 +293,13 @@ fn labels_of_states_are_true() {
     assert_eq!(looked, 60_000);
 }
 
+/// Changes what is answered at a state.
+type Change = fn(&Question<'_>, &Connector<f64>, &mut [Option<f64>; 6], &mut Components<NodalRow<f64>>);
+
 /// A routine: our own numbers one by one, as they are or changed.
 struct Mine<'a> {
     definition: &'a Definition,
-    change: fn(&Question<'_>, &Connector<f64>, &mut [Option<f64>; 6], &mut Components<NodalRow<f64>>),
+    change: Change,
 }
 
 impl Routine for Mine<'_> {
@@ -327,7 +330,7 @@ impl Routine for Mine<'_> {
 /// A right routine of every type is right at every state, with principal angles too; and a few wrong entries are found without any share.
 #[test]
 fn routines_are_judged() {
-    let swept = |share: f64, change| {
+    let swept = |share: f64, change: Change| {
         let plan = Plan::new("pintle", share, Subject::catalogue(), Some("mine".into())).unwrap();
         let sweep = Sweep::new(&plan.text().unwrap()).unwrap();
         let opens = |definition| Ok(Box::new(Mine { definition, change }) as Box<dyn Routine>);
