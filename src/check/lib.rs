@@ -100,6 +100,8 @@ pub struct Checked {
     pub not_offered: Vec<&'static str>,
     /// At how many states it failed, and what it said at the first.
     pub failed: Option<String>,
+    /// Whether it gives forces of springs that nobody gave.
+    pub lacks_springs: bool,
     /// How many requests it got, for differences of its own values and all.
     pub asked: u64,
 }
@@ -136,7 +138,17 @@ impl Checked {
         not_offered: Vec<&'static str>,
         asked: u64,
     ) -> Self {
-        Self { report, states, outside, left_out: 0, elsewhere: 0, not_offered, failed: None, asked }
+        Self {
+            report,
+            states,
+            outside,
+            left_out: 0,
+            elsewhere: 0,
+            not_offered,
+            failed: None,
+            lacks_springs: false,
+            asked,
+        }
     }
 
     /// What was not judged, a sentence each.
@@ -144,6 +156,12 @@ impl Checked {
         let mut notes: Vec<String> = self.failed.iter().cloned().collect();
         if !self.not_offered.is_empty() {
             notes.push(format!("not offered, and not judged: {}", self.not_offered.join(", ")));
+        }
+        if self.lacks_springs {
+            notes.push(
+                "element_forces and element_stiffness are not judged: give the springs, --springs D1,…,D6"
+                    .into(),
+            );
         }
         if self.outside > 0 {
             let (outside, states) = (self.outside, self.states);
@@ -212,7 +230,7 @@ fn check_connector<D: Door>(
     for check in report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
         check.failing = None;
     }
-    let not_offered = session.not_offered();
+    let (not_offered, lacks_springs) = (session.not_offered(), session.lacks_springs());
     let (failures, failed) = session.failures();
     let failed =
         failed.map(|first| format!("the routine failed at {failures} of {states} states, first at {first}"));
@@ -220,7 +238,7 @@ fn check_connector<D: Door>(
     let asked = session.asked();
     session.close()?;
     let elsewhere = elsewhere as u64;
-    Ok(Checked { report, states, outside, left_out, elsewhere, not_offered, failed, asked })
+    Ok(Checked { report, states, outside, left_out, elsewhere, not_offered, failed, lacks_springs, asked })
 }
 
 /// States of a history, each with the whole way to it: a routine with a memory is led along.

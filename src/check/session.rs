@@ -31,6 +31,7 @@ pub struct Session<'a, D> {
     gave: bool,
     failures: u64,
     failed: Option<String>,
+    lacks_springs: bool,
 }
 
 /// The first question, and what came.
@@ -71,7 +72,18 @@ impl<'a, D: Door> Session<'a, D> {
         }
         let places = hello.convention.places().map_err(Misbehaviour::BadConvention)?;
         hello.names_among(&COMPONENT).map_err(Misbehaviour::BadHello)?;
-        let offers = exchange.offers(&protocol::OFFERS)?;
+        let mut offers = exchange.offers(&protocol::OFFERS)?;
+        // Without springs there is nothing to be wrong.
+        let is_of_springs =
+            |of: &Quantity| matches!(of, Quantity::ElementForces | Quantity::ElementStiffness);
+        let lacks_springs = springs.iter().all(Option::is_none) && offers.iter().any(is_of_springs);
+        if lacks_springs {
+            offers.retain(|of| !is_of_springs(of));
+        }
+        if offers.is_empty() {
+            let what = "it gives the forces of an element of springs: say their stiffness, --springs D1,…,D6";
+            return Err(Misbehaviour::Refused(what.into()));
+        }
         hello.convention.covers(&offers).map_err(Misbehaviour::BadConvention)?;
         let opening = protocol::open(definition, &exchange.hello.convention, springs);
         exchange.open(&opening)?;
@@ -96,6 +108,7 @@ impl<'a, D: Door> Session<'a, D> {
             gave: false,
             failures: 0,
             failed: None,
+            lacks_springs,
         })
     }
 
@@ -107,6 +120,11 @@ impl<'a, D: Door> Session<'a, D> {
     /// What it offers.
     pub fn offers(&self) -> &[Quantity] {
         &self.offers
+    }
+
+    /// Whether it gives forces of springs, and none were given.
+    pub const fn lacks_springs(&self) -> bool {
+        self.lacks_springs
     }
 
     /// Of which components.

@@ -272,6 +272,7 @@ codes! {
     DiagnosisIncrement = "diagnosis::increment": "The value is the change since the state before, where that since the initial state is expected.";
     DiagnosisNotNormalised = "diagnosis::not-normalised": "A row, or a rate, is off by a length or the cosine of an angle at the state: a vector that was not normalised, or a division that is missing.";
     DiagnosisOtherJacobian = "diagnosis::other-jacobian": "The rows are formed with another Jacobian of the rotation vector: not inverted, transposed, or that of the other side.";
+    DiagnosisOfItsRow = "diagnosis::of-its-row": "A rate, or an acceleration, is what the row given makes of the motion: once the row is mended, it is right too.";
     DiagnosisRateForAcceleration = "diagnosis::rate-for-acceleration": "A rate is formed with accelerations, or an acceleration with rates.";
     DiagnosisSymmetrised = "diagnosis::symmetrised": "A matrix that is not symmetric was made so, as half of the sum with its transpose.";
     DiagnosisSinglePrecision = "diagnosis::single-precision": "Every number fits 24 bits: it was computed, or written, in single precision.";

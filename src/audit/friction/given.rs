@@ -8,7 +8,7 @@ use crate::judge::table::{Change, Convention, ResultTable};
 use crate::mutants::diagnosis::Cause;
 use pintle_kinematics::catalog::{ConnectionType, Contact};
 use pintle_model::behavior::friction::{
-    Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential,
+    Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential, TermMistake,
 };
 
 /// A cause, in words, and the numbers of each name that it would give.
@@ -130,7 +130,21 @@ impl FrictionSubject {
                 found.others.extend(other.map(|other| (Cause::ParametersSwapped, relation, other)));
             }
         }
-        found.parameters = numbers.iter().enumerate().map(|(i, x)| (symbol(i), *x)).collect();
+        let symbols: Vec<(&'static str, f64)> =
+            numbers.iter().enumerate().map(|(i, x)| (symbol(i), *x)).collect();
+        for (mistake, what, criterion) in found.friction.criterion.with_terms_mistaken(&symbols) {
+            let cause = match mistake {
+                TermMistake::Parameter => Cause::ParametersSwapped,
+                TermMistake::LeftOut => Cause::NotNormalised,
+                TermMistake::Norm => Cause::SumForNorm,
+                TermMistake::Axis => Cause::AxesOfA,
+            };
+            let other = friction(criterion);
+            if found.others.iter().all(|(.., known)| *known != other) {
+                found.others.push((cause, format!("what is expected with {what}"), other));
+            }
+        }
+        found.parameters = symbols;
         Some(found)
     }
 }
@@ -287,6 +301,7 @@ impl FrictionCase {
             found.push((*cause, relation.clone(), other.own(table.quantity)));
         }
         found.extend(self.sums(table.quantity));
+        found.extend(self.other_angles(table.quantity));
         match table.quantity {
             Quantity::FrictionGradient => found.extend(self.other_gradients()),
             Quantity::FrictionForce => found.extend(self.other_increments(&sliding)),
@@ -406,6 +421,24 @@ impl FrictionCase {
         found
     }
 
+    /// Axes that move with other angles: one that is left out, or has the other sign.
+    fn other_angles(&self, quantity: Quantity) -> Vec<Known> {
+        let own = self.own(quantity);
+        let mut found = Vec::new();
+        for k in 3..6 {
+            for (what, times) in [("without", 0.0), ("with the other sign of", -1.0)] {
+                let mut other = self.clone();
+                other.position[k] *= times;
+                let numbers = other.own(quantity);
+                if numbers != own {
+                    let relation = format!("what is expected {what} the angle ur{} in the axis", k - 2);
+                    found.push((Cause::AxesOfA, relation, numbers));
+                }
+            }
+        }
+        found
+    }
+
     /// Slopes without their signs, and that of Φ with the contact force held.
     fn other_gradients(&self) -> Vec<Known> {
         let own = self.own(Quantity::FrictionGradient);
@@ -440,6 +473,48 @@ impl FrictionCase {
         let slips = [("Δγ", whole), ("CASU", self.before.accumulated_slip + whole)];
         let slips = slips.map(|(name, x)| (title(name), vec![x])).to_vec();
         found.push((Cause::StickForSlip, "the whole motion, with what stick stores".into(), slips));
+        let mut pressed = self.clone();
+        pressed.forces = self.point;
+        let relation = "what is expected with the contact force of the start of the increment";
+        found.push((Cause::StateBefore, relation.into(), pressed.own(of)));
+        let slipped = |slip: f64| {
+            let all = [("Δγ", slip), ("CASU", self.before.accumulated_slip + slip)];
+            all.map(|(name, x)| (title(name), vec![x])).to_vec()
+        };
+        if let Some(stiffness) = outcome.stick_stiffness.filter(|_| outcome.status == Status::Slip) {
+            for (what, slip) in [
+                ("not divided by the stick stiffness", stiffness * outcome.slip_increment),
+                ("with its sign", -outcome.slip_increment),
+            ] {
+                found.push((Cause::NotNormalised, format!("the slip {what}"), slipped(slip)));
+            }
+            for (_, r) in radii.iter().filter(|(_, r)| *r != 1.0) {
+                let slip = outcome.slip_increment / (r * r);
+                let relation = "the slip divided by the stick stiffness of a moment, K_s R²";
+                found.push((Cause::NotNormalised, relation.into(), slipped(slip)));
+            }
+            // At the limit along another direction than that of the force that would stick.
+            let along = |of: &dyn Fn(usize, f64) -> f64| {
+                let forces: Vec<(usize, f64)> = radii.iter().map(|(k, r)| (*k, of(*k, *r))).collect();
+                let size =
+                    forces.iter().zip(&radii).map(|((_, x), (_, r))| (x / r).powi(2)).sum::<f64>().sqrt();
+                let at_limit = forces.into_iter().filter(|(k, _)| sliding.contains(k));
+                at_limit.map(|(k, x)| (title(&output(k)), vec![outcome.limit * x / size])).collect::<Vec<_>>()
+            };
+            let spring = |k: usize, r: f64| stiffness * r * r * self.displacement[k];
+            type Direction<'a> = &'a dyn Fn(usize, f64) -> f64;
+            let directions: [(&str, Direction<'_>); 3] = [
+                ("along the motion of the increment", &spring),
+                ("along the force before it", &|k, _| self.before.force[k]),
+                ("along a force that sticks with K_s for K_s R²", &|k, r| {
+                    self.before.force[k] + spring(k, r) / (r * r)
+                }),
+            ];
+            for (what, direction) in directions {
+                let relation = format!("the limit {what}");
+                found.push((Cause::OtherParameters, relation, along(direction)));
+            }
+        }
         if let Some(stiffness) = outcome.stick_stiffness {
             let alone = radii.iter().filter(|(k, _)| sliding.contains(k)).map(|(k, r)| {
                 let trial = self.before.force[*k] + stiffness * r * r * self.displacement[*k];

@@ -195,7 +195,8 @@ impl<'a> Examined<'a> {
             });
             let want = told.as_ref().unwrap_or(&self.trusted);
             let Self { case, bound, .. } = self;
-            check.explain(&Symptoms { quantity, got, want, case, bound }, answer);
+            let rows = self.numbers.entries(Quantity::FirstDerivatives);
+            check.explain(&Symptoms { quantity, got, rows, want, case, bound }, answer);
         }
         check
     }

@@ -12,7 +12,7 @@ use pintle_kinematics::mpc::{
 };
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, Vector, add, apply, apply_transposed, cross, dot, identity, product, scale, sub, transpose,
+    Matrix, Vector, add, apply, apply_transposed, cross, dot, identity, product, scale, skew, sub, transpose,
 };
 
 /// Numbers of another formula.
@@ -161,6 +161,14 @@ impl MpcCase {
                     &other,
                     &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
                 ));
+                if factor != 0.0 {
+                    // In the rotation alone.
+                    let other =
+                        self.changed(|state, _| state.angles = got.taken.map(|angle| Some(factor * angle)));
+                    let relation = format!("{relation} in the rotation of the hinge, and nowhere else");
+                    let of = [Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
+                    found.push(Elsewhere::new(cause, &relation, &other, &of));
+                }
             }
         }
         let rest = |body: &Body<f64>| Body { rotation: identity(), ..*body };
@@ -452,6 +460,11 @@ impl MpcCase {
         for (relation, map) in [
             ("δθS − δθM − a δφ, the row where the constraint holds", left),
             ("the row of the right inverse Jacobian of ρ", product(&transpose(&inverse), &left)),
+            ("the row of the inverse Jacobian of ρ to first order, 1 − ρ^/2", {
+                let hat = skew(rho);
+                let one: Matrix<f64> = identity();
+                product(&[0, 1, 2].map(|i| sub(one[i], scale(hat[i], 0.5))), &left)
+            }),
             ("the row of the Jacobian of ρ, not inverted", product(&left, &left)),
             ("the row of the transposed Jacobian of ρ, not inverted", product(&transpose(&left), &left)),
         ] {
@@ -526,6 +539,65 @@ impl MpcCase {
             let relation = "the row with the second hinge's axis not turned by the first in its column";
             add(relation, Cause::MotionIgnored, Some(&spun), &carried);
         }
+        if hinges.len() == 2 {
+            let mut swapped = got.clone();
+            swapped.jacobian[..RHO].fill(None);
+            swapped.jacobian[FLOW] = None;
+            swapped.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
+            let relation = "what is expected of each other in the columns of φ1 and φ2";
+            found.push(Elsewhere::new(
+                Cause::ColumnsSwapped,
+                relation,
+                &swapped,
+                &[Quantity::FirstDerivatives],
+            ));
+        }
+        found
+    }
+
+    /// J̇q̇ by parts: S turns against what M and the hinges carry, all turns with these, a length changes.
+    fn quadratic_parts(&self, got: &Evaluation<f64>) -> Vec<(&'static str, Rows<f64>)> {
+        let velocity = self.state.velocity;
+        let bias = |velocity: Dofs<f64>| self.changed(|state, _| state.velocity = velocity).residual_bias;
+        let rho = vector(&got.residual, RHO);
+        let hinges = got.axes.into_iter().zip(&velocity[PHI..]);
+        let carried = hinges.fold(part(&velocity, THETA_M), |spin, (axis, rate)| {
+            add(spin, scale(axis.unwrap_or([0.0; 3]), *rate))
+        });
+        let with = apply(&so3::turn(rho), carried);
+        let mut relative = [0.0; DOFS];
+        relative[THETA_S..THETA_S + 3].copy_from_slice(&sub(part(&velocity, THETA_S), with));
+        let together: Dofs<f64> = std::array::from_fn(|j| velocity[j] - relative[j]);
+        let (of_relative, of_both) = (bias(relative), bias(together));
+        let product =
+            std::array::from_fn(|row| Some(got.residual_bias[row]? - of_relative[row]? - of_both[row]?));
+        let mut found = vec![
+            (
+                "the part quadratic in the spin of S against what carries it: the rate of the Jacobian of ρ",
+                of_relative,
+            ),
+            ("the part quadratic in what carries S: the axes of hinges turn, the arm of M does", of_both),
+            ("the product of both: what carries S is seen from S", product),
+        ];
+        if self.constraint.kind().entry().translation == Translation::Distance {
+            let arm = self.constraint.arm();
+            let apart = add(arm, sub(self.state.slave.displacement, self.state.master.displacement));
+            let (length, first) = (dot(apart, apart).sqrt(), dot(arm, arm).sqrt());
+            let of_first = |x: Option<f64>| x.map(|x| x - x * length / first);
+            let mut only = |words: &'static str, x: Option<f64>| {
+                let mut rows = Rows::default();
+                rows[0] = x;
+                found.push((words, rows));
+            };
+            let own = got.residual_rate[0].map(|rate| -rate * rate / length);
+            let all = got.residual_bias[0];
+            only("−l̇²/l", own);
+            only("|v|²/l", all.zip(own).map(|(all, own)| all - own));
+            only(
+                "the current length, not the initial one, in the part quadratic in the rates",
+                of_first(all),
+            );
+        }
         found
     }
 
@@ -554,6 +626,22 @@ impl MpcCase {
             let cause = Cause::QuadraticPartDoubled;
             let relation = format!("what is expected with {factor} × the part quadratic in the rates");
             found.push(Elsewhere::new(cause, &relation.replace('-', "−"), &combined(1.0, factor), of));
+        }
+        for (words, part) in self.quadratic_parts(got) {
+            for (times, what) in [
+                (-1.0, "without"),
+                (-0.5, "with half of"),
+                (1.0, "with twice"),
+                (-2.0, "with the other sign of"),
+            ] {
+                let mut other = got.clone();
+                for (row, part) in other.residual_acceleration.iter_mut().zip(&part) {
+                    *row =
+                        row.zip(*part).filter(|(_, part)| *part != 0.0).map(|(all, part)| all + times * part);
+                }
+                let relation = format!("what is expected {what} {words}");
+                found.push(Elsewhere::new(Cause::Coriolis, &relation, &other, of));
+            }
         }
         let mut other = got.clone();
         (other.residual_rate, other.residual_acceleration) = (linear, crossed);

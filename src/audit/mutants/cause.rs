@@ -34,6 +34,7 @@ macro_rules! causes {
 causes! {
     NotANumber = DiagnosisNotANumber, "no number", "0/0 or a root of less than zero at special states";
     Limited = DiagnosisLimited, "one bound wherever more is expected", "clamped";
+    OfItsRow = DiagnosisOfItsRow, "what the row given makes of the rates", "wrong because the row is";
     NearOnly = DiagnosisNearOnly, "something else near special states", "a guard, a clamp, a series or another formula that begins there";
     DigitsLost = DiagnosisDigitsLost, "what is expected to fewer and fewer digits", "a formula that loses digits there";
     SinglePrecision = DiagnosisSinglePrecision, "what is expected to 24 bits", "single precision";

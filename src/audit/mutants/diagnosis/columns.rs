@@ -198,6 +198,22 @@ pub(super) fn operations(case: &Case) -> Vec<Operation> {
         };
         found.push(Operation { relation, ..Operation::new(cause, change) });
     }
+    // Variations along axes that turn with a node and were global ones at first.
+    let since = |now: &Matrix<f64>, first: &Matrix<f64>| product(now, &transpose(first));
+    let [of_a, of_b] = [since(&a, &initial.a.triad), since(&b, &initial.b.triad)];
+    let relation = Some("Cᵀ × expected, C the rotation of the node since the start");
+    for is_at in [[true, true], [true, false], [false, true]] {
+        let change = move |row: &mut [f64]| {
+            for (at, by) in [(THETA_A, &of_a), (THETA_B, &of_b)]
+                .into_iter()
+                .zip(is_at)
+                .filter_map(|(x, is)| is.then_some(x))
+            {
+                turned(row, at, &transpose(by));
+            }
+        };
+        found.push(Operation { relation, ..Operation::new(local, change) });
+    }
     for (relation, x, y) in [
         ("Aᵀ × expected", back_a, back_a),
         ("Bᵀ × expected", back_b, back_b),

@@ -33,6 +33,8 @@ pub struct Symptoms<'a> {
     pub quantity: Quantity,
     /// The numbers given.
     pub got: &'a Entries<f64>,
+    /// The rows given with them.
+    pub rows: &'a Entries<f64>,
     /// Everything as it must be.
     pub want: &'a Numbers<f64>,
     /// The case at whose end they are.
@@ -185,6 +187,15 @@ impl Symptoms<'_> {
                 }
             }
         }
+        // One copied into the place of another.
+        for (k, from) in self.wanted().0.iter().enumerate() {
+            let others = self.wanted().0.iter().enumerate().filter(|(l, to)| *l != k && to.is_some());
+            for (l, _) in others.filter(|(l, _)| l / 3 == k / 3) {
+                let Some(from) = from else { continue };
+                let copied = Hypothesis::of_row(Cause::RowsSwapped, l, from.iter().copied().enumerate());
+                found.push(copied.related(format!("what is expected of {}", COMPONENT[k])));
+            }
+        }
         // Three components one place on, either way.
         for first in [0, 3] {
             let rows = [0, 1, 2].map(|i| self.wanted().0[first + i].as_ref());
@@ -196,7 +207,7 @@ impl Symptoms<'_> {
                 found.push(Hypothesis::many(Cause::RowsSwapped, changes.collect()));
             }
         }
-        found.extend(elsewhere(self.case, self.quantity));
+        found.extend(elsewhere(self.case, self.quantity, (self.wanted(), self.got)));
         found.extend(of_smoothed(self.case, self.quantity, self.wanted(), self.got));
         match self.quantity {
             Quantity::Value => found.extend(of_values(self.case, self.wanted(), self.got)),
@@ -417,7 +428,11 @@ impl Symptoms<'_> {
         let connector = self.case.connector();
         let triads = [&state.pair.a.triad, &state.pair.b.triad];
         let separations = [state.pair.separation(), self.case.definition.initial.separation()];
-        let mut found = Vec::new();
+        let [position, initial_position] = [self.case.positions(), self.case.at_rest().positions()];
+        let is_length = |k: usize| {
+            matches!(connector.differentiated(k), Some(Measure::Distance | Measure::RadialDistance))
+        };
+        let (mut found, mut parts) = (Vec::new(), Vec::new());
         for (k, _, want) in self.wanted().iter() {
             let of = |quantity: Quantity| self.want.entries(quantity).0[k].as_deref();
             let Some(row) = of(Quantity::FirstDerivatives) else { continue };
@@ -427,6 +442,10 @@ impl Symptoms<'_> {
             let made = operations.iter().filter_map(|one| one.of_rate(k, (row, matrix), (velocity, faster)));
             found.extend(made);
             let mut is = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
+            if let Some(given) = self.rows.0[k].as_deref() {
+                let more = faster.map_or(0.0, |faster| want - along(row, faster));
+                is(Cause::OfItsRow, along(given, faster.unwrap_or(velocity)) + more);
+            }
             is(Cause::SignLost, want.abs());
             is(
                 Cause::RateForAcceleration,
@@ -469,6 +488,22 @@ impl Symptoms<'_> {
                 }
                 is(Cause::Coriolis, linear + turning + moving + (quadratic - turning - moving) / 2.0);
                 is(Cause::Coriolis, linear + turning + moving + 2.0 * (quadratic - turning - moving));
+                let d = separations[0];
+                for (words, part) in quadratic_parts(matrix, velocity, d) {
+                    add_multiples(&mut parts, k, (want, part), &words);
+                }
+                // Of a length, what is quadratic in its own rate, and the rest.
+                if let (true, Some(length)) = (is_length(k), position[k]) {
+                    let own = along(row, velocity).powi(2) / length;
+                    add_multiples(&mut parts, k, (want, -own), "−ẋ²/x, x the length");
+                    let rest = quadratic + own;
+                    add_multiples(&mut parts, k, (want, rest), "|v|²/x, v the rates across it");
+                    let first = initial_position[k].unwrap_or(length);
+                    let initially =
+                        Hypothesis::one(Cause::InitialKept, (k, 0), linear + quadratic * length / first);
+                    let what = "what is expected with the initial length in the part quadratic in the rates";
+                    parts.push(initially.related(what));
+                }
                 // Of the rates of b alone, in the quadratic part alone, or in the linear one.
                 let mut of_b = *velocity;
                 of_b[..XB].fill(0.0);
@@ -504,8 +539,54 @@ impl Symptoms<'_> {
                 found.push(Hypothesis::one(Cause::AxisForGradient, (k, 0), along(&axis, &relative)));
             }
         }
+        found.extend(parts);
         found
     }
+}
+
+/// What an acceleration is without a part of it, with half of it, twice, or with the other sign.
+fn add_multiples(found: &mut Vec<Hypothesis>, k: usize, (want, part): (f64, f64), words: &str) {
+    for (times, what) in
+        [(-1.0, "without"), (-0.5, "with half of"), (1.0, "with twice"), (-2.0, "with the other sign of")]
+    {
+        let made = Hypothesis::one(Cause::Coriolis, (k, 0), want + times * part);
+        found.push(made.related(format!("what is expected {what} {words}")));
+    }
+}
+
+/// vᵀ H v by parts: the nodes move as a body that turns with a, b moves and turns against it, material flows. Each pair of these is a part.
+fn quadratic_parts(matrix: &[f64], velocity: &[f64; DOFS], d: Vector<f64>) -> Vec<(String, f64)> {
+    let zero = [0.0; DOFS];
+    let spin = part(velocity, THETA_A);
+    let carried = cross(spin, d);
+    let mut motions = [zero; 4];
+    let [moves, turns, body, flows] = &mut motions;
+    let relative = sub(sub(part(velocity, XB), part(velocity, XA)), carried);
+    moves[XB..THETA_B].copy_from_slice(&relative);
+    turns[THETA_B..DOFS - 1].copy_from_slice(&sub(part(velocity, THETA_B), spin));
+    body[THETA_A..PSI_A].copy_from_slice(&spin);
+    body[XB..THETA_B].copy_from_slice(&carried);
+    body[THETA_B..DOFS - 1].copy_from_slice(&spin);
+    (flows[PSI_A], flows[DOFS - 1]) = (velocity[PSI_A], velocity[DOFS - 1]);
+    const NAME: [&str; 4] =
+        ["the velocity of b as a sees it", "the spin of b against a", "the spin of a", "the flows"];
+    let mut found = Vec::new();
+    for i in 0..4 {
+        for j in i..4 {
+            let (x, y) = (&motions[i], &motions[j]);
+            let both: [f64; DOFS] = std::array::from_fn(|n| x[n] + y[n]);
+            let (words, part) = if i == j {
+                (format!("the part quadratic in {}", NAME[i]), twice(matrix, x))
+            } else {
+                let product = twice(matrix, &both) - twice(matrix, x) - twice(matrix, y);
+                (format!("the product of {} and {}", NAME[i], NAME[j]), product)
+            };
+            if part != 0.0 {
+                found.push((words, part));
+            }
+        }
+    }
+    found
 }
 
 /// Which axis of b nodal rates are resolved along, and where these stand.

@@ -9,6 +9,7 @@
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
+use crate::mutants::diagnosis::elsewhere::beside;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use num_dual::{Dual2, DualSVec64};
 use pintle_kinematics::measure::{Measure, Unit};
@@ -257,8 +258,9 @@ fn angles<S: Scalar<Real = f64>>(
         add_item(cause, Formula::one(format!("the whole angle of {of}")), length);
         add_item(cause, Formula::one(format!("the torsion of {of}")), so3::torsion(&r));
         type Length = fn(f64) -> [f64; 3];
-        let functions: [(&str, Length); 6] = [
+        let functions: [(&str, Length); 7] = [
             ("sin θ n, the axial vector,", |x| [x.sin(), x.cos(), -x.sin() / 2.0]),
+            ("2 sin θ n, twice the axial vector,", |x| [2.0 * x.sin(), 2.0 * x.cos(), -x.sin()]),
             ("2 sin(θ/2) n, twice the quaternion's vector,", |x| {
                 [2.0 * (x / 2.0).sin(), (x / 2.0).cos(), -(x / 2.0).sin() / 4.0]
             }),
@@ -408,6 +410,7 @@ fn found<S: Scalar<Real = f64>>(
     let mut found = Found::default();
     for (k, wanted) in want.0.iter().enumerate() {
         let (Some(wanted), Some(given), Some(unit)) = (wanted, &got.0[k], units[k]) else { continue };
+        let winds = connector.differentiated(k).is_some_and(Measure::winds);
         let mut tried = 0;
         let other = if unit == Unit::Angle { Cause::OtherParameters } else { Cause::OtherLength };
         if is_met(wanted, given) {
@@ -418,7 +421,12 @@ fn found<S: Scalar<Real = f64>>(
             let signs = if cause == Cause::NodesSwapped { 1 } else { 2 };
             for (sign, x) in [("", x), ("−", -x)].into_iter().take(signs) {
                 tried += 1;
-                let made = read(x);
+                let mut made = read(x);
+                if let ([x], [given], [wanted], true) =
+                    (&mut made[..], &given[..], &wanted[..], S::ORDER == 0 && winds)
+                {
+                    *x = beside(*x, *given, *wanted);
+                }
                 if !is_met(&made, given) {
                     continue;
                 }

@@ -1,14 +1,16 @@
 //! The same connector at other nodes than those that are meant: exchanged, held in their initial place, with triads transposed, an
 //! increment late, without its history.
 
-use crate::case::quantity::{Numbers, Quantity};
+use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
+use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Node, PSI_A, Pair, XB};
 use pintle_kinematics::so3::{self, turn};
-use pintle_kinematics::vector::{self, Matrix, Vector, identity, product as times, skew, transpose};
+use pintle_kinematics::vector::{self, Matrix, identity, product as times, skew, transpose};
+use std::f64::consts::TAU;
 
 /// A case whose pairs are others, with the increments between them.
 fn mapped(case: &Case, of: impl Fn(&Pair<f64>) -> Pair<f64>, is_initial_too: bool) -> Case {
@@ -47,11 +49,13 @@ fn product_of([x, y, z]: [Matrix<f64>; 3]) -> Matrix<f64> {
     times(&x, &times(&y, &z))
 }
 
+const FLOWS_SWAPPED: &str = "what is expected with Ψa and Ψb exchanged";
+
 /// The numbers elsewhere, with the cause that puts them there, and what they are.
-fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64>)> {
+fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
     let initial = case.definition.initial;
     let mut found = Vec::new();
-    let mut add = |cause: Cause, relation: Option<&'static str>, case: &Case| {
+    let mut add = |cause: Cause, relation: Option<String>, case: &Case| {
         found.extend(product(case).map(|numbers| (cause, relation, numbers)));
     };
     let turned = |from: &Node<f64>, triad| Node { triad, ..*from };
@@ -87,31 +91,99 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
         }),
     ];
     for (relation, map) in left_out {
-        add(Cause::MotionIgnored, Some(relation), &mapped(case, map, false));
+        add(Cause::MotionIgnored, Some(relation.into()), &mapped(case, map, false));
     }
-    // Total rotations of nodes read as something else.
-    type Read = fn(Vector<f64>) -> Matrix<f64>;
-    let readings: [(&'static str, Read); 4] = [
-        ("what is expected with rotations of nodes taken as angles about x, y, z in this order", |phi| {
+    // The rotations of nodes since the start, C, read as something else: of both nodes, or of one.
+    type Read = fn(&Matrix<f64>) -> Matrix<f64>;
+    fn of_quaternion(c: &Matrix<f64>, by: usize) -> Matrix<f64> {
+        let mut quaternion = so3::quaternion(c);
+        quaternion.rotate_left(by);
+        so3::matrix(quaternion)
+    }
+    let readings: [(&'static str, Read); 8] = [
+        ("taken as angles about x, y, z in this order", |c| {
+            let phi = so3::log(c);
             product_of([2, 1, 0].map(|axis| about_axis(axis, phi[axis])))
         }),
-        ("what is expected with rotations of nodes taken as angles about z, y, x in this order", |phi| {
+        ("taken as angles about z, y, x in this order", |c| {
+            let phi = so3::log(c);
             product_of([0, 1, 2].map(|axis| about_axis(axis, phi[axis])))
         }),
-        ("what is expected with 1 + φ^ for the rotations of nodes", |phi| {
-            let (one, hat): (Matrix<f64>, _) = (identity(), skew(phi));
+        ("to first order, 1 + φ^", |c| {
+            let (one, hat): (Matrix<f64>, _) = (identity(), skew(so3::log(c)));
             [0, 1, 2].map(|i| vector::add(one[i], hat[i]))
         }),
-        ("what is expected with the rotations of nodes the other way round", |phi| turn(phi.map(|x| -x))),
+        ("to second order, 1 + φ^ + φ^²/2", |c| {
+            let (one, hat): (Matrix<f64>, _) = (identity(), skew(so3::log(c)));
+            let square = times(&hat, &hat);
+            [0, 1, 2].map(|i| vector::add(vector::add(one[i], hat[i]), square[i].map(|x| x / 2.0)))
+        }),
+        ("the other way round", transpose),
+        ("by quaternions whose scalar w is read last, and stands first", |c| of_quaternion(c, 3)),
+        ("by quaternions whose scalar w is read first, and stands last", |c| of_quaternion(c, 1)),
+        ("by quaternions without a factor of two", |c| {
+            let [w, v @ ..] = so3::quaternion(c);
+            let (one, hat): (Matrix<f64>, _) = (identity(), skew(v));
+            let square = times(&hat, &hat);
+            [0, 1, 2].map(|i| vector::add(vector::add(one[i], hat[i].map(|x| w * x)), square[i]))
+        }),
     ];
-    for (relation, read) in readings {
-        let anew = |node: &Node<f64>, first: &Node<f64>| {
-            let phi = so3::log(&times(&node.triad, &transpose(&first.triad)));
-            turned(node, times(&read(phi), &first.triad))
-        };
-        let map =
-            |pair: &Pair<f64>| Pair { a: anew(&pair.a, &initial.a), b: anew(&pair.b, &initial.b), ..*pair };
-        add(Cause::OtherParameters, Some(relation), &mapped(case, map, false));
+    const WHOSE: [(&str, [bool; 2]); 3] = [
+        ("the rotations of nodes", [true, true]),
+        ("the rotation of a", [true, false]),
+        ("the rotation of b", [false, true]),
+    ];
+    for (whose, is_of) in WHOSE {
+        let mut read =
+            |cause: Cause, how: &str, anew: &dyn Fn(&Node<f64>, &Node<f64>, usize) -> Node<f64>| {
+                let map = |pair: &Pair<f64>| Pair {
+                    a: if is_of[0] { anew(&pair.a, &initial.a, 0) } else { pair.a },
+                    b: if is_of[1] { anew(&pair.b, &initial.b, 1) } else { pair.b },
+                    ..*pair
+                };
+                add(cause, Some(format!("what is expected with {whose} {how}")), &mapped(case, map, false));
+            };
+        for (how, of) in &readings {
+            read(Cause::OtherParameters, how, &|node, first, _| {
+                let c = times(&node.triad, &transpose(&first.triad));
+                turned(node, times(&of(&c), &first.triad))
+            });
+        }
+        read(
+            Cause::OtherParameters,
+            "applied along the axes of the node, T₀ C for C T₀",
+            &|node, first, _| {
+                let c = times(&node.triad, &transpose(&first.triad));
+                turned(node, times(&first.triad, &c))
+            },
+        );
+        let Some((last, before)) = case.path.split_last() else { continue };
+        let before = before.last().map_or(initial, |step| step.state.pair);
+        let [first, old] = [&initial, &before].map(|pair| [pair.a, pair.b]);
+        let since = |n: usize| times(&old[n].triad, &transpose(&first[n].triad));
+        let increment = last.increment.rotation;
+        type Continued<'a> = &'a dyn Fn(usize) -> Matrix<f64>;
+        let continued: [(Cause, &str, Continued<'_>); 3] = [
+            (Cause::OtherParameters, "found by adding rotation vectors", &|n| {
+                times(&turn(vector::add(so3::log(&since(n)), increment[n])), &first[n].triad)
+            }),
+            (Cause::OtherParameters, "continued with the increment on the other side", &|n| {
+                times(&since(n), &times(&turn(increment[n]), &first[n].triad))
+            }),
+            (Cause::StateBefore, "of the state before", &|n| old[n].triad),
+        ];
+        for (cause, how, triad) in continued {
+            let mut other = case.clone();
+            let mut pair = last.state.pair;
+            for (n, node) in [&mut pair.a, &mut pair.b].into_iter().enumerate().filter(|(n, _)| is_of[*n]) {
+                node.triad = triad(n);
+            }
+            let step = Step::between(&before, pair);
+            if let Some(end) = other.path.last_mut() {
+                (end.state.pair, end.increment) = (pair, step.increment);
+            }
+            add(cause, Some(format!("what is expected with {whose} {how}")), &other);
+        }
     }
     let transposed = |node: &Node<f64>| turned(node, transpose(&node.triad));
     let of_triads: [Map<'_>; 3] = [
@@ -135,7 +207,7 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
         let mut at_once = case.clone();
         let state = last.state;
         at_once.path = vec![Step { state, ..Step::between(&initial, state.pair) }];
-        add(Cause::TurnForgotten, Some("what is expected of principal angles"), &at_once);
+        add(Cause::TurnForgotten, Some("what is expected of principal angles".into()), &at_once);
     }
     let flows = |pair: &Pair<f64>| Pair {
         a: Node { flow: pair.b.flow, ..pair.a },
@@ -148,10 +220,10 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
             step.state.velocity.swap(PSI_A, DOFS - 1);
             step.state.acceleration.swap(PSI_A, DOFS - 1);
         }
-        add(Cause::NodesSwapped, Some("what is expected with Ψa and Ψb exchanged"), &other);
+        add(Cause::NodesSwapped, Some(FLOWS_SWAPPED.into()), &other);
         add(
             Cause::NodesSwapped,
-            Some("what is expected with a and b exchanged, and their flows"),
+            Some("what is expected with a and b exchanged, and their flows".into()),
             &exchanged(case),
         );
     } else {
@@ -160,19 +232,38 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<&'static str>, Numbers<f64
     found
 }
 
+/// An angle on the sheet of the given number: a routine continues its own angle. Not one that is the expected angle on any sheet.
+pub(super) fn beside(x: f64, given: f64, wanted: f64) -> f64 {
+    let on_sheet = |of: f64| x + TAU * ((of - x) / TAU).round();
+    if (on_sheet(wanted) - wanted).abs() < 1e-9 { x } else { on_sheet(given) }
+}
+
 /// What components are elsewhere.
-pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
+pub(super) fn elsewhere(
+    case: &Case,
+    quantity: Quantity,
+    (want, got): (&Entries<f64>, &Entries<f64>),
+) -> Vec<Hypothesis> {
+    let connector = case.connector();
     let mut found = Vec::new();
     for (cause, relation, numbers) in found_elsewhere(case) {
         for (k, row) in numbers.entries(quantity).0.iter().enumerate() {
             let Some(row) = row else { continue };
+            let mut row = row.clone();
+            let winds = connector.differentiated(k).is_some_and(Measure::winds);
+            if let ([x], true, Some(given), Some(wanted)) =
+                (&mut row[..], quantity == Quantity::Value && winds, got.get(k, 0), want.get(k, 0))
+                && cause != Cause::TurnForgotten
+            {
+                *x = beside(*x, given, wanted);
+            }
             let made = Hypothesis::of_row(cause, k, row.iter().copied().enumerate());
-            found.push(match relation {
-                Some(relation) => made.related(relation),
+            found.push(match &relation {
+                Some(relation) => made.related(relation.clone()),
                 None => made,
             });
             if cause == Cause::NodesSwapped && row.len() > 1 {
-                if relation == Some("what is expected with Ψa and Ψb exchanged") {
+                if relation.as_deref() == Some(FLOWS_SWAPPED) {
                     continue;
                 }
                 // With columns in the right order.
@@ -181,8 +272,8 @@ pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
                     |n: usize| if row.len() > DOFS { at(n / DOFS) * DOFS + at(n % DOFS) } else { at(n) };
                 let ordered = (0..row.len()).map(|n| (n, row[place(n)]));
                 let ordered = Hypothesis::of_row(cause, k, ordered);
-                found.push(match relation {
-                    Some(relation) => ordered.related(relation),
+                found.push(match &relation {
+                    Some(relation) => ordered.related(relation.clone()),
                     None => ordered,
                 });
             }

@@ -16,6 +16,7 @@ pub struct Sample {
     order: f64,
     quantity: Quantity,
     got: Entries<f64>,
+    rows: Entries<f64>,
     want: Numbers<f64>,
     case: Case,
     bound: Bound,
@@ -24,12 +25,13 @@ pub struct Sample {
 impl Sample {
     /// A copy of what is wrong at a state.
     pub fn new(symptoms: &Symptoms<'_>) -> Self {
-        let Symptoms { quantity, got, want, case, bound } = *symptoms;
+        let Symptoms { quantity, got, rows, want, case, bound } = *symptoms;
         let order = Draw::new(&format!("{:?}", case.last().map(|step| step.state.pair))).unit();
         Self {
             order,
             quantity,
             got: got.clone(),
+            rows: rows.clone(),
             want: want.clone(),
             case: case.clone(),
             bound: bound.clone(),
@@ -38,8 +40,8 @@ impl Sample {
 
     /// What is wrong.
     pub const fn symptoms(&self) -> Symptoms<'_> {
-        let Self { quantity, got, want, case, bound, .. } = self;
-        Symptoms { quantity: *quantity, got, want, case, bound }
+        let Self { quantity, got, rows, want, case, bound, .. } = self;
+        Symptoms { quantity: *quantity, got, rows, want, case, bound }
     }
 
     /// Adds others, and keeps so many that memory is bounded.

@@ -88,7 +88,7 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
     state
 }
 
-/// Every pair of columns exchanged in a row.
+/// Every pair of columns exchanged in a row, and each copied into the place of every other.
 fn columns_swapped(table: &ResultTable, is_told: &dyn Fn(usize) -> bool) -> Vec<Hypothesis> {
     let width = table.width();
     let mut found = Vec::new();
@@ -97,13 +97,16 @@ fn columns_swapped(table: &ResultTable, is_told: &dyn Fn(usize) -> bool) -> Vec<
             for j in (i + 1..width).filter(|j| is_told(row * width + i) && is_told(row * width + *j)) {
                 let [x, y] = [table.want(row, i), table.want(row, j)];
                 if x != y {
-                    let swapped = Hypothesis::of_row(Cause::ColumnsSwapped, row, [(i, y), (j, x)]);
                     let name = |j: usize| table.columns.get(j).map_or("", String::as_str);
-                    found.push(swapped.related(format!(
-                        "what is expected of {} and {} exchanged",
-                        name(i),
-                        name(j)
-                    )));
+                    let swapped = Hypothesis::of_row(Cause::ColumnsSwapped, row, [(i, y), (j, x)]);
+                    let words = format!("what is expected of {} and {} exchanged", name(i), name(j));
+                    found.push(swapped.related(words));
+                    for (at, x, [from, to]) in [(i, y, [j, i]), (j, x, [i, j])] {
+                        let copied = Hypothesis::of_row(Cause::ColumnsSwapped, row, [(at, x)]);
+                        let words =
+                            format!("what is expected of {} in the place of {}", name(from), name(to));
+                        found.push(copied.related(words));
+                    }
                 }
             }
         }

@@ -118,6 +118,19 @@ pub enum FactorMistake {
     Multiplied,
 }
 
+/// A mistake that is made in the terms of predefined friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TermMistake {
+    /// One parameter for another.
+    Parameter,
+    /// A factor or a divisor left out.
+    LeftOut,
+    /// A sum for a norm, or one norm for two.
+    Norm,
+    /// Another axis.
+    Axis,
+}
+
 /// Φ and what it is formed from, for a given coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point<S> {
@@ -496,6 +509,136 @@ impl Criterion {
                 let without = Self { tangential: Tangential::Norm(rest), ..self.clone() };
                 found.push((format!("{} in P", FORCE[k]), without));
             }
+        }
+        found
+    }
+
+    /// The criterion with one mistake in the terms of F_C, in words, by the symbols and values of its parameters:
+    ///
+    /// - one parameter for another, or both exchanged, in one term or in several;
+    /// - a term without a factor, or without its divisor;
+    /// - a sum of magnitudes for a norm, a norm of two terms with the factor of one;
+    /// - an axis of the node for one that moves, all of a force for its part across.
+    pub fn with_terms_mistaken(
+        &self,
+        parameters: &[(&'static str, f64)],
+    ) -> Vec<(TermMistake, String, Self)> {
+        const ONE: [&[usize]; 6] = [&[0], &[1], &[2], &[3], &[4], &[5]];
+        const ACROSS: [&[usize]; 3] = [&[1, 2], &[0, 2], &[0, 1]];
+        const ALL: [&[usize]; 2] = [&[0, 1, 2], &[3, 4, 5]];
+        let Pressing::Terms(terms) = &self.pressing else { return Vec::new() };
+        let name = |term: &Term| term.load.formula(term.present).unwrap_or_default();
+        let mut found: Vec<(TermMistake, String, Self)> = Vec::new();
+        let mut add = |mistake: TermMistake, words: String, terms: Vec<Term>| {
+            let made = Self { pressing: Pressing::Terms(terms), ..self.clone() };
+            // What was made before says it in fewer words.
+            if made != *self && found.iter().all(|(.., known)| *known != made) {
+                found.push((mistake, words, made));
+            }
+        };
+        let changed = |of: &[usize], change: &dyn Fn(&Term) -> Term| -> Option<Vec<Term>> {
+            let mut all = terms.clone();
+            of.iter().for_each(|i| all[*i] = change(&terms[*i]));
+            of.iter().all(|i| all[*i] != terms[*i]).then_some(all)
+        };
+        let exchanged = |term: &Term, of: &dyn Fn(f64) -> f64| Term {
+            times: term.times.iter().map(|x| of(*x)).collect(),
+            over: term.over.map(of),
+            ..term.clone()
+        };
+        // Terms by themselves, and together.
+        let sets: Vec<Vec<usize>> = (1..1_usize << terms.len().min(4))
+            .map(|set| (0..terms.len()).filter(|i| set >> i & 1 == 1).collect())
+            .collect();
+        for set in &sets {
+            let named: Vec<String> = set.iter().map(|i| name(&terms[*i])).collect();
+            let of = named.join(", ");
+            for (n, (p, x)) in parameters.iter().enumerate() {
+                for (q, y) in parameters.iter().enumerate().filter(|(m, _)| *m != n).map(|(_, other)| other) {
+                    let for_another = |term: &Term| exchanged(term, &|z| if z == *x { *y } else { z });
+                    if let Some(terms) = changed(set, &for_another) {
+                        add(TermMistake::Parameter, format!("{q} for {p} in the term of {of}"), terms);
+                    }
+                }
+                for (q, y) in &parameters[..n] {
+                    let both = |term: &Term| {
+                        exchanged(term, &|z| {
+                            if z == *x {
+                                *y
+                            } else if z == *y {
+                                *x
+                            } else {
+                                z
+                            }
+                        })
+                    };
+                    if let Some(terms) = changed(set, &both) {
+                        add(
+                            TermMistake::Parameter,
+                            format!("{q} and {p} exchanged in the terms of {of}"),
+                            terms,
+                        );
+                    }
+                }
+                let without = |term: &Term| Term {
+                    times: term.times.iter().copied().filter(|z| z != x).collect(),
+                    over: term.over.filter(|z| z != x),
+                    ..term.clone()
+                };
+                if let Some(terms) = changed(set, &without) {
+                    add(TermMistake::LeftOut, format!("no {p} in the term of {of}"), terms);
+                }
+            }
+        }
+        for (i, term) in terms.iter().enumerate() {
+            let mut rest = terms.clone();
+            rest.remove(i);
+            let with = |more: Vec<Term>| [rest.clone(), more].concat();
+            match term.load {
+                Load::Norm(components) => {
+                    let single = |k: &usize| Term { load: Load::Norm(ONE[*k]), ..term.clone() };
+                    let sum = components.iter().map(single).collect();
+                    add(
+                        TermMistake::Norm,
+                        format!("a sum of magnitudes for the norm {}", name(term)),
+                        with(sum),
+                    );
+                    let other = terms.iter().enumerate().filter(|(j, _)| *j != i);
+                    for (j, of) in other {
+                        let Load::Norm(others) = of.load else { continue };
+                        let unions = ALL.into_iter().chain(ACROSS).filter(|all| {
+                            components.iter().chain(others).all(|k| all.contains(k))
+                                && all.len() == components.len() + others.len()
+                        });
+                        for load in unions {
+                            let mut merged = terms.clone();
+                            merged[i].load = Load::Norm(load);
+                            merged.remove(j);
+                            add(
+                                TermMistake::Norm,
+                                format!("one norm for {} and {}", name(term), name(of)),
+                                merged,
+                            );
+                        }
+                    }
+                }
+                Load::Across(_) => {
+                    let whole = Term { load: Load::Norm(ALL[0]), ..term.clone() };
+                    add(TermMistake::Axis, "all of the force for its part across".into(), with(vec![whole]));
+                }
+                Load::Along(_) => {}
+            }
+        }
+        for (k, across) in ACROSS.into_iter().enumerate() {
+            let held = |term: &Term| Term {
+                load: match term.load {
+                    Load::Along(_) => Load::Norm(ONE[k]),
+                    Load::Across(_) => Load::Norm(across),
+                    norm @ Load::Norm(_) => norm,
+                },
+                ..term.clone()
+            };
+            add(TermMistake::Axis, format!("e{}a for the axis", k + 1), terms.iter().map(held).collect());
         }
         found
     }

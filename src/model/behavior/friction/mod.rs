@@ -37,10 +37,10 @@ pub use belt::{Belt, BeltInput, BeltTangent, FLOW, wrap_angle};
 pub use build::{Frictions, of_behavior};
 pub use coefficient::{Coefficient, CoefficientError};
 pub use compiled::Frictional;
-pub use criterion::FactorMistake;
 pub use criterion::{
     ContactParts, Criterion, Derivatives, Internal, ParameterError, Point, Pressing, Tangential, Term,
 };
+pub use criterion::{FactorMistake, TermMistake};
 pub use derived::{Contribution, Derived, DerivedPart, Form, Potential, PotentialError};
 pub use flags::Flag;
 pub use stick::{ELASTIC_SLIP, StickStiffness};
