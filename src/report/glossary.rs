@@ -7,11 +7,15 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// The pages: tables whose first column is the word, or words, and whose second is the meaning, or what a field holds.
-const PAGES: [&str; 3] = [
+const PAGES: [&str; 4] = [
     include_str!("../../docs/reference/verdicts.md"),
     include_str!("../../docs/reference/outputs.md"),
     include_str!("../../docs/reference/json.md"),
+    include_str!("../../docs/reference/keywords.md"),
 ];
+
+/// The first column of tables of keywords, whose others have titles of their own.
+const KEYWORD: &str = "keyword";
 
 /// A word and what it means.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -24,30 +28,49 @@ pub struct Meaning {
 
 /// Every word of the pages that has a meaning, in their order.
 pub fn meanings() -> impl Iterator<Item = Meaning> {
-    let mut has_meanings = false;
+    // The titles of the columns after the first, of a table that is read.
+    let mut titles: Option<Vec<&str>> = None;
     PAGES.iter().flat_map(|page| page.lines()).filter_map(move |line| {
         let Some(cells) = line.strip_prefix('|') else {
-            has_meanings = false;
+            titles = None;
             return None;
         };
-        let mut cells = cells.split('|').map(str::trim);
-        let (word, meaning) = (cells.next()?, cells.next()?);
-        if meaning == "meaning" || meaning == "holds" {
-            has_meanings = true;
+        let cells: Vec<&str> = cells.trim_end().trim_end_matches('|').split('|').map(str::trim).collect();
+        let (word, rest) = cells.split_first()?;
+        if *word == KEYWORD || matches!(rest.first(), Some(&("meaning" | "holds"))) {
+            titles = Some(if *word == KEYWORD { rest.to_vec() } else { vec![""] });
             return None;
         }
-        (has_meanings && !word.starts_with("---"))
-            .then_some(Meaning { word: word.into(), meaning: meaning.into() })
+        let titles = titles.as_ref().filter(|_| !word.starts_with("---"))?;
+        let told = titles.iter().zip(rest).filter(|(_, cell)| !cell.is_empty());
+        let told: Vec<String> = told
+            .map(|(title, cell)| if title.is_empty() { (*cell).into() } else { format!("{title}: {cell}") })
+            .collect();
+        Some(Meaning { word: (*word).into(), meaning: without_links(&told.join("; ")).into() })
     })
+}
+
+/// The text of Markdown, `[text](place)` by its text alone.
+fn without_links(text: &str) -> String {
+    let mut parts = text.split("](");
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let after = part.split_once(')').map_or("", |(_, after)| after);
+        if let Some(at) = plain.rfind('[') {
+            plain.remove(at);
+        }
+        plain.push_str(after);
+    }
+    plain
 }
 
 /// The meanings of a word, in any case: of rows that list it, or of which it is the beginning.
 pub fn of(word: &str) -> Vec<Meaning> {
     let asked = word.to_lowercase();
     let lists = |row: &Meaning, is_it: &dyn Fn(&str) -> bool| {
-        row.word.split(", ").any(|one| {
+        row.word.split(", ").flat_map(|one| one.split(" with ")).any(|one| {
             // A path of JSON is known by its last key.
-            let plain = one.replace(['`', '…'], "").replace("[]", "").to_lowercase();
+            let plain = one.replace(['`', '…', '*'], "").replace("[]", "").to_lowercase();
             is_it(&plain) || plain.rsplit_once('.').is_some_and(|(_, last)| is_it(last))
         })
     };
@@ -56,7 +79,19 @@ pub fn of(word: &str) -> Vec<Meaning> {
     if !exact.is_empty() || asked.chars().count() < 3 {
         return exact;
     }
-    meanings().filter(|row| lists(row, &|one| one.starts_with(&asked))).collect()
+    let begun: Vec<Meaning> = meanings().filter(|row| lists(row, &|one| one.starts_with(&asked))).collect();
+    // An output of one component goes by the name of all: CRF2 and CRM2 are of CRF.
+    let of_component = asked.strip_suffix(['1', '2', '3', '4', '5', '6']).filter(|_| begun.is_empty());
+    of_component.map_or(begun, |all| {
+        let all = all.strip_suffix('r').unwrap_or(all);
+        let forces = all.strip_suffix('m').map_or_else(|| all.to_owned(), |start| format!("{start}f"));
+        meanings().filter(|row| lists(row, &|one| one == forces)).collect()
+    })
+}
+
+/// What is read of a keyword of decks.
+pub fn of_keyword(name: &str) -> Vec<Meaning> {
+    of(name).into_iter().filter(|row| row.word.contains("`*")).collect()
 }
 
 /// What a key of a scene means, in each object that has it.
@@ -160,5 +195,27 @@ mod tests {
         }
         assert!(compared > 15);
         assert!(of("").is_empty() && of("nonsense").is_empty());
+        assert!(meanings().all(|one| !one.meaning.contains("](")));
+    }
+
+    /// Keywords of decks, and outputs of one component.
+    #[test]
+    fn keywords_and_outputs_are_explained() {
+        for word in [
+            "EQUATION",
+            "rigid body",
+            "COUPLING",
+            "KINEMATIC",
+            "CONNECTOR STOP",
+            "CONN3D2",
+            "FRICTION",
+            "TIE",
+        ] {
+            assert!(of(word).iter().any(|one| one.word.contains(&word.to_uppercase())), "{word}");
+        }
+        assert!(!super::of_keyword("TIE").is_empty() && super::of_keyword("MPCS").is_empty());
+        for word in ["CRF2", "CRM1", "CTF3", "CUR1"] {
+            assert!(!of(word).is_empty(), "{word}");
+        }
     }
 }

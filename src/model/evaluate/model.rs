@@ -18,6 +18,7 @@ use pintle_scene as scene;
 use pintle_scene::{
     Code, Diagnostic, End as SceneEnd, Label, LabelMap, LabelSet, NodeFreedom, Scene, Solver, Span,
 };
+use std::cell::OnceCell;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -62,6 +63,8 @@ struct Shared {
     actions: LabelMap<Vec<(usize, Span)>>,
     drives: BTreeMap<Label, Drives>,
     behaviors: HashMap<(usize, bool, u64), Arc<ElementBehavior>>,
+    /// [`mean_length`], once it was asked for.
+    mean_length: OnceCell<Option<f64>>,
     /// What connectors have in common, and one of them.
     common: HashMap<Agreeing, (Arc<Definition>, Connector<f64>)>,
     /// The last of all, with the same: mostly the next one agrees with it.
@@ -179,6 +182,7 @@ impl Model {
             actions: rules::actions(scene),
             drives,
             behaviors: HashMap::new(),
+            mean_length: OnceCell::new(),
             common: HashMap::new(),
             last: None,
             warned: HashMap::new(),
@@ -244,7 +248,18 @@ impl Model {
         ends: [[f64; 3]; 2],
         shared: &mut Shared,
     ) -> Result<(), Diagnostic> {
-        let Shared { types, actions, drives, behaviors, common, last, warned, refused, freedom } = shared;
+        let Shared {
+            types,
+            actions,
+            drives,
+            behaviors,
+            mean_length: mean,
+            common,
+            last,
+            warned,
+            refused,
+            freedom,
+        } = shared;
         let Some(section) = scene.section(element) else { return Ok(()) };
         let (connection, converted) = match types.get(&element.section) {
             Some(known) => known,
@@ -357,7 +372,7 @@ impl Model {
         let length = match (has_friction, own_length > 0.0) {
             (false, _) => 1.0,
             (true, true) => own_length,
-            (true, false) => mean_length(scene).unwrap_or(1.0),
+            (true, false) => mean.get_or_init(|| mean_length(scene)).unwrap_or(1.0),
         };
         let shared = match behaviors.entry((element.section, facts.planar, length.to_bits())) {
             Entry::Occupied(known) => Arc::clone(known.get()),

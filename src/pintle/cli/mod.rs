@@ -376,9 +376,9 @@ States: a table (.csv) or a document (.json); examples below. They are evaluated
 Forces (--forces): a table (.csv) or a document (.json), or \"forces\" beside
   \"nodes\" in a JSON file of states. Names are f1 f2 f3 m1 m2 m3 or, the same,
   CTF1 to CTM3, the total force; CRF1 to CRM3 is accepted for constrained
-  components. An element that is named must be given all its forces; those of
-  components that it does not have may be 0. Elements and states that are not
-  named have no nodal forces. Columns of CSV: element, state (numbered from 0)
+  components. A force that is left out is not known, and what rests on it has a
+  flag; those of components that an element does not have may be 0. Elements and
+  states that are not named have no nodal forces. Columns of CSV: element, state (numbered from 0)
   or time, and the forces. JSON: {\"schema\": \"pintle-forces/1\", \"states\":
   [{\"state\": 0, \"forces\": {\"101\": {\"f1\": 2.5, \"m2\": 0}}}]}. Signs are internal:
   positive resists growth of the component; --force-sign constraints-on-b takes
@@ -580,7 +580,14 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         // A name that no connection type has.
         [name] if !TABLE.iter().any(|entry| entry.name == name) => {
             if let Some(kind) = mpc::Kind::named(name) {
-                return explain_mpc(&mut out, Some(kind), arguments.format.page()?, width);
+                let format = arguments.format.page()?;
+                explain_mpc(&mut out, Some(kind), format, width)?;
+                let keyword = glossary::of_keyword(name);
+                if matches!(format, PageFormat::Human) && !keyword.is_empty() {
+                    writeln!(out)?;
+                    glossary::human(&mut out, &keyword, width)?;
+                }
+                return Ok(out.flush()?);
             }
         }
         _ => {}

@@ -64,6 +64,18 @@ pub fn checked(
     writeln!(out, "{}", styled(BOLD, if report.mismatches() > 0 { styled(CARE, text) } else { text }))
 }
 
+/// What reports of the same routine as several connectors have in common where they say the same: type, quantities, verdicts, causes, notes.
+pub fn likeness(report: &Report, of: &str, notes: &[String]) -> String {
+    let of_check = |check: &Check| {
+        let codes = check.diagnosis.iter().flat_map(|found| found.lines()).map(|(_, code)| code.as_str());
+        let codes: Vec<&str> = codes.collect();
+        format!("{:?} {:?} {}", check.quantity, check.verdict, codes.join(" "))
+    };
+    let checks = report.subjects.iter().flat_map(|subject| &subject.checks).map(of_check);
+    let all: Vec<String> = checks.chain(notes.iter().cloned()).collect();
+    format!("{of}\n{}", all.join("\n"))
+}
+
 fn of_quantity(subject: &Subject, quantity: Quantity) -> impl Iterator<Item = &Check> {
     subject.checks.iter().filter(move |check| check.quantity == Some(quantity))
 }

@@ -9,7 +9,7 @@ mod markdown;
 mod model;
 mod summary;
 
-pub use checked::checked;
+pub use checked::{checked, likeness};
 pub(crate) use html::figure;
 pub use html::{Audited, Supplement, figures, html};
 pub use human::human;

@@ -140,14 +140,14 @@ impl<'de> Visitor<'de> for JsonGroup<'_> {
                 "state" => {
                     states::once(group.state.is_some(), "state")?;
                     group.span = self.0.context.place(&key);
-                    group.state = Some(map.next_value()?);
+                    group.state = self.0.context.value_of(&mut map, "state")?;
                 }
                 "time" => {
                     states::once(group.time.is_some(), "time")?;
                     if group.state.is_none() {
                         group.span = self.0.context.place(&key);
                     }
-                    group.time = Some(map.next_value()?);
+                    group.time = self.0.context.value_of(&mut map, "time")?;
                 }
                 "forces" => {
                     states::once(forces.is_some(), "forces")?;
@@ -157,7 +157,7 @@ impl<'de> Visitor<'de> for JsonGroup<'_> {
                     let JsonFile { context, sign, .. } = self.0;
                     forces = Some(map.next_value_seed(JsonForces { context, sign })?);
                 }
-                other => return Err(A::Error::unknown_field(other, &["state", "time", "forces"])),
+                other => self.0.context.unknown(&mut map, other, &["state", "time", "forces"])?,
             }
         }
         group.forces = forces.ok_or_else(|| A::Error::missing_field("forces"))?;
@@ -195,8 +195,10 @@ impl<'de> Visitor<'de> for JsonElement<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ElementForces, A::Error> {
         let mut forces = ElementForces { sign: self.sign, ..ElementForces::default() };
         while let Some(key) = map.next_key::<String>()? {
-            let value = map.next_value::<Option<f64>>()?;
-            self.context.value(forces.set(&key, value))?;
+            let value = self.context.value_of::<Option<f64>, A>(&mut map, &key)?;
+            if let Some(value) = value {
+                self.context.value(forces.set(&key, value))?;
+            }
         }
         Ok(forces)
     }

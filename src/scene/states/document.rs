@@ -128,11 +128,11 @@ impl<'de> Visitor<'de> for JsonState<'_> {
             match key.as_str() {
                 "number" => {
                     once(number.is_some(), "number")?;
-                    number = Some(map.next_value::<u64>()?);
+                    number = self.0.value_of::<u64, A>(&mut map, "number")?;
                 }
                 "time" => {
                     once(time.is_some(), "time")?;
-                    time = Some(map.next_value::<f64>()?);
+                    time = self.0.value_of::<f64, A>(&mut map, "time")?;
                 }
                 "nodes" => {
                     once(state.is_some(), "nodes")?;
@@ -143,7 +143,7 @@ impl<'de> Visitor<'de> for JsonState<'_> {
                     let of_state = JsonForces { context: self.0, sign: ForceSign::Internal };
                     forces = Some(map.next_value_seed(of_state)?);
                 }
-                other => return Err(A::Error::unknown_field(other, &["number", "time", "nodes", "forces"])),
+                other => self.0.unknown(&mut map, other, &["number", "time", "nodes", "forces"])?,
             }
         }
         let state: State = state.ok_or_else(|| A::Error::missing_field("nodes"))?;
@@ -163,7 +163,8 @@ impl<'de> Visitor<'de> for JsonNodes<'_> {
             let named = label(&key, "node");
             let named = named.and_then(|node| check_node(node, self.0.scene, &state).map(|()| node));
             let node = self.0.value(named)?;
-            let motion: Motion = map.next_value()?;
+            let motion = self.0.value_of::<Motion, A>(&mut map, &format!("node {key}"))?;
+            let Some(motion) = motion else { continue };
             let (Some(node), Some(motion)) = (node, self.0.value(motion.checked())?) else { continue };
             self.0.value(check_motion(node, &motion, self.0.freedom()))?;
             state.nodes.insert(node, motion);

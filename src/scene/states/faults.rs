@@ -7,7 +7,8 @@ use crate::model::State;
 use crate::span::Span;
 use crate::states::source::{Source, unreadable};
 use crate::states::{Fault, check_number};
-use serde::de::DeserializeSeed;
+use serde::de::{DeserializeOwned, DeserializeSeed, Error as _, IgnoredAny, MapAccess};
+use serde_json::value::RawValue;
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::io;
@@ -60,6 +61,8 @@ pub(crate) struct Documents<'a> {
     passed: Cell<usize>,
     /// Whether nothing after the last fault can be read.
     ends: Cell<bool>,
+    /// Whether something of another form was met: each value is read by itself from then on, so that what follows is read, too.
+    by_value: Cell<bool>,
     /// How many of the latter were met in this reading.
     met: Cell<usize>,
     /// The number of the last state, if there was one.
@@ -100,6 +103,7 @@ impl<'a> Documents<'a> {
             told: RefCell::default(),
             passed: Cell::default(),
             ends: Cell::default(),
+            by_value: Cell::default(),
             met: Cell::default(),
             last: Cell::default(),
             passed_over: PassedOver::default(),
@@ -108,7 +112,7 @@ impl<'a> Documents<'a> {
 
     /// Whether this is the first reading, whose states are taken.
     pub(crate) fn is_clean(&self) -> bool {
-        self.passed.get() == 0 && self.told.borrow().is_empty()
+        self.passed.get() == 0 && self.told.borrow().is_empty() && !self.by_value.get()
     }
 
     pub(crate) fn context<'b>(&'b self, states: Option<&'b TakeState<'b>>) -> Context<'b> {
@@ -120,7 +124,7 @@ impl<'a> Documents<'a> {
     where
         S: Copy + for<'de> DeserializeSeed<'de, Value = ()>,
     {
-        let mut faults = Faults::default();
+        let (mut faults, mut of_form) = (Faults::default(), None);
         for _ in 0..=MAX_ERRORS {
             self.met.set(0);
             self.last.set(None);
@@ -133,6 +137,10 @@ impl<'a> Documents<'a> {
             };
             let span = json_place(source, error.line(), error.column());
             let Some(fault) = self.fault.take() else {
+                if error.is_data() && source.is_repeatable() && !self.by_value.replace(true) {
+                    of_form = Some(broken(error, span, form));
+                    continue;
+                }
                 faults.add(broken(error, span, form));
                 break;
             };
@@ -145,6 +153,9 @@ impl<'a> Documents<'a> {
             if self.ends.get() || !source.is_repeatable() {
                 break;
             }
+        }
+        if let (true, Some(error)) = (faults.is_empty(), of_form) {
+            faults.add(error);
         }
         faults.end()
     }
@@ -231,6 +242,43 @@ impl<'a> Context<'a> {
             }
         }
         Err(self.halt(fault))
+    }
+
+    /// The value of a key. One of another form is a fault like others, once that was met: none is had of it.
+    pub(crate) fn value_of<'de, T, A>(self, map: &mut A, whose: &str) -> Result<Option<T>, A::Error>
+    where
+        T: DeserializeOwned,
+        A: MapAccess<'de>,
+    {
+        if !self.reading.by_value.get() {
+            return map.next_value().map(Some);
+        }
+        let written: Box<RawValue> = map.next_value()?;
+        let read = serde_json::from_str(written.get()).map_err(|error| {
+            let message = error.to_string();
+            let message = message.split(" at line ").next().unwrap_or_default();
+            Fault::new(
+                Code::StatesMalformed,
+                format!("{whose}: {message}"),
+                "see `pintle eval --help` for the form",
+            )
+        });
+        self.value(read)
+    }
+
+    /// Passes over a key that there is not.
+    pub(crate) fn unknown<'de, A: MapAccess<'de>>(
+        self,
+        map: &mut A,
+        key: &str,
+        known: &'static [&'static str],
+    ) -> Result<(), A::Error> {
+        if !self.reading.by_value.get() {
+            return Err(A::Error::unknown_field(key, known));
+        }
+        let message = format!("unknown field `{key}`, expected one of `{}`", known.join("`, `"));
+        self.value::<(), A::Error>(Err(Fault::new(Code::StatesMalformed, message, "write one of these")))?;
+        map.next_value::<IgnoredAny>().map(drop)
     }
 
     /// States are numbered upwards, or not at all.

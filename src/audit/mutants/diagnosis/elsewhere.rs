@@ -100,7 +100,7 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
         quaternion.rotate_left(by);
         so3::matrix(quaternion)
     }
-    let readings: [(&'static str, Read); 8] = [
+    let readings: [(&'static str, Read); 9] = [
         ("taken as angles about x, y, z in this order", |c| {
             let phi = so3::log(c);
             product_of([2, 1, 0].map(|axis| about_axis(axis, phi[axis])))
@@ -121,6 +121,17 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
         ("the other way round", transpose),
         ("by quaternions whose scalar w is read last, and stands first", |c| of_quaternion(c, 3)),
         ("by quaternions whose scalar w is read first, and stands last", |c| of_quaternion(c, 1)),
+        ("by quaternions with v vᵀ for 2 v vᵀ", |c| {
+            let [w, v @ ..] = so3::quaternion(c);
+            let hat: Matrix<f64> = skew(v);
+            let size = w.mul_add(w, -vector::dot(v, v));
+            [0, 1, 2].map(|i| {
+                [0, 1, 2].map(|j| {
+                    let diagonal = if i == j { size } else { 0.0 };
+                    diagonal + 2.0 * w * hat[i][j] + v[i] * v[j]
+                })
+            })
+        }),
         ("by quaternions without a factor of two", |c| {
             let [w, v @ ..] = so3::quaternion(c);
             let (one, hat): (Matrix<f64>, _) = (identity(), skew(v));

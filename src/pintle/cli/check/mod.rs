@@ -10,6 +10,7 @@ use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
 use pintle_audit::{Check as Checking, Domain, Quantity, Report};
 use pintle_check::{Asked, Checked, Convention, Misbehaviour, Patience, Process};
+use pintle_report::audit::likeness;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -237,10 +238,16 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         )));
     }
     let (mut whole, mut refused): (Option<Report>, Vec<String>) = (None, Vec::new());
+    let (mut alike, mut wrong, mut judged) = (Alike::default(), 0, 0);
     for (of, subject) in connectors.subjects() {
         match one(arguments, &subject, (&of, Some(&of)))? {
             Ok(checked) => {
-                tell(arguments, &subject.name(), Some(&of), &checked)?;
+                let key = likeness(&checked.report, &subject.name(), &checked.notes());
+                if alike.is_new(key, &of) || !matches!(arguments.format, AuditFormat::Human) {
+                    tell(arguments, &subject.name(), Some(&of), &checked)?;
+                }
+                judged += 1;
+                wrong += usize::from(checked.report.mismatches() > 0);
                 whole = Some(match whole {
                     Some(whole) => whole.joined(checked.report),
                     None => checked.report,
@@ -263,7 +270,44 @@ pub(crate) fn run(arguments: &Check) -> Result<(), Failure> {
         )));
     };
     refused.iter().for_each(|why| complain("note", &format!("not covered, and not judged: {why}")));
+    if matches!(arguments.format, AuditFormat::Human) && judged > 1 {
+        let mut out = BufWriter::new(anstream::stdout().lock());
+        let lines = alike.lines().chain([format!("{wrong} of {judged} connectors wrong")]);
+        for line in lines {
+            writeln!(out, "{line}")?;
+        }
+        out.flush()?;
+    }
     concluded(arguments, whole)
+}
+
+/// Connectors of which the same is to be said: it is said of the first, and the others are named.
+#[derive(Default)]
+struct Alike(Vec<(String, Vec<String>)>);
+
+impl Alike {
+    /// Whether nothing like it was said before.
+    fn is_new(&mut self, key: String, of: &str) -> bool {
+        if let Some((_, names)) = self.0.iter_mut().find(|(known, _)| *known == key) {
+            names.push(of.to_owned());
+            return false;
+        }
+        self.0.push((key, vec![of.to_owned()]));
+        true
+    }
+
+    /// Who is like the first.
+    fn lines(&self) -> impl Iterator<Item = String> {
+        const NAMED: usize = 3;
+        let several = self.0.iter().filter_map(|(_, names)| names.split_first());
+        let several = several.filter(|(_, others)| !others.is_empty());
+        several.map(|(first, others)| {
+            let named = others.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+            let more = others.len().saturating_sub(NAMED);
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            format!("{first}: the same of {named}{more}")
+        })
+    }
 }
 
 /// A misbehaviour in words.
