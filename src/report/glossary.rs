@@ -46,7 +46,8 @@ pub fn meanings() -> impl Iterator<Item = Meaning> {
         let told: Vec<String> = told
             .map(|(title, cell)| if title.is_empty() { (*cell).into() } else { format!("{title}: {cell}") })
             .collect();
-        Some(Meaning { word: (*word).into(), meaning: without_links(&told.join("; ")).into() })
+        let told = if told.is_empty() { "read".to_owned() } else { told.join("; ") };
+        Some(Meaning { word: (*word).into(), meaning: without_links(&told).into() })
     })
 }
 

@@ -80,6 +80,40 @@ fn titles(model: &Model) -> Vec<String> {
     model.relations.iter().map(|element| element.title()).collect()
 }
 
+/// The older keyword for a coupling, and CalculiX's for a rigid body, are what the newer ones are.
+#[test]
+fn older_keywords_are_read() {
+    let nodes = ALL.split("*EQUATION").next().unwrap();
+    let pairs = [
+        (
+            "*KINEMATIC COUPLING, REF NODE=1, ORIENTATION=TURNED\n6, 1, 1\n9, 1, 1\n6, 5, 6\n",
+            "*COUPLING, CONSTRAINT NAME=A, REF NODE=1, SURFACE=ENDS, ORIENTATION=TURNED\n*KINEMATIC\n1, 1\n5, 6\n",
+            2 + 2,
+        ),
+        (
+            "*KINEMATIC COUPLING, REF NODE=1\nTIES\n",
+            "*SURFACE, TYPE=NODE, NAME=IT\nTIES,\n*COUPLING, CONSTRAINT NAME=A, REF NODE=1, SURFACE=IT\n*KINEMATIC\n",
+            6,
+        ),
+        ("*RIGID BODY, NSET=PINS, REF NODE=7\n", "*RIGID BODY, PIN NSET=PINS, REF NODE=7\n", 6),
+    ];
+    for (older, newer, count) in pairs {
+        let rows = |text: &str| {
+            let scene = read(&format!("{nodes}{text}"));
+            assert!(scene.skipped.constraints.is_empty(), "{text}: {:?}", scene.skipped.constraints);
+            let mut rows: Vec<String> = Vec::new();
+            for element in &model(&scene).relations {
+                let of = element.relation.rows().into_iter();
+                rows.extend(of.map(|(name, _)| format!("{} {name}", element.title())));
+            }
+            rows.sort();
+            rows
+        };
+        assert_eq!(rows(older), rows(newer));
+        assert_eq!(rows(older).len(), count, "{older}");
+    }
+}
+
 /// Each becomes what it says, with the degrees of freedom that its nodes have; nothing of it is skipped.
 #[test]
 fn every_kind_is_read() {

@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::grammar;
 use crate::label::labelled::{LabelMap, LabelSet};
 use crate::label::{Instance, Label};
-use crate::lexer::{Keyword, Value, begun};
+use crate::lexer::{Items, Keyword, Value, begun};
 use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Surface, Tie, Weighting};
 use crate::model::{Scene, SkippedConstraint, Target};
 use crate::span::{Span, Spanned};
@@ -286,10 +286,13 @@ pub(super) fn surface(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn rigid_body(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let is_elsewhere = keyword.get("POSITION").is_some_and(|value| value.text().starts_with(['C', 'c']));
-    let is_other = keyword.has("NSET") || keyword.has("ROT NODE") || keyword.has("ANALYTICAL SURFACE");
-    let has_nodes = ["ELSET", "PIN NSET", "TIE NSET"].iter().any(|parameter| keyword.has(parameter));
+    // NSET is CalculiX's: its nodes have displacements alone, and the body turns as it will unless a ROT NODE says how.
+    let is_other = keyword.has("ROT NODE")
+        || keyword.has("ANALYTICAL SURFACE")
+        || (keyword.has("NSET") && keyword.has("PIN NSET"));
+    let has_nodes = ["ELSET", "PIN NSET", "TIE NSET", "NSET"].iter().any(|parameter| keyword.has(parameter));
     // A surface that moves with its reference node constrains no other node.
-    if keyword.has("ANALYTICAL SURFACE") && !has_nodes && !keyword.has("NSET") {
+    if keyword.has("ANALYTICAL SURFACE") && !has_nodes {
         let lines = deck.lexer.skip()?;
         deck.count_skipped(keyword, lines);
         return Ok(());
@@ -300,7 +303,7 @@ pub(super) fn rigid_body(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let body = RawBody {
         reference: named(reference)?,
         element_set: keyword.name_of("ELSET")?,
-        pin_set: keyword.name_of("PIN NSET")?,
+        pin_set: keyword.name_of("PIN NSET")?.or(keyword.name_of("NSET")?),
         tie_set: keyword.name_of("TIE NSET")?,
         span: keyword.span,
     };
@@ -334,22 +337,60 @@ fn degrees_of_freedom(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Vec<u8>>
     let mut found: Vec<u8> = Vec::new();
     let mut any = false;
     while let Some(line) = deck.lexer.row()? {
-        let mut items = line.items();
-        let Some(first) = items.maybe() else { continue };
-        let first = first.integer("the first degree of freedom")?;
-        let last = items.maybe().map_or(Ok(first), |item| item.integer("the last degree of freedom"))?;
-        items.end("the first and the last degree of freedom")?;
-        if first == 0 || last < first {
-            let message = format!("*{} names no degrees of freedom from {first} to {last}", keyword.name);
-            return Err(Diagnostic::error(Code::BadDegreeOfFreedom, line.span, message, "this line")
-                .help("write the first and the last degree of freedom, 1 to 6"));
-        }
-        any = true;
-        found.extend((first..=last.min(6)).filter_map(|number| u8::try_from(number).ok()));
+        let of_line = from_to(line.items(), keyword, line.span)?;
+        any |= of_line.is_some();
+        found.extend(of_line.into_iter().flatten());
     }
     found.sort_unstable();
     found.dedup();
     Ok(if any { found } else { (1..=6).collect() })
+}
+
+/// The first and the last of degrees of freedom, as items that end a line; none where there are none.
+fn from_to(mut items: Items<'_>, keyword: &Keyword, line: Span) -> Result<Option<Vec<u8>>> {
+    let Some(first) = items.maybe() else { return Ok(None) };
+    let first = first.integer("the first degree of freedom")?;
+    let last = items.maybe().map_or(Ok(first), |item| item.integer("the last degree of freedom"))?;
+    items.end("the first and the last degree of freedom")?;
+    if first == 0 || last < first {
+        let message = format!("*{} names no degrees of freedom from {first} to {last}", keyword.name);
+        return Err(Diagnostic::error(Code::BadDegreeOfFreedom, line, message, "this line")
+            .help("write the first and the last degree of freedom, 1 to 6"));
+    }
+    Ok(Some((first..=last.min(6)).filter_map(|number| u8::try_from(number).ok()).collect()))
+}
+
+/// `*KINEMATIC COUPLING`, the older form: a coupling for each of its lines, which name nodes and what of them is coupled.
+pub(super) fn kinematic_coupling(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
+    let Some(reference) = keyword.get("REF NODE") else {
+        return deck.pass_constraint(keyword, "KINEMATIC COUPLING");
+    };
+    let (reference, orientation) = (named(reference)?, keyword.name_of("ORIENTATION")?);
+    while let Some(line) = deck.lexer.row()? {
+        let mut items = line.items();
+        let member = target(&items.need("a node or node set")?, "a node or node set")?;
+        let numbers = from_to(items, keyword, line.span)?.unwrap_or_else(|| (1..=6).collect());
+        // Degrees of freedom of other physics alone.
+        if numbers.is_empty() {
+            continue;
+        }
+        let surfaces = &mut deck.constraints.surfaces;
+        let is_free = |n: &usize| !surfaces.contains_key(&format!("KINEMATIC_COUPLING_{n}"));
+        let Some(n) = (surfaces.len() + 1..).find(is_free) else { continue };
+        let name = format!("KINEMATIC_COUPLING_{n}");
+        let surface = Surface { members: vec![(member, None)], span: line.span };
+        surfaces.insert(name.clone(), RawSurface { surface, kind: SurfaceKind::Nodes, faces: Vec::new() });
+        deck.constraints.couplings.push(RawCoupling {
+            name: Spanned::new(String::new(), keyword.span),
+            reference: reference.clone(),
+            surface: Spanned::new(name, line.span),
+            orientation: orientation.clone(),
+            influence_radius: None,
+            kind: Some(CouplingKind::Kinematic(numbers)),
+            span: keyword.span,
+        });
+    }
+    Ok(())
 }
 
 /// Says what the coupling above does.

@@ -442,6 +442,14 @@ pub(super) static RULES: &[Rule] = &[
         constraint::coupling,
     )
     .with_strange(Strange::Skipped),
+    rule(
+        "KINEMATIC COUPLING",
+        Model,
+        &[may("REF NODE", Name), may("ORIENTATION", Name)],
+        "each line is: node or node set, first, last degree of freedom",
+        constraint::kinematic_coupling,
+    )
+    .with_strange(Strange::Skipped),
     rule("KINEMATIC", Model, &[], "each line is: first, last degree of freedom", constraint::kinematic)
         .with_strange(Strange::Skipped),
     rule(
@@ -905,7 +913,17 @@ pub(super) fn is_of_level(name: &str) -> bool {
 /// Is it a constraint beside connectors, or what one is made of? It may stand in parts, in the assembly and outside them, and what it has
 /// besides the parameters that are read does not refuse a deck.
 pub(super) fn is_constraint(name: &str) -> bool {
-    matches!(name, "EQUATION" | "SURFACE" | "RIGID BODY" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "TIE")
+    matches!(
+        name,
+        "EQUATION"
+            | "SURFACE"
+            | "RIGID BODY"
+            | "COUPLING"
+            | "KINEMATIC"
+            | "KINEMATIC COUPLING"
+            | "DISTRIBUTING"
+            | "TIE"
+    )
 }
 
 /// Procedures that are noted but not read.
@@ -933,12 +951,11 @@ pub(super) fn is_procedure(name: &str) -> bool {
 }
 
 /// Keywords that constrain nodes and are skipped. Suboptions, such as `*KINEMATIC` below `*COUPLING`, are of their keywords.
-const CONSTRAINTS: [&str; 7] = [
+const CONSTRAINTS: [&str; 6] = [
     "CYCLIC SYMMETRY MODEL",
     "DISTRIBUTING COUPLING",
     "EMBEDDED ELEMENT",
     "FASTENER",
-    "KINEMATIC COUPLING",
     "PRE-TENSION SECTION",
     "SHELL TO SOLID COUPLING",
 ];

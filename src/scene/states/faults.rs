@@ -313,6 +313,22 @@ mod tests {
         assert_eq!(other.further().len(), 0, "{other:?}");
     }
 
+    /// What has another form is told like what has another meaning: all of it, each in its line.
+    #[test]
+    fn every_value_of_another_form_is_told_in_one_run() {
+        let scene = Scene::parse("deck.inp", DECK).unwrap();
+        let json = "{\"schema\": \"pintle-states/1\", \"states\": [\n\
+            {\"nodes\": {\"1\": {\"displacment\": [0, 0, 0]}}},\n\
+            {\"nodes\": {\"2\": {\"displacement\": [0, 0]}}},\n\
+            {\"tim\": 1, \"nodes\": {\"7\": {}}},\n\
+            {\"time\": \"1\", \"nodes\": {\"2\": {\"quaternion\": [2, 0, 0, 0]}}}]}";
+        let first = StateFile::parse_json("s.json", json, &scene).unwrap_err();
+        let lines: Vec<u32> =
+            [&first].into_iter().chain(first.further()).map(|error| error.span().line()).collect();
+        assert_eq!(lines, [2, 3, 4, 4, 5, 5], "{first:?}");
+        assert!(first.message().contains("node 1: unknown field `displacment`"), "{first:?}");
+    }
+
     /// What is wrong with a file of forces, read and then given to two states: each message with its line.
     fn wrong(read: crate::diagnostic::Result<ForceFile>) -> Vec<(u32, String)> {
         let mut states = vec![State::default(), State::default()];
