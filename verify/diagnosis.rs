@@ -72,7 +72,9 @@ fn every_mutant_is_diagnosed_as_itself() {
                         continue;
                     }
                     let got = mutant.applied(want.entries(quantity));
-                    let symptoms = Symptoms { quantity, got: &got, want: &want, case: &case, bound: &bound };
+                    let rows = want.entries(Quantity::FirstDerivatives);
+                    let symptoms =
+                        Symptoms { quantity, got: &got, rows, want: &want, case: &case, bound: &bound };
                     let found = diagnose(&symptoms);
                     let name = mutant.mistake.name();
                     let found = found.unwrap_or_else(|| panic!("{}: {name}: nothing wrong", case.name));
@@ -103,7 +105,7 @@ fn of_changed(name: &str, change: impl Fn(&Case, &mut Entries<f64>)) -> String {
     let mut got = want.entries(Quantity::FirstDerivatives).clone();
     change(&case, &mut got);
     let quantity = Quantity::FirstDerivatives;
-    let symptoms = Symptoms { quantity, got: &got, want: &want, case: &case, bound: &bound };
+    let symptoms = Symptoms { quantity, got: &got, rows: &got, want: &want, case: &case, bound: &bound };
     diagnose(&symptoms).map_or_else(|| "nothing wrong".into(), |found| said(&found))
 }
 
