@@ -10,7 +10,7 @@ def cartesian(state, connector):
     values, rows = [None] * 6, [None] * 6
     for i in range(3):
         e = a["triad"][i]
-        values[i] = e @ d - initial["a"]["triad"][i] @ initial["b"]["x"]
+        values[i] = e @ d - initial["a"]["triad"][i] @ (initial["b"]["x"] - initial["a"]["x"])
         rows[i] = numpy.concatenate([-e, numpy.cross(e, d), [0], e, [0, 0, 0, 0]])
     return values, rows
 
@@ -28,7 +28,7 @@ def stacked(state, connector, *, sign=1.0):
     d, count = b["x"] - a["x"], len(a["x"])
     values, rows = numpy.full((count, 6), numpy.nan), numpy.full((count, 6, 14), numpy.nan)
     e = a["triad"]
-    values[:, :3] = numpy.einsum("nij,nj->ni", e, d) - initial["a"]["triad"] @ initial["b"]["x"]
+    values[:, :3] = numpy.einsum("nij,nj->ni", e, d) - initial["a"]["triad"] @ (initial["b"]["x"] - initial["a"]["x"])
     rows[:, :3] = 0
     rows[:, :3, 0:3], rows[:, :3, 7:10] = -e, e
     rows[:, :3, 3:6] = sign * numpy.cross(e, d[:, None, :])

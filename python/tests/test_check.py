@@ -144,7 +144,7 @@ def test_a_jitted_function_is_mapped():
         a, b, initial = state["a"], state["b"], connector["initial"]
         d, nan = b["x"] - a["x"], jnp.full(3, jnp.nan)
         e = a["triad"]
-        values = jnp.concatenate([e @ d - initial["a"]["triad"] @ initial["b"]["x"], nan])
+        values = jnp.concatenate([e @ d - initial["a"]["triad"] @ (initial["b"]["x"] - initial["a"]["x"]), nan])
         zero = jnp.zeros((3, 1))
         rows = jnp.concatenate([-e, jnp.cross(e, d[None]), zero, e, jnp.zeros((3, 3)), zero], axis=1)
         return values, jnp.concatenate([rows, jnp.full((3, 14), jnp.nan)])

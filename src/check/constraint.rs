@@ -124,14 +124,15 @@ impl Reader {
             if rows[row] { json!({ "name": kind.row_name(row), "unit": unit }) } else { Value::Null }
         };
         let length = self.convention.length;
-        let origin = [0.0; 3];
+        let master = protocol::place_of_first(self.constraint.arm(), false);
+        let slave = add(master, self.constraint.arm());
         let axes: Vec<_> = self.constraint.initial_axes().into_iter().flatten().collect();
         json!({ "open": {
             "type": format!("MPC {}", kind.name()),
             "equations": (0..ROWS).map(equation).collect::<Vec<Value>>(),
             "initial": {
-                "S": { "x": self.constraint.arm().map(|x| x / length) },
-                "M": { "x": origin },
+                "S": { "x": slave.map(|x| x / length) },
+                "M": { "x": master.map(|x| x / length) },
             },
             "axes": axes,
         } })
@@ -156,10 +157,11 @@ impl Reader {
             }
             node
         };
+        let first = protocol::place_of_first(self.constraint.arm(), false);
         let angles: Vec<f64> = state.angles.iter().take(hinges).map(|angle| angle.unwrap_or(0.0)).collect();
         let mut one = json!({
-            "S": node(&state.slave, self.constraint.arm(), 0),
-            "M": node(&state.master, [0.0; 3], 7),
+            "S": node(&state.slave, add(first, self.constraint.arm()), 0),
+            "M": node(&state.master, first, 7),
             "angles": angles,
         });
         if let (Some(one), true) = (one.as_object_mut(), has_rates) {

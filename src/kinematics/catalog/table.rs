@@ -160,7 +160,9 @@ static ALIGN: Half = Half {
     forces: "m = m1 e1a + m2 e2a + m3 e3a",
     stops: false,
     source: "connection type ALIGN, Description and Summary",
-    note: "Directions that do not coincide initially keep their relative orientation; the position output is its Cardan angles.",
+    note: "Directions that do not coincide initially keep their relative orientation; the position output is its Cardan angles. Of such, \
+           m1, m2, m3 are the components of the moment M on b along axes that a carries: M·e1a, M·(cos α e2a + sin α e3a), M·e, with the \
+           initial α and e3b = e initially; a unit moment of one has no component along the two others (decision D-5).",
     ..ROTATIONAL
 };
 
