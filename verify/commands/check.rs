@@ -71,6 +71,58 @@ fn python_routines_are_judged() {
     assert!(report.contains("is missing"), "TRANSLATOR has rotations: {report}");
 }
 
+/// Node a does not start at the origin: a routine that takes b's place for what lies between the nodes is wrong. Forces of springs are not
+/// judged where nobody gave the springs.
+#[test]
+fn neither_an_origin_nor_zero_forces_hide_a_mistake() {
+    if !has_python() {
+        return;
+    }
+    let file = elements().join("forgets_where_a_began.py");
+    let text = format!(
+        "from {EXAMPLE} import cartesian, dot\n\n\ndef forgets(state, connector):\n    values, rows = cartesian(state, connector)\n    \
+         first = connector['initial']\n    for i in range(3):\n        values[i] -= dot(first['a']['triad'][i], first['a']['x'])\n    \
+         return values, rows\n\n\ndef sprung(state, connector):\n    values, rows = cartesian(state, connector)\n    \
+         return {{'values': values, 'rows': rows, 'element_forces': [0.0] * 14}}\n"
+    );
+    fs::write(&file, text).unwrap();
+    let page =
+        stdout(&there(&brief("CARTESIAN", "--python", "forgets_where_a_began:forgets")).assert().code(1));
+    assert!(page.contains("values             wrong"), "{page}");
+    let page =
+        stdout(&there(&brief("CARTESIAN", "--python", "forgets_where_a_began:sprung")).assert().success());
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("are not judged: give the springs") && !words.contains("element forces pass"),
+        "{page}"
+    );
+}
+
+/// Of fifty connectors alike a mistake is told once.
+#[test]
+fn connectors_alike_are_told_once() {
+    if !has_python() {
+        return;
+    }
+    let deck = elements().join("alike.inp");
+    let mut text = "*NODE\n".to_owned();
+    (0..10).for_each(|n| text.push_str(&format!("{}, {n}., 0., 0.\n", n + 1)));
+    text.push_str("*ELEMENT, TYPE=CONN3D2, ELSET=A\n");
+    (0..5).for_each(|n| text.push_str(&format!("{}, {}, {}\n", n + 1, 2 * n + 1, 2 * n + 2)));
+    text.push_str(
+        "*CONNECTOR SECTION, ELSET=A\nCARTESIAN\nO,\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n",
+    );
+    fs::write(&deck, text).unwrap();
+    let wrong = format!("{EXAMPLE}:without_arm");
+    let page = stdout(&there(&brief("alike.inp", "--python", &wrong)).assert().code(1));
+    assert_eq!(page.matches("diagnosis::geometric-term-missing").count(), 1, "{page}");
+    assert!(
+        page.contains("alike.inp:1: the same of alike.inp:2, alike.inp:3, alike.inp:4 and 1 more"),
+        "{page}"
+    );
+    assert!(page.contains("5 of 5 connectors wrong"), "{page}");
+}
+
 /// A routine that fails at some states is judged at all: it has no numbers there, and where and why is said.
 #[test]
 fn failures_at_some_states_end_nothing() {
@@ -368,7 +420,7 @@ fn conventions_are_undone() {
     let rows = HELLO.replace("'values', ", "");
     let alone = process("rows-alone", &rows, OPEN, ANSWER, CLOSE);
     pintle(&brief("CARTESIAN", "--with", &alone)).assert().success();
-    let outside = "each(lambda state: {'out_of_domain': 'small turns only'} if state['a']['x'][0] > 0.1 else right(state))";
+    let outside = "each(lambda state: {'out_of_domain': 'small turns only'} if state['a']['u'][0] > 0.1 else right(state))";
     let some = process("outside", &rows, OPEN, outside, CLOSE);
     let message = stdout(&pintle(&brief("CARTESIAN", "--with", &some)).assert().success());
     assert!(message.lines().count() <= 25, "{message}");

@@ -178,6 +178,15 @@ impl<T> std::ops::Deref for OneOrMany<T> {
     }
 }
 
+impl<T> std::ops::DerefMut for OneOrMany<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        match self {
+            Self::One(one) => one,
+            Self::Many(many) => many,
+        }
+    }
+}
+
 impl<T> From<Vec<T>> for OneOrMany<T> {
     fn from(many: Vec<T>) -> Self {
         Self::Many(many)

@@ -67,6 +67,7 @@ impl FrictionSubject {
             ..friction.clone()
         };
         let mut others = vec![
+            (Cause::OtherCoefficient, "what is expected with −μ for μ".into(), with(-coefficient)),
             (
                 Cause::OtherCoefficient,
                 "what is expected with μ² for μ".into(),
@@ -493,6 +494,16 @@ impl FrictionCase {
                 let relation = "the slip divided by the stick stiffness of a moment, K_s R²";
                 found.push((Cause::NotNormalised, relation.into(), slipped(slip)));
             }
+            let trial: Vec<(String, Vec<f64>)> = radii
+                .iter()
+                .filter(|(k, _)| sliding.contains(k))
+                .map(|(k, r)| {
+                    let force = self.before.force[*k] + stiffness * r * r * self.displacement[*k];
+                    (title(&output(*k)), vec![force])
+                })
+                .collect();
+            let relation = "the force that would stick, not cut at the limit";
+            found.push((Cause::StickForSlip, relation.into(), trial));
             // At the limit along another direction than that of the force that would stick.
             let along = |of: &dyn Fn(usize, f64) -> f64| {
                 let forces: Vec<(usize, f64)> = radii.iter().map(|(k, r)| (*k, of(*k, *r))).collect();
@@ -563,6 +574,8 @@ impl FrictionCase {
             .filter(|(k, _)| sliding.contains(k))
             .map(|(k, radius)| (self.before.force[k] + elastic[k] * self.displacement[k]) / radius);
         let share = outcome.limit / trial.map(|x| x * x).sum::<f64>().sqrt();
+        let stuck = rows(&|k, j| if j == k { elastic[k] } else { 0.0 });
+        found.push((Cause::StickForSlip, "the stick stiffness, though it slips".into(), stuck));
         let secant =
             rows(&|k, j| if j < 6 { if j == k { share * elastic[k] } else { 0.0 } } else { own[k][j] });
         let relation = "the limit over P of stick, times the stick stiffness";

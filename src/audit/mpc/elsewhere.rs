@@ -579,6 +579,36 @@ impl MpcCase {
             ("the part quadratic in what carries S: the axes of hinges turn, the arm of M does", of_both),
             ("the product of both: what carries S is seen from S", product),
         ];
+        // S follows what carries it, and parts of that move.
+        let following = |of_master: f64, rates: [f64; 2]| {
+            let mut moved = [0.0; DOFS];
+            for i in THETA_M..THETA_M + 3 {
+                moved[i] = of_master * velocity[i];
+            }
+            let hinges = got.axes.into_iter().zip(&velocity[PHI..]).zip(rates);
+            let spin = hinges
+                .fold(scale(part(&velocity, THETA_M), of_master), |spin, ((axis, rate), times)| {
+                    add(spin, scale(axis.unwrap_or([0.0; 3]), times * rate))
+                });
+            moved[THETA_S..THETA_S + 3].copy_from_slice(&apply(&so3::turn(rho), spin));
+            for (i, times) in rates.into_iter().enumerate() {
+                moved[PHI + i] = times * velocity[PHI + i];
+            }
+            bias(moved)
+        };
+        if got.axes[0].is_some() {
+            let less = |x: &Rows<f64>, y: &Rows<f64>, z: &Rows<f64>| -> Rows<f64> {
+                std::array::from_fn(|row| Some(x[row]? - y[row]? - z[row]?))
+            };
+            let (of_m, of_hinges) = (following(1.0, [0.0; 2]), following(0.0, [1.0; 2]));
+            let mixed = less(&following(1.0, [1.0; 2]), &of_m, &of_hinges);
+            found.push(("the product of the spin of M and the rates of the hinges", mixed));
+            let [one, two] = [following(0.0, [1.0, 0.0]), following(0.0, [0.0, 1.0])];
+            found.push((
+                "the product of the rates of the two hinges, φ̇1 φ̇2 a1 × a2",
+                less(&of_hinges, &one, &two),
+            ));
+        }
         if self.constraint.kind().entry().translation == Translation::Distance {
             let arm = self.constraint.arm();
             let apart = add(arm, sub(self.state.slave.displacement, self.state.master.displacement));

@@ -63,6 +63,8 @@ pub(crate) struct Documents<'a> {
     ends: Cell<bool>,
     /// Whether something of another form was met: each value is read by itself from then on, so that what follows is read, too.
     by_value: Cell<bool>,
+    /// An example of the form, for remedies.
+    form: RefCell<String>,
     /// How many of the latter were met in this reading.
     met: Cell<usize>,
     /// The number of the last state, if there was one.
@@ -104,6 +106,7 @@ impl<'a> Documents<'a> {
             passed: Cell::default(),
             ends: Cell::default(),
             by_value: Cell::default(),
+            form: RefCell::default(),
             met: Cell::default(),
             last: Cell::default(),
             passed_over: PassedOver::default(),
@@ -124,6 +127,7 @@ impl<'a> Documents<'a> {
     where
         S: Copy + for<'de> DeserializeSeed<'de, Value = ()>,
     {
+        form.clone_into(&mut self.form.borrow_mut());
         let (mut faults, mut of_form) = (Faults::default(), None);
         for _ in 0..=MAX_ERRORS {
             self.met.set(0);
@@ -257,13 +261,13 @@ impl<'a> Context<'a> {
         let read = serde_json::from_str(written.get()).map_err(|error| {
             let message = error.to_string();
             let message = message.split(" at line ").next().unwrap_or_default();
-            Fault::new(
-                Code::StatesMalformed,
-                format!("{whose}: {message}"),
-                "see `pintle eval --help` for the form",
-            )
+            self.malformed(format!("{whose}: {message}"))
         });
         self.value(read)
+    }
+
+    fn malformed(self, message: String) -> Fault {
+        Fault::new(Code::StatesMalformed, message, format!("the form is {}", self.reading.form.borrow()))
     }
 
     /// Passes over a key that there is not.
@@ -277,7 +281,7 @@ impl<'a> Context<'a> {
             return Err(A::Error::unknown_field(key, known));
         }
         let message = format!("unknown field `{key}`, expected one of `{}`", known.join("`, `"));
-        self.value::<(), A::Error>(Err(Fault::new(Code::StatesMalformed, message, "write one of these")))?;
+        self.value::<(), A::Error>(Err(self.malformed(message)))?;
         map.next_value::<IgnoredAny>().map(drop)
     }
 

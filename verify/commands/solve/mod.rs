@@ -103,8 +103,8 @@ fn what_is_left_out_is_refused_by_name() {
         ),
         ("*ELEMENT, TYPE=T3D2, ELSET=T\n11, 1, 2\n", "elements of type T3D2 act on nodes of its connectors"),
         (
-            "*KINEMATIC COUPLING, REF NODE=3\n2, 1, 6\n",
-            "*KINEMATIC COUPLING: nodes are constrained by what is not read",
+            "*DISTRIBUTING COUPLING, ELSET=C\n2, 1.\n",
+            "*DISTRIBUTING COUPLING: nodes are constrained by what is not read",
         ),
         ("*MPC\nSS LINEAR, 2, 3\n", "MPC SS LINEAR: nodes are constrained by what is not read"),
     ] {

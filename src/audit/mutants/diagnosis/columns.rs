@@ -18,6 +18,8 @@ type Change = dyn Fn(&mut [f64]);
 pub(super) struct Operation {
     pub(super) cause: Cause,
     relation: Option<&'static str>,
+    /// What it makes of rates, where that is not what it makes of columns.
+    of_rates: Option<String>,
     /// Whether the self-test has it for rows.
     is_known: bool,
     /// Whether it says something of rows with columns of displacements only.
@@ -47,6 +49,7 @@ impl Operation {
         Self {
             cause,
             relation: None,
+            of_rates: None,
             is_known: false,
             needs_displacements: false,
             is_scalar: false,
@@ -56,6 +59,11 @@ impl Operation {
 
     fn related(mut self, relation: &'static str) -> Self {
         self.relation = Some(relation);
+        self
+    }
+
+    fn of_rates(mut self, relation: impl Into<String>) -> Self {
+        self.of_rates = Some(relation.into());
         self
     }
 
@@ -132,7 +140,10 @@ impl Operation {
             None => along(&changed, velocity),
             Some(acceleration) => along(&changed, acceleration) + twice(&self.on_both(matrix), velocity),
         };
-        let made = self.hypothesis(k, vec![(0, x)]);
+        let mut made = self.hypothesis(k, vec![(0, x)]);
+        if let Some(relation) = &self.of_rates {
+            made = made.related(relation.clone());
+        }
         // What its columns equal says nothing of a rate of another cause.
         Some(match self.cause {
             Cause::RotationTakenAsLocal | Cause::RotationTurnedTwice => {
@@ -307,11 +318,15 @@ fn of_blocks() -> Vec<Operation> {
         let all = Operation::new(Cause::LengthUnit, all).related(relation);
         found.push(Operation { is_scalar: true, ..all });
     }
-    for (cause, factor) in [(Cause::RotationHalved, 0.5), (Cause::RotationDoubled, 2.0)] {
-        found.extend(
-            ROTATIONS.map(|at| Operation::new(cause, move |row| multiplied(row, at..at + 3, factor)).known()),
-        );
-        found.push(both(cause, ROTATIONS, factor));
+    for (cause, factor, share) in
+        [(Cause::RotationHalved, 0.5, "half"), (Cause::RotationDoubled, 2.0, "twice")]
+    {
+        let told = |whose: &str| format!("what is expected with {share} the spin of {whose}");
+        for (at, whose) in ROTATIONS.into_iter().zip(["a", "b"]) {
+            let one = Operation::new(cause, move |row: &mut [f64]| multiplied(row, at..at + 3, factor));
+            found.push(one.known().of_rates(told(whose)));
+        }
+        found.push(both(cause, ROTATIONS, factor).of_rates(told("both nodes")));
     }
     for (from, to) in [(THETA_A, THETA_B), (THETA_B, THETA_A)] {
         let moved = move |row: &mut [f64]| {
@@ -323,19 +338,34 @@ fn of_blocks() -> Vec<Operation> {
         found
             .push(Operation::new(Cause::LeverAtB, moved).related("the moments of both nodes at one of them"));
     }
-    found.push(Operation::new(Cause::SameSignForBoth, |row| multiplied(row, 0..XB, -1.0)).known());
+    const RATES: [&str; 6] = [
+        "the velocity of a",
+        "the spin of a",
+        "the flow rate at a",
+        "the velocity of b",
+        "the spin of b",
+        "the flow rate at b",
+    ];
+    let same = Operation::new(Cause::SameSignForBoth, |row: &mut [f64]| multiplied(row, 0..XB, -1.0));
+    found.push(same.known().of_rates("what is expected with the other sign of the rates of a"));
     found.push(Operation::new(Cause::NodeLeftOut, |row| multiplied(row, 0..XB, 0.0)));
-    found.push(Operation::new(Cause::NodeLeftOut, |row| multiplied(row, XB..DOFS, 0.0)));
-    for (cause, factor) in [(Cause::BlockReversed, -1.0), (Cause::BlockMissing, 0.0)] {
-        for block in BLOCKS {
-            found.push(Operation::new(cause, move |row| multiplied(row, block.clone(), factor)));
+    let of_b = Operation::new(Cause::NodeLeftOut, |row: &mut [f64]| multiplied(row, XB..DOFS, 0.0));
+    found.push(of_b.of_rates("what is expected without the rates of b"));
+    for (cause, factor, how) in
+        [(Cause::BlockReversed, -1.0, "with the other sign of"), (Cause::BlockMissing, 0.0, "without")]
+    {
+        let told = |rates: &str| format!("what is expected {how} {rates}");
+        for (block, rates) in BLOCKS.into_iter().zip(RATES) {
+            let one = Operation::new(cause, move |row: &mut [f64]| multiplied(row, block.clone(), factor));
+            found.push(one.of_rates(told(rates)));
         }
-        found.push(both(cause, ROTATIONS, factor));
-        found.push(both(cause, DISPLACEMENTS, factor));
-        found.push(Operation::new(cause, move |row| {
+        found.push(both(cause, ROTATIONS, factor).of_rates(told("the spins")));
+        found.push(both(cause, DISPLACEMENTS, factor).of_rates(told("the velocities")));
+        let flows = Operation::new(cause, move |row: &mut [f64]| {
             multiplied(row, PSI_A..XB, factor);
             multiplied(row, DOFS - 1..DOFS, factor);
-        }));
+        });
+        found.push(flows.of_rates(told("the flow rates")));
     }
     found
 }

@@ -5,7 +5,7 @@ use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::dictionary::of_dictionary;
-use crate::mutants::diagnosis::elsewhere::elsewhere;
+use crate::mutants::diagnosis::elsewhere::{beside, elsewhere};
 use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::parts::parts;
 use crate::mutants::diagnosis::patterns::{
@@ -18,6 +18,7 @@ use crate::mutants::diagnosis::values::{INITIAL_AXES_OF_B, axis_of, of_values};
 use crate::mutants::diagnosis::{Cause, Diagnosis};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
 use pintle_kinematics::catalog::COMPONENT;
+use pintle_kinematics::connector::Connector;
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{DOF, DOFS, PSI_A, Pair, THETA_A, THETA_B, XA, XB};
 use pintle_kinematics::scalar::elementary::norm;
@@ -207,16 +208,34 @@ impl Symptoms<'_> {
                 found.push(Hypothesis::many(Cause::RowsSwapped, changes.collect()));
             }
         }
-        found.extend(elsewhere(self.case, self.quantity, (self.wanted(), self.got)));
+        found.extend(elsewhere(self.case, self.quantity));
         found.extend(of_smoothed(self.case, self.quantity, self.wanted(), self.got));
         match self.quantity {
-            Quantity::Value => found.extend(of_values(self.case, self.wanted(), self.got)),
+            Quantity::Value => {
+                found.extend(of_values(self.case, self.wanted(), self.got));
+                self.put_beside(&mut found, &connector);
+            }
             Quantity::FirstDerivatives | Quantity::NodalForces => found.extend(self.of_rows()),
             Quantity::SecondDerivatives | Quantity::GeometricStiffness => found.extend(self.of_matrices()),
             Quantity::Rate | Quantity::Acceleration => found.extend(self.of_rates()),
             _ => {}
         }
         found
+    }
+
+    /// Puts angles on the sheets of the numbers given.
+    fn put_beside(&self, found: &mut [Hypothesis], connector: &Connector<f64>) {
+        let winds: [bool; 6] =
+            std::array::from_fn(|k| connector.differentiated(k).is_some_and(Measure::winds));
+        for made in found.iter_mut().filter(|made| made.cause != Cause::TurnForgotten) {
+            for (k, i, x) in made.changes.iter_mut() {
+                if let (true, Some(given), Some(wanted)) =
+                    (winds[*k], self.got.get(*k, *i), self.wanted().get(*k, *i))
+                {
+                    *x = beside(*x, given, wanted);
+                }
+            }
+        }
     }
 
     /// Changes of rows that are no mistakes of the self-test.
@@ -503,6 +522,14 @@ impl Symptoms<'_> {
                         Hypothesis::one(Cause::InitialKept, (k, 0), linear + quadratic * length / first);
                     let what = "what is expected with the initial length in the part quadratic in the rates";
                     parts.push(initially.related(what));
+                    let whole = Hypothesis::one(Cause::NotNormalised, (k, 0), linear + quadratic * length);
+                    parts.push(whole.related(
+                        "what is expected with the part quadratic in the rates not divided by the length",
+                    ));
+                    let whole = Hypothesis::one(Cause::NotNormalised, (k, 0), linear + rest * length - own);
+                    parts.push(whole.related(
+                        "what is expected with |v|² not divided by the length, v the rates across it",
+                    ));
                 }
                 // Of the rates of b alone, in the quadratic part alone, or in the linear one.
                 let mut of_b = *velocity;
@@ -793,6 +820,8 @@ fn levers(row: &[f64], [d, initial]: [Vector<f64>; 2]) -> Vec<(Cause, OfRow)> {
         (Cause::GeometricTermDoubled, put(THETA_A, plus(of_a, 1.0))),
         (Cause::InitialTurned, put(THETA_A, sub(of_a, of_initial))),
         (Cause::LeverAtB, moved(-1.0)),
+        (Cause::LeverAtB, put(THETA_B, [0, 1, 2].map(|i| of_b[i] + lever[i]))),
+        (Cause::LeverAtB, put(THETA_B, [0, 1, 2].map(|i| of_b[i] - lever[i]))),
     ]
 }
 

@@ -1,12 +1,12 @@
 //! The same connector at other nodes than those that are meant: exchanged, held in their initial place, with triads transposed, an
 //! increment late, without its history.
 
-use crate::case::quantity::{Entries, Numbers, Quantity};
+use crate::case::quantity::{Numbers, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
-use pintle_kinematics::measure::Measure;
+use pintle_kinematics::connector::State;
 use pintle_kinematics::node::{DOFS, Node, PSI_A, Pair, XB};
 use pintle_kinematics::so3::{self, turn};
 use pintle_kinematics::vector::{self, Matrix, identity, product as times, skew, transpose};
@@ -49,10 +49,11 @@ fn product_of([x, y, z]: [Matrix<f64>; 3]) -> Matrix<f64> {
     times(&x, &times(&y, &z))
 }
 
+const PRINCIPAL: &str = "what is expected of principal angles";
 const FLOWS_SWAPPED: &str = "what is expected with Ψa and Ψb exchanged";
 
 /// The numbers elsewhere, with the cause that puts them there, and what they are.
-fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
+fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
     let initial = case.definition.initial;
     let mut found = Vec::new();
     let mut add = |cause: Cause, relation: Option<String>, case: &Case| {
@@ -218,7 +219,19 @@ fn found_elsewhere(case: &Case) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
         let mut at_once = case.clone();
         let state = last.state;
         at_once.path = vec![Step { state, ..Step::between(&initial, state.pair) }];
-        add(Cause::TurnForgotten, Some("what is expected of principal angles".into()), &at_once);
+        add(Cause::TurnForgotten, Some(PRINCIPAL.into()), &at_once);
+        // With a held still, the increment of b is the relative rotation, and principal: angles do not see a rigid motion, rows do.
+        if quantity == Quantity::Value {
+            let back = times(&initial.a.triad, &transpose(&state.pair.a.triad));
+            let apart = vector::apply(&back, state.pair.separation());
+            let mut pair = state.pair;
+            pair.a.triad = initial.a.triad;
+            pair.b.triad = times(&back, &state.pair.b.triad);
+            pair.a.displacement = [0.0; 3];
+            pair.b.displacement = vector::sub(apart, pair.reference);
+            at_once.path = vec![Step { state: State { pair, ..state }, ..Step::between(&initial, pair) }];
+            add(Cause::TurnForgotten, Some(PRINCIPAL.into()), &at_once);
+        }
     }
     let flows = |pair: &Pair<f64>| Pair {
         a: Node { flow: pair.b.flow, ..pair.a },
@@ -250,24 +263,11 @@ pub(super) fn beside(x: f64, given: f64, wanted: f64) -> f64 {
 }
 
 /// What components are elsewhere.
-pub(super) fn elsewhere(
-    case: &Case,
-    quantity: Quantity,
-    (want, got): (&Entries<f64>, &Entries<f64>),
-) -> Vec<Hypothesis> {
-    let connector = case.connector();
+pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
     let mut found = Vec::new();
-    for (cause, relation, numbers) in found_elsewhere(case) {
+    for (cause, relation, numbers) in found_elsewhere(case, quantity) {
         for (k, row) in numbers.entries(quantity).0.iter().enumerate() {
             let Some(row) = row else { continue };
-            let mut row = row.clone();
-            let winds = connector.differentiated(k).is_some_and(Measure::winds);
-            if let ([x], true, Some(given), Some(wanted)) =
-                (&mut row[..], quantity == Quantity::Value && winds, got.get(k, 0), want.get(k, 0))
-                && cause != Cause::TurnForgotten
-            {
-                *x = beside(*x, given, wanted);
-            }
             let made = Hypothesis::of_row(cause, k, row.iter().copied().enumerate());
             found.push(match &relation {
                 Some(relation) => made.related(relation.clone()),

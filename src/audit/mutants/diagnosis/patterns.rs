@@ -90,6 +90,18 @@ pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> 
     Some(told(Cause::NotANumber, sentence, &cells))
 }
 
+/// The largest error of components, as a part of the largest entry of the row as a whole.
+fn relative(one: &Symptoms<'_>, components: &BTreeSet<usize>) -> f64 {
+    let of = |k: &usize| {
+        let want = one.want.entries(one.quantity).0[*k].as_deref().unwrap_or_default();
+        let got = one.got.0[*k].as_deref().unwrap_or_default();
+        let size = want.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let error = want.iter().zip(got).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+        if error > 0.0 { error / size } else { 0.0 }
+    };
+    components.iter().map(of).fold(0.0, f64::max)
+}
+
 /// Numbers that are wrong by little, and more the nearer their states are to special ones.
 pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
     let Errors { cells, largest: lost, .. } = errors(symptoms);
@@ -97,18 +109,7 @@ pub(super) fn digits_lost(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Opti
         return None;
     }
     let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
-    // Of a row as a whole.
-    let relative = |one: &&Symptoms<'_>| {
-        let of = |k: &usize| {
-            let want = one.want.entries(one.quantity).0[*k].as_deref().unwrap_or_default();
-            let got = one.got.0[*k].as_deref().unwrap_or_default();
-            let size = want.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            let error = want.iter().zip(got).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
-            if error > 0.0 { error / size } else { 0.0 }
-        };
-        components.iter().map(of).fold(0.0, f64::max)
-    };
-    let of_rows: Vec<f64> = symptoms.iter().map(relative).collect();
+    let of_rows: Vec<f64> = symptoms.iter().map(|one| relative(one, &components)).collect();
     let is_value = symptoms.iter().any(|one| one.quantity == Quantity::Value);
     let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
     let count = states.len();
@@ -252,13 +253,18 @@ pub(super) fn single_precision_on_the_way(
 pub(super) fn differences(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> Option<Diagnosis> {
     /// What differences are wrong by at least, and how many states tell.
     const LEAST: (f64, usize) = (1e-13, 4);
+    /// Differences are no rougher.
+    const ROUGH: f64 = 1e-2;
     let errors = errors(symptoms);
     let components = errors.cells.iter().map(|(k, _)| *k).collect();
     let is_regular =
         |one: &&&Symptoms<'_>| specials(one, &components).iter().all(|special| special.distance > NEAR);
     let is_little = errors.largest.iter().all(|largest| *largest > LEAST.0 && *largest < LOST);
     let is_derivative = symptoms.iter().all(|one| one.quantity != Quantity::Value);
-    (is_derivative && is_little && symptoms.iter().filter(is_regular).count() >= LEAST.1)
+    // The scale of an acceleration may be far larger than it is.
+    let is_close = |one: &&&Symptoms<'_>| relative(one, &components) < ROUGH;
+    let are_close = 2 * symptoms.iter().filter(is_close).count() > symptoms.len();
+    (is_derivative && is_little && are_close && symptoms.iter().filter(is_regular).count() >= LEAST.1)
         .then(|| everywhere(Cause::Differences, &errors, words))
 }
 
