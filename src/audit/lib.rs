@@ -35,7 +35,8 @@ mod share;
 pub mod singular;
 
 pub use candidate::{
-    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent, values_before,
+    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent,
+    initial_places, values_before,
 };
 pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;

@@ -6,7 +6,7 @@ use crate::fit::{self, Found};
 use crate::process::{Door, Misbehaviour};
 use crate::protocol::{self, Layout};
 use crate::{Asked, Checked};
-use pintle_audit::{ConstraintCandidate, ConstraintNumbers, MpcCase, Quantity};
+use pintle_audit::{ConstraintCandidate, ConstraintNumbers, MpcCase, Quantity, initial_places};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Kind, PHI, ROWS, Rows};
 use pintle_kinematics::so3;
@@ -124,8 +124,7 @@ impl Reader {
             if rows[row] { json!({ "name": kind.row_name(row), "unit": unit }) } else { Value::Null }
         };
         let length = self.convention.length;
-        let master = protocol::place_of_first(self.constraint.arm(), false);
-        let slave = add(master, self.constraint.arm());
+        let [master, slave] = initial_places(self.constraint.arm(), false);
         let axes: Vec<_> = self.constraint.initial_axes().into_iter().flatten().collect();
         json!({ "open": {
             "type": format!("MPC {}", kind.name()),
@@ -157,11 +156,11 @@ impl Reader {
             }
             node
         };
-        let first = protocol::place_of_first(self.constraint.arm(), false);
+        let [master, slave] = initial_places(self.constraint.arm(), false);
         let angles: Vec<f64> = state.angles.iter().take(hinges).map(|angle| angle.unwrap_or(0.0)).collect();
         let mut one = json!({
-            "S": node(&state.slave, add(first, self.constraint.arm()), 0),
-            "M": node(&state.master, first, 7),
+            "S": node(&state.slave, slave, 0),
+            "M": node(&state.master, master, 7),
             "angles": angles,
         });
         if let (Some(one), true) = (one.as_object_mut(), has_rates) {

@@ -2,11 +2,10 @@
 
 use crate::convention::{Convention, Own, Quaternions, Sense, Storage, Triads};
 use crate::fit::GivenRows;
-use pintle_audit::{Domain, Quantity, Question};
+use pintle_audit::{Domain, Quantity, Question, initial_places};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Components, Connector, Definition, State};
 use pintle_kinematics::node::{Node, Pair};
-use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, Vector, add, column, product, transpose};
 use serde::Deserialize;
@@ -152,20 +151,6 @@ pub(crate) fn hello() -> Value {
     json!({ "hello": { "protocol": PROTOCOL, "version": pintle_kinematics::VERSION } })
 }
 
-/// Where the first node starts: not at the origin, where nobody sees that it was left out. `apart` is what lies between the nodes. It has few
-/// digits, so that places are rounded little; a planar connector stays in its plane.
-pub(crate) fn place_of_first(apart: Vector<f64>, planar: bool) -> Vector<f64> {
-    let length = norm(apart);
-    let size = if length > 0.0 && length.is_finite() { length.log2().floor().exp2() } else { 1.0 };
-    [0.5 * size, -0.75 * size, if planar { 0.0 } else { 0.25 * size }]
-}
-
-/// The same of a connector, and where b starts.
-fn initial_places(definition: &Definition) -> [Vector<f64>; 2] {
-    let a = place_of_first(definition.initial.reference, definition.planar);
-    [a, add(a, definition.initial.reference)]
-}
-
 /// The connector that the routine is to be.
 pub(crate) fn open(definition: &Definition, convention: &Convention, springs: &Components<f64>) -> Value {
     let connector = Connector::<f64>::new(definition);
@@ -182,7 +167,7 @@ pub(crate) fn open(definition: &Definition, convention: &Convention, springs: &C
     let spring =
         |k: usize| springs[k].map(|d| d * convention.unit(k, &connector).powi(2) / convention.length);
     let springs = [0, 1, 2, 3, 4, 5].map(spring);
-    let [of_a, of_b] = initial_places(definition);
+    let [of_a, of_b] = initial_places(definition.initial.reference, definition.planar);
     json!({ "open": {
         "springs": springs,
         "type": definition.connection.name,
@@ -212,7 +197,7 @@ fn places(pair: &Pair<f64>, definition: &Definition, convention: &Convention) ->
         let place = add(x, now.displacement);
         node_of(place, now.displacement, directions(now, convention), &rotation, now.flow, convention)
     };
-    let [of_a, of_b] = initial_places(definition);
+    let [of_a, of_b] = initial_places(definition.initial.reference, definition.planar);
     [("a", node(&pair.a, &initial.a, of_a)), ("b", node(&pair.b, &initial.b, of_b))]
         .into_iter()
         .map(|(name, node)| (name.to_string(), node))

@@ -1,5 +1,6 @@
 //! Numbers of a connector's components.
 
+use crate::candidate::initial_places;
 use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
@@ -243,6 +244,14 @@ impl Symptoms<'_> {
         let Some(pair) = self.case.last().map(|step| &step.state.pair) else { return Vec::new() };
         let connector = self.case.connector();
         let operations = operations(self.case);
+        let initial = &self.case.definition.initial;
+        let [first, second] = initial_places(initial.reference, self.case.definition.planar);
+        let places: [(Vector<f64>, &str); 4] = [
+            (add(second, pair.b.displacement), "x_b"),
+            (add(first, pair.a.displacement), "x_a"),
+            (pair.b.displacement, "u_b"),
+            (sub(pair.b.displacement, pair.a.displacement), "u_b − u_a"),
+        ];
         let others = match self.quantity {
             Quantity::NodalForces => Quantity::FirstDerivatives,
             _ => Quantity::NodalForces,
@@ -254,6 +263,13 @@ impl Symptoms<'_> {
             let separations = [pair.separation(), self.case.definition.initial.separation()];
             let made = conventions(row, triads).into_iter().chain(levers(row, separations));
             found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
+            let lever = cross(part(row, XB), separations[0]);
+            for (place, what) in &places {
+                let of_place = cross(part(row, XB), *place);
+                let made = put(THETA_A, sub(add(part(row, THETA_A), of_place), lever));
+                let made = Hypothesis::of_row(Cause::OtherLength, k, made);
+                found.push(made.related(format!("what is expected with {what} for the lever d = x_b − x_a")));
+            }
             found.extend(mistyped_levers(k, row, separations[0]));
             found.extend(shared_levers(k, row, separations[0]));
             let held = cross(part(row, XB), separations[1]);

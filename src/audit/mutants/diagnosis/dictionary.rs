@@ -6,6 +6,7 @@
 //!
 //! All are formed on dual numbers, so that rows, rates and accelerations of a mistake are known as its values are.
 
+use crate::candidate::initial_places;
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
@@ -152,9 +153,12 @@ fn lengths<S: Scalar<Real = f64>>(
         ("the global frame", Cause::GlobalAxes, identity),
         ("a, rows for columns", Cause::TriadsTransposed, transpose(&pair.a.triad)),
     ];
+    let [first, second] = initial_places(initial.reference, false);
     let vectors = [
         ("d", None, d),
         ("(d − d₀)", Some(Cause::InitialTurned), sub(d, d0)),
+        ("x_b", Some(Cause::OtherLength), add(pair.b.displacement, constant(second))),
+        ("x_a", Some(Cause::OtherLength), add(pair.a.displacement, constant(first))),
         ("u_b", Some(Cause::MotionIgnored), pair.b.displacement),
         ("u_a", Some(Cause::MotionIgnored), pair.a.displacement),
     ];
@@ -185,6 +189,9 @@ fn lengths<S: Scalar<Real = f64>>(
     }
     add_item(Cause::OtherLength, Formula::one("the whole length |d|"), norm(d));
     add_item(Cause::OtherLength, Formula::one("|d − d₀|"), norm(sub(d, d0)));
+    for (name, vector) in [vectors[2], vectors[3]].map(|(name, _, vector)| (name, vector)) {
+        add_item(Cause::OtherLength, Formula::one(format!("|{name}|")), norm(vector));
+    }
     let flows = pair.b.flow - pair.a.flow;
     add_item(Cause::OtherParameters, Formula::one("Ψ_b − Ψ_a"), flows);
 }
