@@ -474,6 +474,9 @@ fn found<S: Scalar<Real = f64>>(
                 if !is_met(&read(less), wanted) {
                     add(cause, &|| format!("{formula}, less the initial value of the component"), less);
                 }
+                // Minus that is minus the number, less the initial value.
+                let sum = *x + S::from_real(own);
+                add(cause, &|| format!("the sum of {formula} and the initial value of the component"), sum);
             }
             for function in FUNCTIONS.iter().filter(|function| function.of == unit) {
                 let made = lift(*x, (function.taylor)(x.real(), first.x));
