@@ -124,7 +124,7 @@ mpc_beam_reversed geometric-term-reversed
 mpc_beam_lever geometric-term-missing
 mpc_beam_lever_sign block-transposed geometric-term-reversed
 mpc_beam_half factor rotation-halved
-mpc_beam_no_centrifugal quadratic-part-missing
+mpc_beam_no_centrifugal quadratic-part-missing coriolis
 mpc_beam_rate motion-ignored
 mpc_pin_reversed nodes-swapped sign
 mpc_pin_positions initial-value-kept

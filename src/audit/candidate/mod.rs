@@ -65,21 +65,11 @@ use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::node::dof_size;
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::vector::{Vector, add};
 use pintle_scene::{Diagnostic, Span};
 use std::cell::LazyCell;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::f64::consts::TAU;
-
-/// Where two nodes start that are `apart`: the first not at the origin, where nobody sees that it was left out. Its place has few digits, so
-/// that places are rounded little; a planar connector stays in its plane.
-pub fn initial_places(apart: Vector<f64>, planar: bool) -> [Vector<f64>; 2] {
-    let length = norm(apart);
-    let size = if length > 0.0 && length.is_finite() { length.log2().floor().exp2() } else { 1.0 };
-    let first = [0.5 * size, -0.75 * size, if planar { 0.0 } else { 0.25 * size }];
-    [first, add(first, apart)]
-}
 
 /// A routine to be checked against one connector.
 #[derive(Clone, Debug)]

@@ -28,6 +28,15 @@ pub struct Step {
     pub increment: Increment<f64>,
 }
 
+/// Where two nodes start that are `apart`: the first not at the origin, where nobody sees that it was left out. Its place has few digits, so
+/// that places are rounded little; a planar connector stays in its plane.
+pub fn initial_places(apart: Vector<f64>, planar: bool) -> [Vector<f64>; 2] {
+    let length = norm(apart);
+    let size = if length > 0.0 && length.is_finite() { length.log2().floor().exp2() } else { 1.0 };
+    let first = [0.5 * size, -0.75 * size, if planar { 0.0 } else { 0.25 * size }];
+    [first, add(first, apart)]
+}
+
 impl Step {
     /// From one pair to the next at rest, by less than half a turn of each node.
     pub fn between(before: &Pair<f64>, after: Pair<f64>) -> Self {

@@ -6,9 +6,10 @@ use crate::friction::by_differences;
 use crate::friction::increment::{output, partials, result_name, results};
 use crate::judge::table::{Change, Convention, ResultTable};
 use crate::mutants::diagnosis::Cause;
-use pintle_kinematics::catalog::{ConnectionType, Contact};
+use pintle_kinematics::catalog::{ConnectionType, Contact, FORCE};
 use pintle_model::behavior::friction::{
-    Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential, TermMistake,
+    Branch, Coefficient, Criterion, Derivatives, Friction, Internal, Status, StickStiffness, Tangential,
+    TermMistake,
 };
 
 /// A cause, in words, and the numbers of each name that it would give.
@@ -303,6 +304,7 @@ impl FrictionCase {
         }
         found.extend(self.sums(table.quantity));
         found.extend(self.other_angles(table.quantity));
+        found.extend(self.other_contacts(table.quantity));
         match table.quantity {
             Quantity::FrictionGradient => found.extend(self.other_gradients()),
             Quantity::FrictionForce => found.extend(self.other_increments(&sliding)),
@@ -420,6 +422,84 @@ impl FrictionCase {
             found.push((Cause::SumForNorm, relation.to_string(), rows));
         }
         found
+    }
+
+    /// F_C with the sign of a force for its magnitude, with one norm for several terms, with two forces exchanged.
+    fn other_contacts(&self, quantity: Quantity) -> Vec<Known> {
+        let Internal::Constant(internal) = self.friction.criterion.internal else { return Vec::new() };
+        let Some(terms) = self.friction.criterion.contact_terms(&self.point) else { return Vec::new() };
+        let mut contacts: Vec<(Cause, String, f64, [f64; 6])> = Vec::new();
+        let sum = |of: &[(f64, [f64; 6])]| {
+            let value = of.iter().map(|(x, _)| x).sum::<f64>();
+            (value, std::array::from_fn::<f64, 6, _>(|j| of.iter().map(|(_, slopes)| slopes[j]).sum()))
+        };
+        let plain: Vec<(f64, [f64; 6])> = terms.iter().map(|(x, slopes, _)| (*x, *slopes)).collect();
+        for (i, (x, slopes, _)) in terms.iter().enumerate().filter(|(_, (.., is_single))| *is_single) {
+            let Some(k) = slopes.iter().position(|slope| *slope != 0.0) else { continue };
+            let sign = slopes[k].signum() * x.signum();
+            let mut signed = plain.clone();
+            signed[i] = (sign * x, slopes.map(f64::abs));
+            let (value, slopes) = sum(&signed);
+            let words = format!("what is expected with {} for its magnitude in F_C", FORCE[k]);
+            contacts.push((Cause::SignLost, words, value, slopes));
+        }
+        // Any two terms in one norm, and all.
+        let pairs = (0..terms.len()).flat_map(|j| (0..j).map(move |i| vec![i, j]));
+        for set in pairs.chain((terms.len() > 2).then(|| (0..terms.len()).collect())) {
+            let size = set.iter().map(|i| plain[*i].0 * plain[*i].0).sum::<f64>().sqrt();
+            let along = |j: usize| set.iter().map(|i| plain[*i].0 * plain[*i].1[j]).sum::<f64>() / size;
+            let mut rest: Vec<(f64, [f64; 6])> =
+                plain.iter().enumerate().filter(|(i, _)| !set.contains(i)).map(|(_, term)| *term).collect();
+            rest.push((size, std::array::from_fn(along)));
+            let (value, slopes) = sum(&rest);
+            let which = if set.len() == terms.len() { "all" } else { "two" };
+            let words = format!("what is expected with one norm of {which} terms in F_C");
+            contacts.push((Cause::SumForNorm, words, value, slopes));
+        }
+        for (k, l) in [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5)] {
+            let mut point = self.point;
+            point.swap(k, l);
+            let Some(terms) = self.friction.criterion.contact_terms(&point) else { continue };
+            let swapped: Vec<(f64, [f64; 6])> = terms.iter().map(|(x, slopes, _)| (*x, *slopes)).collect();
+            let (value, mut slopes) = sum(&swapped);
+            slopes.swap(k, l);
+            let words = format!("what is expected with {} and {} exchanged in F_C", FORCE[k], FORCE[l]);
+            contacts.push((Cause::ParametersSwapped, words, value, slopes));
+        }
+        let parts = self.derivatives(&self.friction.criterion, &self.point);
+        let contacts = contacts
+            .into_iter()
+            .filter(|(.., value, slopes)| value.is_finite() && slopes.iter().all(|x| x.is_finite()));
+        let of_contact = |(cause, words, contact, slopes): (Cause, String, f64, [f64; 6])| {
+            let sign = (contact + internal).signum();
+            let rows =
+                self.of_contact(quantity, &parts, (contact, (contact + internal).abs()), (&slopes, sign));
+            (cause, words, rows)
+        };
+        contacts.map(of_contact).collect()
+    }
+
+    /// P, F_C, F_N and Φ, or their gradients, with another contact force.
+    fn of_contact(
+        &self,
+        quantity: Quantity,
+        parts: &[Derivatives<f64>; 4],
+        (contact, normal): (f64, f64),
+        (slopes, sign): (&[f64; 6], f64),
+    ) -> Vec<(String, Vec<f64>)> {
+        let mu = self.coefficient;
+        let rows = match quantity {
+            Quantity::FrictionCriterion => {
+                vec![("F_C", vec![contact]), ("F_N", vec![normal]), ("Φ", vec![parts[0].value - mu * normal])]
+            }
+            Quantity::FrictionGradient => {
+                let of_normal = slopes.map(|x| sign * x);
+                let excess = (0..6).map(|j| parts[0].gradient[j] - mu * of_normal[j]).collect();
+                vec![("∂F_C", slopes.to_vec()), ("∂F_N", of_normal.to_vec()), ("∂Φ", excess)]
+            }
+            _ => Vec::new(),
+        };
+        rows.into_iter().map(|(name, row)| (format!("{name}{}", self.title), row)).collect()
     }
 
     /// Axes that move with other angles: one that is left out, or has the other sign.

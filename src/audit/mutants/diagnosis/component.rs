@@ -1,7 +1,7 @@
 //! Numbers of a connector's components.
 
-use crate::candidate::initial_places;
 use crate::case::Case;
+use crate::case::initial_places;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};

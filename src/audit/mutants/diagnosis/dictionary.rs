@@ -6,7 +6,7 @@
 //!
 //! All are formed on dual numbers, so that rows, rates and accelerations of a mistake are known as its values are.
 
-use crate::candidate::initial_places;
+use crate::case::initial_places;
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;

@@ -145,18 +145,18 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
         ("the rotation of a", [true, false]),
         ("the rotation of b", [false, true]),
     ];
+    type Anew<'a> = &'a dyn Fn(&Node<f64>, &Node<f64>) -> Node<f64>;
     for (whose, is_of) in WHOSE {
-        let mut read =
-            |cause: Cause, how: &str, anew: &dyn Fn(&Node<f64>, &Node<f64>, usize) -> Node<f64>| {
-                let map = |pair: &Pair<f64>| Pair {
-                    a: if is_of[0] { anew(&pair.a, &initial.a, 0) } else { pair.a },
-                    b: if is_of[1] { anew(&pair.b, &initial.b, 1) } else { pair.b },
-                    ..*pair
-                };
-                add(cause, Some(format!("what is expected with {whose} {how}")), &mapped(case, map, false));
+        let mut read = |cause: Cause, how: &str, anew: Anew<'_>| {
+            let map = |pair: &Pair<f64>| Pair {
+                a: if is_of[0] { anew(&pair.a, &initial.a) } else { pair.a },
+                b: if is_of[1] { anew(&pair.b, &initial.b) } else { pair.b },
+                ..*pair
             };
+            add(cause, Some(format!("what is expected with {whose} {how}")), &mapped(case, map, false));
+        };
         for (how, of) in &readings {
-            read(Cause::OtherParameters, how, &|node, first, _| {
+            read(Cause::OtherParameters, how, &|node, first| {
                 let c = times(&node.triad, &transpose(&first.triad));
                 turned(node, times(&of(&c), &first.triad))
             });
@@ -164,7 +164,7 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
         read(
             Cause::OtherParameters,
             "applied along the axes of the node, T₀ C for C T₀",
-            &|node, first, _| {
+            &|node, first| {
                 let c = times(&node.triad, &transpose(&first.triad));
                 turned(node, times(&first.triad, &c))
             },
