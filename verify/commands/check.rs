@@ -82,15 +82,18 @@ fn neither_an_origin_nor_zero_forces_hide_a_mistake() {
     let text = format!(
         "from {EXAMPLE} import cartesian, dot\n\n\ndef forgets(state, connector):\n    values, rows = cartesian(state, connector)\n    \
          first = connector['initial']\n    for i in range(3):\n        values[i] -= dot(first['a']['triad'][i], first['a']['x'])\n    \
-         return values, rows\n\n\ndef sprung(state, connector):\n    values, rows = cartesian(state, connector)\n    \
-         return {{'values': values, 'rows': rows, 'element_forces': [0.0] * 14}}\n"
+         return values, rows\n"
     );
     fs::write(&file, text).unwrap();
+    let text = format!(
+        "from {EXAMPLE} import cartesian\n\nOFFERS = ['values', 'rows', 'element_forces']\n\n\ndef sprung(state, connector):\n    \
+         values, rows = cartesian(state, connector)\n    return {{'values': values, 'rows': rows, 'element_forces': [0.0] * 14}}\n"
+    );
+    fs::write(elements().join("has_no_springs.py"), text).unwrap();
     let page =
         stdout(&there(&brief("CARTESIAN", "--python", "forgets_where_a_began:forgets")).assert().code(1));
     assert!(page.contains("values             wrong"), "{page}");
-    let page =
-        stdout(&there(&brief("CARTESIAN", "--python", "forgets_where_a_began:sprung")).assert().success());
+    let page = stdout(&there(&brief("CARTESIAN", "--python", "has_no_springs:sprung")).assert().success());
     let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         words.contains("are not judged: give the springs") && !words.contains("element forces pass"),

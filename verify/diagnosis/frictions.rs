@@ -81,6 +81,58 @@ pub(crate) const ALL: &[Wrong] = &[
     ),
     (
         "TRANSLATOR",
+        "one norm of all that presses",
+        &[PHI],
+        |case, given| {
+            let ([r, l, internal], f) = (TRANSLATOR, case.told().forces);
+            let contact = (f[3] / r).hypot(f[1].hypot(f[2])).hypot(2.0 / l * f[4].hypot(f[5]));
+            let normal = (contact + internal).abs();
+            given.criterion = [f[0].abs(), contact, normal, f[0].abs() - MU * normal].map(Some);
+        },
+        "sum-for-norm",
+        "one norm of all terms",
+    ),
+    (
+        "TRANSLATOR",
+        "m1 for |m1| in F_C",
+        &[PHI],
+        |case, given| {
+            let ([r, l, internal], f) = (TRANSLATOR, case.told().forces);
+            let contact = f[3] / r + f[1].hypot(f[2]) + 2.0 / l * f[4].hypot(f[5]);
+            let normal = (contact + internal).abs();
+            given.criterion = [f[0].abs(), contact, normal, f[0].abs() - MU * normal].map(Some);
+        },
+        "sign-lost",
+        "m1 for its magnitude",
+    ),
+    (
+        "TRANSLATOR",
+        "L for R_r in the torsion alone",
+        &[PHI],
+        |case, given| {
+            let ([_, l, internal], f) = (TRANSLATOR, case.told().forces);
+            let contact = f[3].abs() / l + f[1].hypot(f[2]) + 2.0 / l * f[4].hypot(f[5]);
+            let normal = (contact + internal).abs();
+            given.criterion = [f[0].abs(), contact, normal, f[0].abs() - MU * normal].map(Some);
+        },
+        "parameters-swapped",
+        "L for R_r in the term of |m1|",
+    ),
+    (
+        "SLIDE-PLANE",
+        "a force that is not cut at the limit",
+        &[FORCE],
+        |case, given| {
+            let told = case.told();
+            for k in [1, 2] {
+                given.forces[k] = Some(told.forces_before[k] + STICK * told.displacement[k]);
+            }
+        },
+        "stick-for-slip",
+        "not cut at the limit",
+    ),
+    (
+        "TRANSLATOR",
         "P without the magnitude",
         &[PHI],
         |case, given| given.criterion[0] = Some(case.told().forces[0]),

@@ -1,7 +1,7 @@
 //! Routines of a second reader who had not seen the causes, as far as the check did not name them, or named them misleadingly.
 
 use super::{ACC, DDF, DF, F, RATE, Right, Wrong, continued, each, one, put, relative, row};
-use pintle_kinematics::node::{Node, Pair, THETA_A, THETA_B, XB};
+use pintle_kinematics::node::{DOFS, Node, Pair, THETA_A, THETA_B, XB};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3::{self, turn};
 use pintle_kinematics::vector::{
@@ -382,5 +382,89 @@ pub(super) const ALL: &[Wrong] = &[
             row(numbers, DF, 3, |row| turning(row, scale(axis, 1.0 / cosine)));
         },
         (&["diagnosis::term-left-out"], "equals what is expected without its term along e3b"),
+    ),
+    Wrong::new(
+        ("AXIAL", "l̈ without −l̇²/l"),
+        &[ACC],
+        |right, numbers| {
+            let rate = right.of(RATE, 0, 0);
+            one(numbers, ACC, (0, 0), |x| x + rate * rate / norm(right.d()));
+        },
+        (&["diagnosis::coriolis"], "without −ẋ²/x"),
+    ),
+    Wrong::new(
+        ("ROTATION", "an acceleration without the product of the spins"),
+        &[ACC],
+        |right, numbers| {
+            let [v, _] = right.rates();
+            let quadratic = |of_a: f64, relative: f64| {
+                let mut state = *right.state;
+                (state.velocity, state.acceleration) = ([0.0; DOFS], [0.0; DOFS]);
+                for i in THETA_A..THETA_A + 3 {
+                    state.velocity[i] = of_a * v[i];
+                    state.velocity[i + XB] = of_a * v[i] + relative * (v[i + XB] - v[i]);
+                }
+                (right.at)(&state)
+            };
+            let [all, together, apart] = [quadratic(1.0, 1.0), quadratic(1.0, 0.0), quadratic(0.0, 1.0)];
+            let of = |numbers: &pintle_audit::Numbers<f64>, k| numbers.entries(ACC).get(k, 0).unwrap_or(0.0);
+            each(numbers, ACC, |k, _, x| x - (of(&all, k) - of(&together, k) - of(&apart, k)));
+        },
+        (&["diagnosis::coriolis"], "the product of the spin of b against a and the spin of a"),
+    ),
+    Wrong::new(
+        ("HINGE", "quaternions read with the scalar last"),
+        &[F],
+        |right, numbers| {
+            let other = read_as(right, |phi| {
+                let mut quaternion = so3::quaternion(&turn(phi));
+                quaternion.rotate_left(3);
+                so3::matrix(quaternion)
+            });
+            let sheet = |k: usize, x: f64| if k == 3 { continued(x, right.of(F, k, 0)) } else { x };
+            each(numbers, F, |k, _, _| sheet(k, other.entries(F).get(k, 0).unwrap()));
+        },
+        (&["diagnosis::other-parameters"], "by quaternions whose scalar"),
+    ),
+    Wrong::new(
+        ("CYLINDRICAL", "variations of b along axes that turn with it and were global"),
+        &[DF],
+        |right, numbers| {
+            let since = product(&right.pair().b.triad, &transpose(&right.initial().b.triad));
+            for k in 3..6 {
+                row(numbers, DF, k, |row| {
+                    let block = [row[THETA_B], row[THETA_B + 1], row[THETA_B + 2]];
+                    put(row, THETA_B, apply_transposed(&since, block));
+                });
+            }
+        },
+        (&["diagnosis::rotation-as-local"], "C the rotation of the node since the start"),
+    ),
+    Wrong::new(
+        ("REVOLUTE", "atan2(−e2a·e1b, e3a·e3b), the index of an axis mistyped"),
+        &[F],
+        |right, numbers| {
+            let (q, q0) = (right.q(), relative(right.initial()));
+            let first = (-q0[1][2]).atan2(q0[2][2]);
+            let x = (-q[1][0]).atan2(q[2][2]) - first;
+            one(numbers, F, (3, 0), |expected| continued(x, expected));
+        },
+        (&["diagnosis::other-order"], "atan2(Q21, Q33)"),
+    ),
+    Wrong::new(
+        ("TRANSLATOR", "the lever x_b for x_b − x_a"),
+        &[DF],
+        |right, numbers| {
+            let [first, _] = pintle_audit::initial_places(right.initial().reference, false);
+            let place = [0, 1, 2].map(|i| first[i] + right.pair().a.displacement[i]);
+            for k in 0..3 {
+                row(numbers, DF, k, |row| {
+                    let more = cross([row[XB], row[XB + 1], row[XB + 2]], place);
+                    let block = [0, 1, 2].map(|i| row[THETA_A + i] + more[i]);
+                    put(row, THETA_A, block);
+                });
+            }
+        },
+        (&["diagnosis::other-length"], "with x_b for the lever"),
     ),
 ];
