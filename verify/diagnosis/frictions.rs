@@ -47,6 +47,13 @@ fn slopes(f: &[f64; 6], [r, l, _]: [f64; 3], is_sum: bool, mu: f64) -> [[f64; 6]
     [tangential, contact, contact, excess]
 }
 
+/// P, F_C, F_N and Φ of a TRANSLATOR that is pressed by F_C.
+fn press(case: &FrictionCase, given: &mut FrictionNumbers, contact: f64) {
+    let [_, _, internal] = TRANSLATOR;
+    let (traction, normal) = (case.told().forces[0].abs(), (contact + internal).abs());
+    given.criterion = [traction, contact, normal, traction - MU * normal].map(Some);
+}
+
 const fn sum(x: f64, y: f64) -> f64 {
     x.abs() + y.abs()
 }
@@ -84,10 +91,8 @@ pub(crate) const ALL: &[Wrong] = &[
         "one norm of all that presses",
         &[PHI],
         |case, given| {
-            let ([r, l, internal], f) = (TRANSLATOR, case.told().forces);
-            let contact = (f[3] / r).hypot(f[1].hypot(f[2])).hypot(2.0 / l * f[4].hypot(f[5]));
-            let normal = (contact + internal).abs();
-            given.criterion = [f[0].abs(), contact, normal, f[0].abs() - MU * normal].map(Some);
+            let ([r, l, _], f) = (TRANSLATOR, case.told().forces);
+            press(case, given, (f[3] / r).hypot(f[1].hypot(f[2])).hypot(2.0 / l * f[4].hypot(f[5])));
         },
         "sum-for-norm",
         "one norm of all terms",
@@ -97,10 +102,8 @@ pub(crate) const ALL: &[Wrong] = &[
         "m1 for |m1| in F_C",
         &[PHI],
         |case, given| {
-            let ([r, l, internal], f) = (TRANSLATOR, case.told().forces);
-            let contact = f[3] / r + f[1].hypot(f[2]) + 2.0 / l * f[4].hypot(f[5]);
-            let normal = (contact + internal).abs();
-            given.criterion = [f[0].abs(), contact, normal, f[0].abs() - MU * normal].map(Some);
+            let ([r, l, _], f) = (TRANSLATOR, case.told().forces);
+            press(case, given, f[3] / r + f[1].hypot(f[2]) + 2.0 / l * f[4].hypot(f[5]));
         },
         "sign-lost",
         "m1 for its magnitude",
@@ -110,10 +113,8 @@ pub(crate) const ALL: &[Wrong] = &[
         "L for R_r in the torsion alone",
         &[PHI],
         |case, given| {
-            let ([_, l, internal], f) = (TRANSLATOR, case.told().forces);
-            let contact = f[3].abs() / l + f[1].hypot(f[2]) + 2.0 / l * f[4].hypot(f[5]);
-            let normal = (contact + internal).abs();
-            given.criterion = [f[0].abs(), contact, normal, f[0].abs() - MU * normal].map(Some);
+            let ([_, l, _], f) = (TRANSLATOR, case.told().forces);
+            press(case, given, f[3].abs() / l + f[1].hypot(f[2]) + 2.0 / l * f[4].hypot(f[5]));
         },
         "parameters-swapped",
         "L for R_r in the term of |m1|",

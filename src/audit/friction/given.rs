@@ -8,9 +8,48 @@ use crate::judge::table::{Change, Convention, ResultTable};
 use crate::mutants::diagnosis::Cause;
 use pintle_kinematics::catalog::{ConnectionType, Contact, FORCE};
 use pintle_model::behavior::friction::{
-    Branch, Coefficient, Criterion, Derivatives, Friction, Internal, Status, StickStiffness, Tangential,
-    TermMistake,
+    Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential, TermMistake,
 };
+
+/// How forces press together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    /// √(Σ x²).
+    Norm,
+    /// Σ |x|.
+    Sum,
+    /// Σ x.
+    Signed,
+}
+
+/// A part of a contact force: its factor, and the rows A of x = A f.
+type Part = (f64, Vec<[f64; 6]>, Shape);
+
+/// A sum of parts at forces f, and its derivatives by them; a norm at zero has the slope zero.
+fn pressed(parts: &[Part], f: &[f64; 6]) -> (f64, [f64; 6]) {
+    let (mut value, mut slopes) = (0.0, [0.0; 6]);
+    for (factor, rows, shape) in parts {
+        let along: Vec<f64> =
+            rows.iter().map(|row| row.iter().zip(f).map(|(x, force)| x * force).sum()).collect();
+        let size = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let of = |x: f64| match shape {
+            Shape::Norm => [x * x / size, x / size],
+            Shape::Sum => [x.abs(), if x == 0.0 { 0.0 } else { x.signum() }],
+            Shape::Signed => [x, 1.0],
+        };
+        for (row, x) in rows.iter().zip(&along).filter(|_| size != 0.0 || *shape == Shape::Signed) {
+            let [part, slope] = of(*x);
+            value += factor * part;
+            slopes.iter_mut().zip(row).for_each(|(sum, entry)| *sum += factor * slope * entry);
+        }
+    }
+    (value, slopes)
+}
+
+/// The row of one force.
+fn unit(k: usize) -> [f64; 6] {
+    std::array::from_fn(|j| f64::from(u8::from(j == k)))
+}
 
 /// A cause, in words, and the numbers of each name that it would give.
 type Known = (Cause, String, Vec<(String, Vec<f64>)>);
@@ -101,8 +140,8 @@ impl FrictionSubject {
         Ok(Self { name, friction, coefficient, parameters: Vec::new(), length, connection, others })
     }
 
-    /// The predefined friction of a type, of that number (from 0), with parameters and a coefficient of its own; none of a type without,
-    /// and of a belt around a ring, whose law is another.
+    /// The predefined friction of a type, of that number (from 0), with parameters and a coefficient of its own. None of a type without; a belt
+    /// around a ring has another law.
     pub fn predefined(connection: &ConnectionType, number: usize) -> Option<Self> {
         /// No two are alike, and none is 1.
         const NUMBERS: [f64; 6] = [0.35, 1.7, 0.8, 2.4, 0.55, 1.25];
@@ -302,9 +341,8 @@ impl FrictionCase {
             let other = Self { friction: friction.clone(), coefficient, ..self.clone() };
             found.push((*cause, relation.clone(), other.own(table.quantity)));
         }
-        found.extend(self.sums(table.quantity));
+        found.extend(self.other_norms(table.quantity));
         found.extend(self.other_angles(table.quantity));
-        found.extend(self.other_contacts(table.quantity));
         match table.quantity {
             Quantity::FrictionGradient => found.extend(self.other_gradients()),
             Quantity::FrictionForce => found.extend(self.other_increments(&sliding)),
@@ -367,139 +405,108 @@ impl FrictionCase {
         }
     }
 
-    /// P with a sum of magnitudes for the norm, and F_C with sums for the norms of its terms.
-    fn sums(&self, quantity: Quantity) -> Vec<Known> {
+    /// P and F_C with sums of magnitudes for norms; F_C with the sign of a force for its magnitude, with one norm for several terms, with two
+    /// forces exchanged.
+    fn other_norms(&self, quantity: Quantity) -> Vec<Known> {
         let criterion = &self.friction.criterion;
-        let (Tangential::Norm(components), Internal::Constant(internal)) =
-            (&criterion.tangential, &criterion.internal)
-        else {
-            return Vec::new();
-        };
-        let parts = self.derivatives(&self.friction.criterion, &self.point);
-        let mut tangential = (0.0, [0.0; 6]);
-        for (k, radius) in components {
-            let force = self.point[*k];
-            tangential.0 += force.abs() / radius;
-            tangential.1[*k] = force.signum() / radius;
-        }
-        let summed = criterion.contact_of_sums(&self.point);
-        let (contact, along) = summed.unwrap_or((parts[1].value, parts[1].gradient));
-        let sign = if parts[2].value == 0.0 { 0.0 } else { (parts[1].value + internal).signum() };
-        let normal = (contact + internal).abs();
-        let title = |name: &str| format!("{name}{}", self.title);
+        let parts = self.derivatives(criterion, &self.point);
+        let own = (parts[1].value, parts[1].gradient);
         let mut found = Vec::new();
-        let (of_traction, of_contact) = (components.len() > 1, summed.is_some());
-        let all = [(true, false), (false, true), (true, true)];
-        let made = all.into_iter().filter(|(p, c)| (of_traction || !p) && (of_contact || !c));
-        for (of_traction, of_contact) in made {
-            let (p, dp) = if of_traction { tangential } else { (parts[0].value, parts[0].gradient) };
-            let (c, dc, n) = if of_contact {
-                (contact, along, normal)
-            } else {
-                (parts[1].value, parts[1].gradient, parts[2].value)
-            };
-            let dn = dc.map(|x| sign * x);
-            let excess = p - self.coefficient * n;
-            let slopes: [f64; 6] = std::array::from_fn(|j| dp[j] - self.coefficient * dn[j]);
-            let rows = match quantity {
-                Quantity::FrictionCriterion => {
-                    vec![("P", vec![p]), ("F_C", vec![c]), ("F_N", vec![n]), ("Φ", vec![excess])]
-                }
-                Quantity::FrictionGradient => vec![
-                    ("∂P", dp.to_vec()),
-                    ("∂F_C", dc.to_vec()),
-                    ("∂F_N", dn.to_vec()),
-                    ("∂Φ", slopes.to_vec()),
-                ],
-                _ => return Vec::new(),
-            };
-            let rows = rows.into_iter().map(|(name, row)| (title(name), row)).collect();
-            let relation = match (of_traction, of_contact) {
-                (true, false) => "what is expected with the sum of magnitudes for the norm in P",
-                (false, true) => "what is expected with the sum of magnitudes for the norm in F_C",
-                _ => "what is expected with sums of magnitudes for the norms in P and F_C",
-            };
-            found.push((Cause::SumForNorm, relation.to_string(), rows));
-        }
-        found
-    }
-
-    /// F_C with the sign of a force for its magnitude, with one norm for several terms, with two forces exchanged.
-    fn other_contacts(&self, quantity: Quantity) -> Vec<Known> {
-        let Internal::Constant(internal) = self.friction.criterion.internal else { return Vec::new() };
-        let Some(terms) = self.friction.criterion.contact_terms(&self.point) else { return Vec::new() };
-        let mut contacts: Vec<(Cause, String, f64, [f64; 6])> = Vec::new();
-        let sum = |of: &[(f64, [f64; 6])]| {
-            let value = of.iter().map(|(x, _)| x).sum::<f64>();
-            (value, std::array::from_fn::<f64, 6, _>(|j| of.iter().map(|(_, slopes)| slopes[j]).sum()))
+        let mut add = |cause: Cause, words: String, traction: (f64, [f64; 6]), contact: (f64, [f64; 6])| {
+            let relation = format!("what is expected with {words}");
+            found.push((cause, relation, self.with_contact(quantity, traction, contact)));
         };
-        let plain: Vec<(f64, [f64; 6])> = terms.iter().map(|(x, slopes, _)| (*x, *slopes)).collect();
-        for (i, (x, slopes, _)) in terms.iter().enumerate().filter(|(_, (.., is_single))| *is_single) {
-            let Some(k) = slopes.iter().position(|slope| *slope != 0.0) else { continue };
-            let sign = slopes[k].signum() * x.signum();
-            let mut signed = plain.clone();
-            signed[i] = (sign * x, slopes.map(f64::abs));
-            let (value, slopes) = sum(&signed);
-            let words = format!("what is expected with {} for its magnitude in F_C", FORCE[k]);
-            contacts.push((Cause::SignLost, words, value, slopes));
+        let traction = (parts[0].value, parts[0].gradient);
+        let of_traction = match &criterion.tangential {
+            Tangential::Norm(components) if components.len() > 1 => {
+                let of = |(k, radius): &(usize, f64)| (1.0 / radius, vec![unit(*k)], Shape::Sum);
+                Some(pressed(&components.iter().map(of).collect::<Vec<_>>(), &self.point))
+            }
+            Tangential::Norm(_) | Tangential::Potential(_) => None,
+        };
+        if let Some(sum) = of_traction {
+            add(Cause::SumForNorm, "the sum of magnitudes for the norm in P".into(), sum, own);
         }
-        // Any two terms in one norm, and all.
+        let magnitudes =
+            criterion.contact_parts(&self.context()).map_or_else(Vec::new, |parts| parts.magnitudes);
+        let terms: Vec<Part> =
+            magnitudes.into_iter().map(|(factor, rows)| (factor, rows, Shape::Norm)).collect();
+        let is_of_axes = terms
+            .iter()
+            .flat_map(|(_, rows, _)| rows)
+            .any(|row| row.iter().filter(|x| **x != 0.0).count() > 1);
+        if terms.is_empty() || is_of_axes {
+            return found;
+        }
+        if terms.iter().any(|(_, rows, _)| rows.len() > 1) {
+            let of = |(factor, rows, _): &Part| (*factor, rows.clone(), Shape::Sum);
+            let sums = pressed(&terms.iter().map(of).collect::<Vec<_>>(), &self.point);
+            add(Cause::SumForNorm, "the sum of magnitudes for the norm in F_C".into(), traction, sums);
+            if let Some(sum) = of_traction {
+                add(Cause::SumForNorm, "sums of magnitudes for the norms in P and F_C".into(), sum, sums);
+            }
+        }
+        for (i, (_, rows, _)) in terms.iter().enumerate() {
+            let [row] = &rows[..] else { continue };
+            let mut signed = terms.clone();
+            signed[i].2 = Shape::Signed;
+            let force = row.iter().position(|x| *x != 0.0).map_or("", |k| FORCE[k]);
+            let words = format!("{force} for its magnitude in F_C");
+            add(Cause::SignLost, words, traction, pressed(&signed, &self.point));
+        }
         let pairs = (0..terms.len()).flat_map(|j| (0..j).map(move |i| vec![i, j]));
         for set in pairs.chain((terms.len() > 2).then(|| (0..terms.len()).collect())) {
-            let size = set.iter().map(|i| plain[*i].0 * plain[*i].0).sum::<f64>().sqrt();
-            let along = |j: usize| set.iter().map(|i| plain[*i].0 * plain[*i].1[j]).sum::<f64>() / size;
-            let mut rest: Vec<(f64, [f64; 6])> =
-                plain.iter().enumerate().filter(|(i, _)| !set.contains(i)).map(|(_, term)| *term).collect();
-            rest.push((size, std::array::from_fn(along)));
-            let (value, slopes) = sum(&rest);
+            let (joined, mut rest): (Vec<_>, Vec<_>) =
+                terms.iter().cloned().enumerate().partition(|(i, _)| set.contains(i));
+            let rows = joined
+                .iter()
+                .flat_map(|(_, (factor, rows, _))| rows.iter().map(move |row| row.map(|x| factor * x)));
+            rest.push((0, (1.0, rows.collect(), Shape::Norm)));
+            let all: Vec<Part> = rest.into_iter().map(|(_, part)| part).collect();
             let which = if set.len() == terms.len() { "all" } else { "two" };
-            let words = format!("what is expected with one norm of {which} terms in F_C");
-            contacts.push((Cause::SumForNorm, words, value, slopes));
+            let words = format!("one norm of {which} terms in F_C");
+            add(Cause::SumForNorm, words, traction, pressed(&all, &self.point));
         }
         for (k, l) in [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5)] {
             let mut point = self.point;
             point.swap(k, l);
-            let Some(terms) = self.friction.criterion.contact_terms(&point) else { continue };
-            let swapped: Vec<(f64, [f64; 6])> = terms.iter().map(|(x, slopes, _)| (*x, *slopes)).collect();
-            let (value, mut slopes) = sum(&swapped);
+            let (value, mut slopes) = pressed(&terms, &point);
             slopes.swap(k, l);
-            let words = format!("what is expected with {} and {} exchanged in F_C", FORCE[k], FORCE[l]);
-            contacts.push((Cause::ParametersSwapped, words, value, slopes));
+            let words = format!("{} and {} exchanged in F_C", FORCE[k], FORCE[l]);
+            add(Cause::ParametersSwapped, words, traction, (value, slopes));
         }
-        let parts = self.derivatives(&self.friction.criterion, &self.point);
-        let contacts = contacts
-            .into_iter()
-            .filter(|(.., value, slopes)| value.is_finite() && slopes.iter().all(|x| x.is_finite()));
-        let of_contact = |(cause, words, contact, slopes): (Cause, String, f64, [f64; 6])| {
-            let sign = (contact + internal).signum();
-            let rows =
-                self.of_contact(quantity, &parts, (contact, (contact + internal).abs()), (&slopes, sign));
-            (cause, words, rows)
-        };
-        contacts.map(of_contact).collect()
+        found
     }
 
-    /// P, F_C, F_N and Φ, or their gradients, with another contact force.
-    fn of_contact(
+    /// P, F_C, F_N and Φ, or their gradients, with another traction and another contact force; nothing of other quantities.
+    fn with_contact(
         &self,
         quantity: Quantity,
-        parts: &[Derivatives<f64>; 4],
-        (contact, normal): (f64, f64),
-        (slopes, sign): (&[f64; 6], f64),
+        (traction, of_traction): (f64, [f64; 6]),
+        (contact, of_contact): (f64, [f64; 6]),
     ) -> Vec<(String, Vec<f64>)> {
-        let mu = self.coefficient;
-        let rows = match quantity {
+        use crate::friction::criterion::PARTS;
+        let internal =
+            self.friction.criterion.contact_parts(&self.context()).map_or(0.0, |parts| parts.internal);
+        let normal = contact + internal;
+        let sign = if normal == 0.0 { 0.0 } else { normal.signum() };
+        let excess = |p: f64, n: f64| p - self.coefficient * n;
+        let of_normal = of_contact.map(|x| sign * x);
+        let of_excess = std::array::from_fn(|j| excess(of_traction[j], of_normal[j]));
+        let (prefix, rows): (&str, Vec<Vec<f64>>) = match quantity {
             Quantity::FrictionCriterion => {
-                vec![("F_C", vec![contact]), ("F_N", vec![normal]), ("Φ", vec![parts[0].value - mu * normal])]
+                let all = [traction, contact, normal.abs(), excess(traction, normal.abs())];
+                ("", all.map(|x| vec![x]).to_vec())
             }
             Quantity::FrictionGradient => {
-                let of_normal = slopes.map(|x| sign * x);
-                let excess = (0..6).map(|j| parts[0].gradient[j] - mu * of_normal[j]).collect();
-                vec![("∂F_C", slopes.to_vec()), ("∂F_N", of_normal.to_vec()), ("∂Φ", excess)]
+                let all: [[f64; 6]; 4] = [of_traction, of_contact, of_normal, of_excess];
+                ("∂", all.map(|row| row.to_vec()).to_vec())
             }
-            _ => Vec::new(),
+            _ => return Vec::new(),
         };
-        rows.into_iter().map(|(name, row)| (format!("{name}{}", self.title), row)).collect()
+        let is_number = rows.iter().flatten().all(|x| x.is_finite());
+        let named = PARTS.iter().zip(rows).filter(|_| is_number);
+        named.map(|(name, row)| (format!("{prefix}{name}{}", self.title), row)).collect()
     }
 
     /// Axes that move with other angles: one that is left out, or has the other sign.

@@ -5,7 +5,7 @@ use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::table::Convention;
 use crate::mpc::numbers_of;
-use crate::mutants::diagnosis::Cause;
+use crate::mutants::diagnosis::{Cause, MULTIPLES};
 use pintle_kinematics::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
     Translation, XM,
@@ -658,12 +658,7 @@ impl MpcCase {
             found.push(Elsewhere::new(cause, &relation.replace('-', "−"), &combined(1.0, factor), of));
         }
         for (words, part) in self.quadratic_parts(got) {
-            for (times, what) in [
-                (-1.0, "without"),
-                (-0.5, "with half of"),
-                (1.0, "with twice"),
-                (-2.0, "with the other sign of"),
-            ] {
+            for (times, what) in MULTIPLES {
                 let mut other = got.clone();
                 for (row, part) in other.residual_acceleration.iter_mut().zip(&part) {
                     *row =

@@ -104,9 +104,9 @@ pub fn json(out: &mut dyn Write, report: &Report) -> io::Result<()> {
 
 /// A report as an assertion.
 pub trait AssertOk {
-    /// Panics with the report for reading, unless nothing is wrong and something is verified: for `#[test]`s. A claim on numbers, that
-    /// derivatives are those of the function or that the formula is the manual's, is verified where an independent oracle has judged it; what
-    /// is undecided is no pass. The claim on the declaration, which no routine's numbers bear on, is not asked.
+    /// Panics with the report for reading, unless nothing is wrong and something is verified: for `#[test]`s. Claims on numbers are
+    /// that derivatives are those of the function, and that the formula is the manual's. Each is verified where an independent oracle has judged
+    /// it; what is undecided is no pass. The claim on the declaration, which no routine's numbers bear on, is not asked.
     ///
     /// ```should_panic
     /// # use pintle_audit::{Candidate, Oracle, Settings};
@@ -130,8 +130,8 @@ pub trait AssertOk {
     /// ```
     ///
     /// # Panics
-    /// Where a number is wrong, nothing was compared, a mutant survived, or the derivative or the formula of a subject is undecided; the message ends
-    /// with what was not decided and how to get a decision.
+    /// Where a number is wrong, nothing was compared, a mutant survived, or the derivative or the formula of a subject is undecided. The message
+    /// ends with what was not decided and how to get a decision.
     #[track_caller]
     fn assert_ok(&self);
 }

@@ -9,7 +9,7 @@ use crate::diagnosis::{candidates, constraints, corpus, frictions, offers};
 use pintle::check::Subject;
 use pintle_audit::{
     Candidate, ConstraintCandidate, FrictionCandidate, FrictionCase, Given, MpcCase, Numbers, Quantity,
-    Question, Report, Settings, Tangent,
+    Question, Report, Settings, Tangent, initial_places,
 };
 use pintle_check::OFFERS;
 use pintle_kinematics::connector::{Connector, Definition};
@@ -117,20 +117,13 @@ fn node(
 
 const STILL: [f64; 14] = [0.0; 14];
 
-/// Where the first node starts, as the protocol has it: a power of two below the distance of the nodes times these.
-fn first_place(apart: Vector<f64>) -> Vector<f64> {
-    let length = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let size = if length > 0.0 { length.log2().floor().exp2() } else { 1.0 };
-    [0.5, -0.75, 0.25].map(|x| x * size)
-}
-
 fn pair(pair: &Pair<f64>, initial: &Pair<f64>, turned: [Vector<f64>; 2], rates: [&[f64]; 2]) -> Vec<f64> {
     let of = |end: usize, now: &Node<f64>, first: &Node<f64>, x: Vector<f64>| {
         let rotation = product(&now.triad, &transpose(&first.triad));
         node([x, now.displacement], &now.triad, &rotation, (now.flow, turned[end], rates[end]))
     };
-    let first = first_place(initial.reference);
-    [of(0, &pair.a, &initial.a, first), of(1, &pair.b, &initial.b, add(first, initial.reference))].concat()
+    let [of_a, of_b] = initial_places(initial.reference, false);
+    [of(0, &pair.a, &initial.a, of_a), of(1, &pair.b, &initial.b, of_b)].concat()
 }
 
 /// The numbers of `pintle_state`.
@@ -154,8 +147,8 @@ fn of_constraint(case: &MpcCase, wants: &[Quantity]) -> Vec<f64> {
     let [velocity, acceleration] =
         [state.velocity, state.acceleration].map(|rates| if has_rates { rates } else { [0.0; PHI + 2] });
     let hinges = case.constraint.kind().entry().angles.len();
-    let first = first_place(case.constraint.arm());
-    let ends = [(&state.slave, add(first, case.constraint.arm()), 0), (&state.master, first, 7)];
+    let [master, slave] = initial_places(case.constraint.arm(), false);
+    let ends = [(&state.slave, slave, 0), (&state.master, master, 7)];
     let mut all: Vec<f64> = ends
         .into_iter()
         .flat_map(|(body, x, at)| {

@@ -16,7 +16,7 @@ use crate::mutants::diagnosis::patterns::{
 use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::smoothed::of_smoothed;
 use crate::mutants::diagnosis::values::{INITIAL_AXES_OF_B, axis_of, of_values};
-use crate::mutants::diagnosis::{Cause, Diagnosis};
+use crate::mutants::diagnosis::{Cause, Diagnosis, MULTIPLES};
 use crate::mutants::mutant::{OfRow, ROTATIONS, Scene, mutants, part, put, second_variation};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::Connector;
@@ -28,6 +28,7 @@ use pintle_kinematics::vector::{
     Matrix, Vector, add, apply, column, cross, product, scale, skew, sub, transpose, transposed_product,
 };
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Wrong numbers, and what they must be.
 pub struct Symptoms<'a> {
@@ -74,7 +75,7 @@ fn diagnosed(symptoms: &[Symptoms<'_>], seen: &Seen) -> Option<Diagnosis> {
     for (k, row) in symptoms.iter().flat_map(|one| one.wanted().0.iter().enumerate()) {
         let Some(row) = row else { continue };
         regions.insert((0..row.len()).map(|i| (k, i)).collect());
-        let of_block = |block: &std::ops::Range<usize>| block.clone().map(|i| (k, i)).collect();
+        let of_block = |block: &Range<usize>| block.clone().map(|i| (k, i)).collect();
         if row.len() == DOFS {
             regions.extend(BLOCKS.iter().map(of_block));
         }
@@ -493,65 +494,14 @@ impl Symptoms<'_> {
                 is(cause, along(&changed, faster.unwrap_or(velocity)) + more);
             }
             if let Some(faster) = faster {
-                let linear = along(row, faster);
-                let quadratic = want - linear;
-                is(Cause::LinearPartMissing, quadratic);
-                for times in [1.0, -0.5, -2.0] {
-                    is(Cause::QuadraticPartDoubled, want + times * quadratic);
-                }
-                // The parts of the quadratic one in the angular velocity alone, and in its product with the others.
-                let spins = |at: [usize; 2]| {
-                    let mut v = [0.0; DOFS];
-                    at.iter().for_each(|at| v[*at..at + 3].copy_from_slice(&velocity[*at..at + 3]));
-                    twice(matrix, &v)
-                };
-                let (turning, moving) = (spins(ROTATIONS), spins([XA, XB]));
-                is(Cause::Coriolis, linear + turning);
-                is(Cause::Coriolis, linear + moving);
-                is(Cause::Coriolis, linear + turning + moving);
-                // One part with the other sign, or twice; and the part that mixes the nodes.
-                let of_node = |from: usize| {
-                    let mut v = [0.0; DOFS];
-                    v[from..from + XB].copy_from_slice(&velocity[from..from + XB]);
-                    twice(matrix, &v)
-                };
-                let mixed = quadratic - of_node(0) - of_node(XB);
-                for part in [turning, moving, quadratic - turning - moving, mixed] {
-                    for times in [-1.0, -2.0, 1.0] {
-                        is(Cause::Coriolis, want + times * part);
-                    }
-                }
-                is(Cause::Coriolis, linear + turning + moving + (quadratic - turning - moving) / 2.0);
-                is(Cause::Coriolis, linear + turning + moving + 2.0 * (quadratic - turning - moving));
-                let d = separations[0];
-                for (words, part) in quadratic_parts(matrix, velocity, d) {
-                    add_multiples(&mut parts, k, (want, part), &words);
-                }
-                // Of a length, what is quadratic in its own rate, and the rest.
-                if let (true, Some(length)) = (is_length(k), position[k]) {
-                    let own = along(row, velocity).powi(2) / length;
-                    add_multiples(&mut parts, k, (want, -own), "−ẋ²/x, x the length");
-                    let rest = quadratic + own;
-                    add_multiples(&mut parts, k, (want, rest), "|v|²/x, v the rates across it");
-                    let first = initial_position[k].unwrap_or(length);
-                    let initially =
-                        Hypothesis::one(Cause::InitialKept, (k, 0), linear + quadratic * length / first);
-                    let what = "what is expected with the initial length in the part quadratic in the rates";
-                    parts.push(initially.related(what));
-                    let whole = Hypothesis::one(Cause::NotNormalised, (k, 0), linear + quadratic * length);
-                    parts.push(whole.related(
-                        "what is expected with the part quadratic in the rates not divided by the length",
-                    ));
-                    let whole = Hypothesis::one(Cause::NotNormalised, (k, 0), linear + rest * length - own);
-                    parts.push(whole.related(
-                        "what is expected with |v|² not divided by the length, v the rates across it",
-                    ));
-                }
-                // Of the rates of b alone, in the quadratic part alone, or in the linear one.
-                let mut of_b = *velocity;
-                of_b[..XB].fill(0.0);
-                is(Cause::RatesOfAIgnored, linear + twice(matrix, &of_b));
-                is(Cause::RatesOfAIgnored, along(&row[XB..], &faster[XB..]) + twice(matrix, &of_b));
+                let of_length = position[k].filter(|_| is_length(k));
+                let lengths = of_length.map(|x| (x, initial_position[k].unwrap_or(x)));
+                parts.extend(other_accelerations(
+                    (k, want),
+                    (row, matrix),
+                    (velocity, faster),
+                    (separations[0], lengths),
+                ));
             } else {
                 is(Cause::DerivativeForResolved, along(row, velocity));
             }
@@ -587,14 +537,74 @@ impl Symptoms<'_> {
     }
 }
 
-/// What an acceleration is without a part of it, with half of it, twice, or with the other sign.
-fn add_multiples(found: &mut Vec<Hypothesis>, k: usize, (want, part): (f64, f64), words: &str) {
-    for (times, what) in
-        [(-1.0, "without"), (-0.5, "with half of"), (1.0, "with twice"), (-2.0, "with the other sign of")]
-    {
-        let made = Hypothesis::one(Cause::Coriolis, (k, 0), want + times * part);
-        found.push(made.related(format!("what is expected {what} {words}")));
+/// Accelerations q̈ = row·a + vᵀ H v of component k with another multiple of a part: `d` is the separation, `lengths` are that of a distance, now
+/// and at first.
+fn other_accelerations(
+    (k, want): (usize, f64),
+    (row, matrix): (&[f64], &[f64]),
+    (velocity, acceleration): (&[f64; DOFS], &[f64]),
+    (d, lengths): (Vector<f64>, Option<(f64, f64)>),
+) -> Vec<Hypothesis> {
+    let linear = along(row, acceleration);
+    let quadratic = want - linear;
+    let of_motion = |columns: &[Range<usize>]| {
+        let mut v = [0.0; DOFS];
+        columns.iter().for_each(|at| v[at.clone()].copy_from_slice(&velocity[at.clone()]));
+        twice(matrix, &v)
+    };
+    let turning = of_motion(&[THETA_A..PSI_A, THETA_B..DOFS - 1]);
+    let moving = of_motion(&[XA..THETA_A, XB..THETA_B]);
+    let [of_a, of_b] = [of_motion(&[0..XB]), of_motion(&[XB..DOFS])];
+    let mut parts = vec![
+        ("the part quadratic in the spins".to_owned(), turning),
+        ("the part quadratic in the velocities".to_owned(), moving),
+        ("the product of spins and velocities".to_owned(), quadratic - turning - moving),
+        ("the product of the rates of a and of b".to_owned(), quadratic - of_a - of_b),
+    ];
+    parts.extend(quadratic_parts(matrix, velocity, d));
+    let one = |cause: Cause, x: f64| Hypothesis::one(cause, (k, 0), x);
+    let mut found = vec![
+        one(Cause::LinearPartMissing, quadratic),
+        one(Cause::Coriolis, linear + turning).related("the linear part, and that quadratic in the spins"),
+        one(Cause::Coriolis, linear + moving)
+            .related("the linear part, and that quadratic in the velocities"),
+        // Of the rates of b alone, in the quadratic part alone, or in the linear one too.
+        one(Cause::RatesOfAIgnored, linear + of_b),
+        one(Cause::RatesOfAIgnored, along(&row[XB..], &acceleration[XB..]) + of_b),
+    ];
+    found.extend([1.0, -0.5, -2.0].map(|times| one(Cause::QuadraticPartDoubled, want + times * quadratic)));
+    if let Some((x, first)) = lengths {
+        let own = along(row, velocity).powi(2) / x;
+        let across = quadratic + own;
+        parts.push(("−ẋ²/x, x the length".to_owned(), -own));
+        parts.push(("|v|²/x, v the rates across it".to_owned(), across));
+        let with = |cause: Cause, part: f64, what: &str| {
+            one(cause, linear + part).related(format!("what is expected with {what}"))
+        };
+        found.extend([
+            with(
+                Cause::InitialKept,
+                quadratic * x / first,
+                "the initial length in the part quadratic in the rates",
+            ),
+            with(
+                Cause::NotNormalised,
+                quadratic * x,
+                "the part quadratic in the rates not divided by the length",
+            ),
+            with(
+                Cause::NotNormalised,
+                across * x - own,
+                "|v|² not divided by the length, v the rates across it",
+            ),
+        ]);
     }
+    for (words, part) in parts.iter().filter(|(_, part)| *part != 0.0) {
+        found.extend(MULTIPLES.map(|(times, what)| {
+            one(Cause::Coriolis, want + times * part).related(format!("what is expected {what} {words}"))
+        }));
+    }
+    found
 }
 
 /// vᵀ H v by parts: the nodes move as a body that turns with a, b moves and turns against it, material flows. Each pair of these is a part.
@@ -624,9 +634,7 @@ fn quadratic_parts(matrix: &[f64], velocity: &[f64; DOFS], d: Vector<f64>) -> Ve
                 let product = twice(matrix, &both) - twice(matrix, x) - twice(matrix, y);
                 (format!("the product of {} and {}", NAME[i], NAME[j]), product)
             };
-            if part != 0.0 {
-                found.push((words, part));
-            }
+            found.push((words, part));
         }
     }
     found

@@ -19,7 +19,8 @@ use pintle_kinematics::scalar::elementary::{abs, atan2, direction, norm};
 use pintle_kinematics::scalar::{MAX_ORDER, Scalar, Seeded};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
-    Matrix, add, apply_transposed, column, constant, product, scale, sub, transpose, transposed_product,
+    Matrix, Vector, add, apply_transposed, column, constant, product, scale, sub, transpose,
+    transposed_product,
 };
 
 /// A number is looked at more closely where all of its entries are met to this part of the largest.
@@ -128,6 +129,7 @@ fn lengths<S: Scalar<Real = f64>>(
     pair: &Pair<S>,
     initial: &Pair<f64>,
     before: &Pair<f64>,
+    [first, second]: [Vector<f64>; 2],
     mut add_item: impl FnMut(Cause, Formula, S),
 ) {
     let lifted = |m: &Matrix<f64>| m.map(constant);
@@ -153,7 +155,6 @@ fn lengths<S: Scalar<Real = f64>>(
         ("the global frame", Cause::GlobalAxes, identity),
         ("a, rows for columns", Cause::TriadsTransposed, transpose(&pair.a.triad)),
     ];
-    let [first, second] = initial_places(initial.reference, false);
     let vectors = [
         ("d", None, d),
         ("(d − d₀)", Some(Cause::InitialTurned), sub(d, d0)),
@@ -332,16 +333,16 @@ fn lift<S: Scalar<Real = f64>>(x: S, taylor: [f64; 3]) -> S {
     x.lift(&all)
 }
 
-/// All of them at a pair of nodes.
+/// All of them at a pair of nodes, whose initial places are given.
 fn items<S: Scalar<Real = f64>>(
     pair: &Pair<S>,
     initial: &Pair<f64>,
     before: &Pair<f64>,
-    units: &[Unit],
+    (places, units): ([Vector<f64>; 2], &[Unit]),
 ) -> Vec<Item<S>> {
     let mut found = Vec::new();
     if units.contains(&Unit::Length) {
-        lengths(pair, initial, before, |cause, formula, x| {
+        lengths(pair, initial, before, places, |cause, formula, x| {
             found.push(Item { cause, unit: Unit::Length, formula, x });
         });
     }
@@ -412,8 +413,9 @@ fn found<S: Scalar<Real = f64>>(
     });
     let present: Vec<Unit> = units.into_iter().flatten().collect();
     let [own_now, own_first] = [case.positions(), case.at_rest().positions()];
-    let all = items(&last.state.pair.moved(seeds), initial, before, &present);
-    let at_first = items(initial, initial, initial, &present);
+    let places = initial_places(initial.reference, case.definition.planar);
+    let all = items(&last.state.pair.moved(seeds), initial, before, (places, &present));
+    let at_first = items(initial, initial, initial, (places, &present));
     let mut found = Found::default();
     for (k, wanted) in want.0.iter().enumerate() {
         let (Some(wanted), Some(given), Some(unit)) = (wanted, &got.0[k], units[k]) else { continue };
@@ -490,7 +492,7 @@ fn found<S: Scalar<Real = f64>>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Dual2, FUNCTIONS, Seeded, is_met, items};
+    use super::{Dual2, FUNCTIONS, Seeded, initial_places, is_met, items};
     use crate::case::quantity::Quantity;
     use crate::oracles::force::product_with_forces;
     use crate::sampling::{Region, draw_case};
@@ -522,10 +524,11 @@ mod tests {
                 let right = product_with_forces(&case).unwrap();
                 let unit = [if of.start < 3 { Unit::Length } else { Unit::Angle }];
                 let rows = std::array::from_fn(|j| <DualSVec64<DOFS> as Seeded<DOFS>>::seed(0.0, j));
-                let rows = items(&state.pair.moved(&rows), initial, initial, &unit);
+                let places = initial_places(initial.reference, false);
+                let rows = items(&state.pair.moved(&rows), initial, initial, (places, &unit));
                 let rates: [Dual2<f64>; DOFS] =
                     std::array::from_fn(|j| Dual2::new(0.0, state.velocity[j], state.acceleration[j]));
-                let rates = items(&state.pair.moved(&rates), initial, initial, &unit);
+                let rates = items(&state.pair.moved(&rates), initial, initial, (places, &unit));
                 for k in of.clone() {
                     let want = |quantity: Quantity| right.entries(quantity).0[k].clone().unwrap();
                     let row = want(Quantity::FirstDerivatives);

@@ -52,6 +52,10 @@ pub use sample::Sample;
 pub use seen::Seen;
 pub use table::{diagnose_table, diagnose_tables};
 
+/// What becomes of a sum with other multiples of one of its parts: how many times the part more, and that in words.
+pub(crate) const MULTIPLES: [(f64, &str); 4] =
+    [(-1.0, "without"), (-0.5, "with half of"), (1.0, "with twice"), (-2.0, "with the other sign of")];
+
 /// One mistake that explains wrong entries.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -643,48 +643,6 @@ impl Criterion {
         found
     }
 
-    /// F_C with a sum of magnitudes for each norm of a predefined friction, a mistake, and its derivatives by the forces; none without a
-    /// norm of several forces.
-    pub fn contact_of_sums(&self, forces: &[f64; 6]) -> Option<(f64, [f64; 6])> {
-        let Pressing::Terms(terms) = &self.pressing else { return None };
-        let (mut value, mut slopes, mut several) = (0.0, [0.0; 6], false);
-        for term in terms {
-            let factor =
-                f64::from(term.number) * term.times.iter().product::<f64>() / term.over.unwrap_or(1.0);
-            match term.load {
-                Load::Norm(components) => {
-                    let present = components.iter().copied().filter(|k| term.present[*k]);
-                    several |= present.clone().count() > 1;
-                    for k in present {
-                        value += factor * forces[k].abs();
-                        slopes[k] += factor * if forces[k] == 0.0 { 0.0 } else { forces[k].signum() };
-                    }
-                }
-                Load::Along(_) | Load::Across(_) => return None,
-            }
-        }
-        several.then_some((value, slopes))
-    }
-
-    /// The terms of F_C of a predefined friction, each with its derivatives by the forces, and whether it is the magnitude of one force; none
-    /// of one that has an axis.
-    pub fn contact_terms(&self, forces: &[f64; 6]) -> Option<Vec<(f64, [f64; 6], bool)>> {
-        let Pressing::Terms(terms) = &self.pressing else { return None };
-        let of = |term: &Term| {
-            let Load::Norm(components) = term.load else { return None };
-            let factor =
-                f64::from(term.number) * term.times.iter().product::<f64>() / term.over.unwrap_or(1.0);
-            let present: Vec<usize> = components.iter().copied().filter(|k| term.present[*k]).collect();
-            let size = present.iter().map(|k| forces[*k] * forces[*k]).sum::<f64>().sqrt();
-            let mut slopes = [0.0; 6];
-            for k in &present {
-                slopes[*k] = if size == 0.0 { 0.0 } else { factor * forces[*k] / size };
-            }
-            Some((factor * size, slopes, present.len() == 1))
-        };
-        terms.iter().map(of).collect()
-    }
-
     /// P, F_C, F_N and Φ at given forces f1, f2, f3, m1, m2, m3 and a given coefficient, and what needs care there.
     ///
     /// In P the forces of the sliding components are the friction tractions; in F_C those of constrained components are

@@ -122,8 +122,7 @@ pub(crate) struct Check {
     /// The states of --at are no history: each follows the initial state
     #[arg(long, requires = "at")]
     independent: bool,
-    /// Where states are drawn: x1, x2, x3 of b seen from a, along the axes of a; r1, r2, r3 of the rotation of b against a since
-    /// the initial state (rad)
+    /// Where states are drawn: x1, x2, x3 of b along the axes of a; r1, r2, r3 of its rotation since the initial state (rad), a held
     #[arg(long, value_name = "x1=LOW:HIGH,…", conflicts_with = "at", allow_hyphen_values = true)]
     within: Option<Domain>,
     /// The stiffness of each component of an element of springs that gives element_forces: six numbers, - for none
