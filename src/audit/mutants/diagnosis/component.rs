@@ -28,7 +28,6 @@ use pintle_kinematics::vector::{
     Matrix, Vector, add, apply, column, cross, product, scale, skew, sub, transpose, transposed_product,
 };
 use std::collections::BTreeSet;
-use std::ops::Range;
 
 /// Wrong numbers, and what they must be.
 pub struct Symptoms<'a> {
@@ -75,7 +74,7 @@ fn diagnosed(symptoms: &[Symptoms<'_>], seen: &Seen) -> Option<Diagnosis> {
     for (k, row) in symptoms.iter().flat_map(|one| one.wanted().0.iter().enumerate()) {
         let Some(row) = row else { continue };
         regions.insert((0..row.len()).map(|i| (k, i)).collect());
-        let of_block = |block: &Range<usize>| block.clone().map(|i| (k, i)).collect();
+        let of_block = |block: &std::ops::Range<usize>| block.clone().map(|i| (k, i)).collect();
         if row.len() == DOFS {
             regions.extend(BLOCKS.iter().map(of_block));
         }
@@ -547,14 +546,12 @@ fn other_accelerations(
 ) -> Vec<Hypothesis> {
     let linear = along(row, acceleration);
     let quadratic = want - linear;
-    let of_motion = |columns: &[Range<usize>]| {
-        let mut v = [0.0; DOFS];
-        columns.iter().for_each(|at| v[at.clone()].copy_from_slice(&velocity[at.clone()]));
-        twice(matrix, &v)
+    let of_motion = |moves: &dyn Fn(usize) -> bool| {
+        twice(matrix, &std::array::from_fn::<f64, DOFS, _>(|j| if moves(j) { velocity[j] } else { 0.0 }))
     };
-    let turning = of_motion(&[THETA_A..PSI_A, THETA_B..DOFS - 1]);
-    let moving = of_motion(&[XA..THETA_A, XB..THETA_B]);
-    let [of_a, of_b] = [of_motion(&[0..XB]), of_motion(&[XB..DOFS])];
+    let turning = of_motion(&|j| (THETA_A..PSI_A).contains(&(j % XB)));
+    let moving = of_motion(&|j| j % XB < THETA_A);
+    let (of_a, of_b) = (of_motion(&|j| j < XB), of_motion(&|j| j >= XB));
     let mut parts = vec![
         ("the part quadratic in the spins".to_owned(), turning),
         ("the part quadratic in the velocities".to_owned(), moving),
