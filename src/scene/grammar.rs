@@ -1,5 +1,6 @@
 //! Numbers and nouns in sentences, and numbers for reading.
 
+use pintle_kinematics::catalog::ConnectionType;
 use std::fmt::Display;
 
 /// `1 state`, `2 states`; `1 degree of freedom`, `3 degrees of freedom`; `2 mismatches`, `2 entries`.
@@ -118,9 +119,15 @@ pub fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
-/// A text with every word in which there is a digit left open: texts of one shape say the same of different things.
+/// A text with every word in which there is a digit, and every connection type, left open: texts of one shape say the same of different things.
 pub fn shape(text: &str) -> String {
-    let open = |word: &str| word.contains(|c: char| c.is_ascii_digit());
+    let is_type = |word: &str| {
+        let name = word.trim_end_matches(|c: char| !c.is_ascii_alphanumeric());
+        name.starts_with(|c: char| c.is_ascii_uppercase())
+            && name.chars().all(|c| c.is_ascii_uppercase() || c == '-')
+            && ConnectionType::named(name, None).is_ok()
+    };
+    let open = |word: &str| word.contains(|c: char| c.is_ascii_digit()) || is_type(word);
     text.split_whitespace().map(|word| if open(word) { "#" } else { word }).collect::<Vec<_>>().join(" ")
 }
 
@@ -157,6 +164,9 @@ mod tests {
     fn shapes_leave_names_open() {
         assert_eq!(shape("element 7: u1 is 0.5 off"), shape("element 9: ur3 is -2e-3 off"));
         assert_ne!(shape("element 7: u1 is 0.5 off"), shape("element 7: u1 is 0.5 rad off"));
+        assert_eq!(shape("element 7: HINGE requires it"), shape("element 9: SLIDE-PLANE requires it"));
+        assert_ne!(shape("element 7: a weld requires it"), shape("element 9: a link requires it"));
+        assert_ne!(shape("*BEAM SECTION is skipped"), shape("*NODE is skipped"));
     }
 
     #[test]

@@ -102,5 +102,6 @@ pub use model::{
 };
 pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Triad};
 pub use span::{Span, Spanned};
+pub use states::{Degrees, InDegrees, is_in_degrees, told_in_degrees};
 pub use states::{MAX_ROTATION, QUATERNION_TOLERANCE, StateFile, StateMark, StateStream, Vanishing};
 pub use written::{Placement, WrittenNode};

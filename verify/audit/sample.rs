@@ -246,6 +246,16 @@ fn residuals_are_flagged() {
     let states = file("vanish.csv", "state,time,node,u1\n0,0,2,0.1\n1,0.5,1,0\n2,1,1,0\n");
     let told = stderr(&pintle(&["eval", &deck, "--states", &states]).assert().code(0));
     assert!(told.contains("model::node-vanishes") && told.contains("state 1 leaves out node 2"), "{told}");
+    // So are angles in degrees, the largest of them.
+    let states = file("degrees.csv", "state,time,node,ur1\n0,0,2,45\n1,0.5,2,90\n");
+    let told = stderr(&pintle(&["eval", &deck, "--states", &states]).assert().code(0));
+    assert!(
+        told.contains("model::degrees") && told.contains("state 1 turns node 2 by 90 (and 1 more"),
+        "{told}"
+    );
+    let states = file("degrees.csv", "state,time,node,ur1\n0,0,2,0.785\n1,0.5,2,1.571\n");
+    let told = stderr(&pintle(&["eval", &deck, "--states", &states]).assert().code(0));
+    assert!(!told.contains("degrees"), "{told}");
 }
 
 /// So are the residuals of MPCs and relations, each by its own name.

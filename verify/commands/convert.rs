@@ -123,6 +123,28 @@ fn what_is_lost_is_said() {
     assert!(again.status.success() && again.stderr.is_empty());
 }
 
+/// A rule that is broken is told as `eval` tells it, with all errors of the scene; by itself it does not keep a deck from being converted.
+#[test]
+fn broken_rules_are_told() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=E\n101, 1, 2\n*CONNECTOR SECTION, ELSET=E\nHINJE,\n";
+    let told = |text: &str, code: i32| {
+        let deck = file("broken.inp", text);
+        let [converted, evaluated] = [&["convert", &deck, "--to", "toml"][..], &["eval", &deck]].map(pintle);
+        assert_eq!(converted.status.code(), Some(code));
+        assert_eq!(evaluated.status.code(), Some(6));
+        assert_eq!(converted.stdout.is_empty(), code != 0);
+        [converted, evaluated].map(|output| String::from_utf8(output.stderr).unwrap())
+    };
+    let [converted, evaluated] = told(text, 0);
+    assert_eq!(converted.replace('⚠', "×"), evaluated);
+    assert!(converted.contains("did you mean HINGE?"), "{converted}");
+    let [converted, evaluated] = told(&format!("{text}*BOUNDARY\n9, 1\n"), 6);
+    assert_eq!(converted, evaluated);
+    for what in ["there is no node 9", "did you mean HINGE?"] {
+        assert!(converted.contains(what), "{converted}");
+    }
+}
+
 #[test]
 fn states_go_into_a_scene() {
     let deck = file(

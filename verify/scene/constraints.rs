@@ -9,7 +9,7 @@ use pintle_kinematics::so3;
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector::{Vector, add, apply, apply_transposed, cross, dot, product, sub};
 use pintle_model::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence, StepResult};
-use pintle_scene::{Format, NodeMotion, Rotation, Scene, State};
+use pintle_scene::{Format, Label, NodeMotion, Rotation, Scene, State};
 
 fn read(text: &str) -> Scene {
     Scene::parse("deck.inp", text).unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)))
@@ -96,6 +96,11 @@ fn older_keywords_are_read() {
             6,
         ),
         ("*RIGID BODY, NSET=PINS, REF NODE=7\n", "*RIGID BODY, PIN NSET=PINS, REF NODE=7\n", 6),
+        (
+            "*ELEMENT, TYPE=DCOUP3D, ELSET=D\n50, 7\n*DISTRIBUTING COUPLING, ELSET=D\nCLOUD, 2.\n5, 0.5\n",
+            "*SURFACE, TYPE=NODE, NAME=IT\nCLOUD, 2.\n5, 0.5\n*COUPLING, CONSTRAINT NAME=A, REF NODE=7, SURFACE=IT\n*DISTRIBUTING\n",
+            6,
+        ),
     ];
     for (older, newer, count) in pairs {
         let rows = |text: &str| {
@@ -257,10 +262,108 @@ fn elements_that_are_not_read_give_their_nodes() {
     assert_eq!(without(titles(&model(&again))), without(want));
 }
 
+/// A node that lies on a face of a solid moves with its shape functions: what the nodes of the face do linearly (and by those of second order
+/// quadratically) in their places, it does too, along the global axes whatever `*TRANSFORM` the nodes have.
+#[test]
+fn ties_hold_within_faces() {
+    let high = |[x, y]: [f64; 2]| 3.0 + 0.3 * x - 0.2 * y;
+    let mut compared = 0;
+    for (of_type, count) in [("C3D8R", 8), ("C3D20", 20), ("C3D4", 4), ("C3D10", 10)] {
+        let is_second = count == 20 || count == 10;
+        let sides = if matches!(count, 4 | 10) { 3 } else { 4 };
+        // A quadratic field is of the shape functions where the map of the face is affine.
+        let last = if is_second { [0.3, 1.7] } else { [-0.1, 1.7] };
+        let corners = [[0.0, 0.0], [2.0, 0.2], [2.3, 1.9], last];
+        let middle = |i: usize, j: usize| [0, 1].map(|k| (corners[i][k] + corners[j][k]) / 2.0);
+        let mut face: Vec<[f64; 2]> = corners[..sides].to_vec();
+        if is_second {
+            face.extend((0..sides).map(|i| middle(i, (i + 1) % sides)));
+        }
+        // The face is S1; the other nodes lie anywhere.
+        let order: Vec<usize> = match count {
+            8 => (0..4).collect(),
+            20 => (0..4).chain(8..12).collect(),
+            4 => (0..3).collect(),
+            _ => (0..3).chain(4..7).collect(),
+        };
+        let mut nodes = vec![[9.0; 3]; count];
+        for (place, [x, y]) in order.iter().zip(&face) {
+            nodes[*place] = [*x, *y, high([*x, *y])];
+        }
+        let mut deck = String::from("*NODE\n");
+        for (place, [x, y, z]) in nodes.iter().enumerate() {
+            deck += &format!("{}, {x}, {y}, {z}\n", place + 1);
+        }
+        let slaves = [[1.2, 0.6], [1.3, 0.7], [1.9, 1.2]];
+        for (place, [x, y]) in slaves.iter().enumerate() {
+            deck += &format!("{}, {x}, {y}, {}\n", 50 + place, high([*x, *y]));
+        }
+        let numbers: Vec<String> = (1..=count).map(|number| number.to_string()).collect();
+        deck += &format!(
+            "*TRANSFORM, NSET=TURNED\n0.3, 1., -0.2, -1., 0.4, 0.1\n*NSET, NSET=TURNED\n50, 2\n\
+             *ELEMENT, TYPE={of_type}, ELSET=SOLID\n1, {}\n*SURFACE, NAME=FACE\nSOLID, S1\n\
+             *SURFACE, TYPE=NODE, NAME=DOTS\n50,\n51,\n52,\n*TIE, NAME=GLUE\nDOTS, FACE\n",
+            numbers.join(", ").replacen("16, ", "16,\n", 1),
+        );
+        let scene = read(&deck);
+        assert!(scene.skipped.constraints.is_empty(), "{of_type} {:?}", scene.skipped.constraints);
+        assert_eq!(scene.equations.len(), 9);
+        let moved = |[x, y, _]: Vector<f64>| {
+            let bent = if is_second { x * y - 0.5 * y * y } else { 0.0 };
+            [0.1 + 0.2 * x - y, x + 0.3 * bent, bent - 0.7 * y]
+        };
+        let motions = scene.nodes.iter().map(|(label, node)| {
+            (*label, NodeMotion { displacement: moved(node.coordinates), ..NodeMotion::default() })
+        });
+        let state = State { nodes: motions.collect(), ..State::default() };
+        for scene in [&scene, &read(&scene.write(Format::Deck).unwrap().text)] {
+            let (model, result) = evaluate(scene, &state);
+            for result in &result.relations {
+                let residual = result.rows[0].residual;
+                assert!(
+                    residual.abs() < 1e-12,
+                    "{of_type} {} {residual}",
+                    model.relations[result.index].title()
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 4 * 2 * 9);
+    // A tie of a surface of faces to another takes a mean around each node unless it says otherwise; what lies off the face is not read.
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 1.\n11, 0.2, 0.2, 0.\n12, 0.6, 0.2, 0.\n13, 0.2, 0.6, 0.\n14, 0.3, 0.3, -1.\n15, 0.2, 0.2, 0.01\n\
+        *ELEMENT, TYPE=C3D4, ELSET=A\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D4, ELSET=B\n2, 11, 12, 13, 14\n\
+        *SURFACE, NAME=MASTER\nA, S1\n*SURFACE, NAME=SLAVE\nB, S1\n*SURFACE, TYPE=NODE, NAME=OFF\n15,\n";
+    for (text, equations) in [
+        ("*TIE, NAME=T\nSLAVE, MASTER\n", 0),
+        ("*TIE, NAME=T, TYPE=SURFACE TO SURFACE\nSLAVE, MASTER\n", 0),
+        ("*TIE, NAME=T, TYPE=NODE TO SURFACE\nSLAVE, MASTER\n", 9),
+        ("*TIE, NAME=T\nOFF, MASTER\n", 0),
+    ] {
+        let scene = read(&format!("{nodes}{text}"));
+        assert_eq!(scene.equations.len(), equations, "{text}");
+        assert_eq!(scene.skipped.constraints.len(), usize::from(equations == 0), "{text}");
+    }
+}
+
+/// Displacements that are tied are equal along the global axes, whatever axes the nodes have them in.
+#[test]
+fn ties_are_along_global_axes() {
+    let scene = read(
+        "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*TRANSFORM, NSET=T\n0., 1., 0., -1., 0., 0.\n*NSET, NSET=T\n2,\n\
+         *SURFACE, TYPE=NODE, NAME=S\n1,\n*SURFACE, TYPE=NODE, NAME=M\n2,\n*TIE, NAME=GLUE, POSITION TOLERANCE=0.1\nS, M\n",
+    );
+    let alike = NodeMotion { displacement: [0.3, -0.5, 0.9], ..NodeMotion::default() };
+    let nodes = [1, 2].map(|node| (Label::from(node), alike)).into();
+    let (_, result) = evaluate(&scene, &State { nodes, ..State::default() });
+    let residuals: Vec<f64> = result.relations.iter().map(|result| result.rows[0].residual).collect();
+    assert_eq!(residuals, [0.0; 3]);
+}
+
 /// What cannot be read is named, and refuses nothing; what is wrong is an error.
 #[test]
 fn what_is_left_out_is_named() {
-    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 0.\n\
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 0.2\n\
          *ELEMENT, TYPE=C3D8, ELSET=SOLID\n7, 1, 2, 3, 1, 2, 3, 1, 2\n";
     let surfaces = "*SURFACE, NAME=FACES\nSOLID, S1\n*SURFACE, TYPE=NODE, NAME=DOTS, INTERNAL, NOBODY KNOWS=7\n2,\n3,\n\
          *SURFACE, TYPE=NODE, NAME=APART\n4,\n";

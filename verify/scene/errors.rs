@@ -219,8 +219,8 @@ fn rules_are_told_beside_errors_of_reading() {
         "deck::unknown-amplitude",
         "rule::orientation-required",
         "rule::action-not-available",
-        "rule::orientation-required",
         "rule::unknown-connection-type",
+        "note: rule::orientation-required 1 more time: element 2",
     ];
     assert_eq!((output.status.code(), codes), (Some(6), expected.to_vec()), "{shown}");
 }

@@ -92,9 +92,9 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     // What states in degrees do besides follows from that.
     let is_told = in_degrees
         .as_ref()
-        .is_some_and(|found| found.is_common && levels.of_finding(&found.finding).is_some());
+        .is_some_and(|(finding, is_common)| *is_common && levels.of_finding(finding).is_some());
     let (given, states) = (states.len(), if is_told { &[] } else { states });
-    findings.extend(in_degrees.map(|found| found.finding));
+    findings.extend(in_degrees.map(|(finding, _)| finding));
     findings.extend(vanishing(scene, states));
     let mut coverage = Coverage::default();
     let mut exercises = vec![Exercise::default(); model.connectors.len()];

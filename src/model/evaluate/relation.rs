@@ -142,11 +142,12 @@ impl Builder<'_> {
         self.freedom.rotates(node) && !self.hinges.contains(&node)
     }
 
-    /// A linear equation of terms (node, degree of freedom, factor).
+    /// A linear equation of terms (node, degree of freedom, factor), along the axes of each node.
     fn linear(
         &mut self,
         type_name: &'static str,
         terms: &[(Label, u8, f64)],
+        axes_of: impl Fn(Label) -> Result<[Vector<f64>; 3], Diagnostic>,
         span: Span,
     ) -> Result<(), Diagnostic> {
         /// Terms of an equation that its name tells.
@@ -159,7 +160,7 @@ impl Builder<'_> {
                 nodes.len() - 1
             });
             let at = if *number == 10 { 6 } else { usize::from(*number) - 1 };
-            let axes = self.scene.nodal_axes(*node)?;
+            let axes = axes_of(*node)?;
             given.push((place, axes[at % 3], at, *factor));
         }
         // A single angle is along a global axis.
@@ -255,7 +256,7 @@ pub(super) fn relations(
     for equation in &scene.equations {
         let terms: Vec<(Label, u8, f64)> =
             equation.terms.iter().map(|term| (term.node, term.degree_of_freedom, term.factor)).collect();
-        builder.linear("EQUATION", &terms, equation.span)?;
+        builder.linear("EQUATION", &terms, |node| scene.nodal_axes(node), equation.span)?;
     }
     for body in &scene.rigid_bodies {
         for (node, is_tied) in scene.body_nodes(body) {
@@ -270,7 +271,9 @@ pub(super) fn relations(
     for tie in &scene.ties {
         for pair @ [slave, master] in scene.tied_nodes(tie) {
             for number in 1..=3 {
-                builder.linear("TIE", &[(slave, number, 1.0), (master, number, -1.0)], tie.span)?;
+                // Displacements are equal, whatever the axes that each node has them in.
+                let terms = [(slave, number, 1.0), (master, number, -1.0)];
+                builder.linear("TIE", &terms, |_| Ok(GLOBAL), tie.span)?;
             }
             if !tie.no_rotation && freedom.rotates(slave) && freedom.rotates(master) {
                 let fixed = [false, false, false, true, true, true];

@@ -1,10 +1,10 @@
 //! `pintle convert` and `pintle schema`.
 
-use super::compare::any_states;
 use super::eval;
-use super::tell::{Once, complain};
+use super::tell::complain;
 use super::{Convert, Described, Failure, Files, SceneFormat};
-use pintle_scene::{Diagnostic, Format, Scene, StateFile};
+use pintle_model::evaluate::Model;
+use pintle_scene::{Diagnostic, Format, Scene, Severity, StateFile};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -41,16 +41,18 @@ fn format(arguments: &Convert) -> Result<Format, Failure> {
 pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
     files.check(arguments.output.iter().chain(&arguments.save_states))?;
     let format = format(arguments)?;
-    let mut scene = read(&arguments.scene)?;
-    if let Some(error) = Diagnostic::joined(scene.orientation_errors()) {
-        return Err(error.into());
+    let source = eval::source(&arguments.scene)?;
+    let (mut scene, states) = eval::read(source, arguments.states.as_deref())?;
+    scene.states = states;
+    // A scene that breaks a rule converts all the same, but not one whose directions are none.
+    let (_, broken) = Model::examine(&scene);
+    let wrong = scene.orientation_errors();
+    let is_new = |rule: &Diagnostic| wrong.iter().all(|error| error.span() != rule.span());
+    let broken: Vec<Diagnostic> = broken.into_iter().filter(is_new).collect();
+    if let Some(error) = Diagnostic::joined(wrong) {
+        return Err(broken.into_iter().map(|rule| source.quoted(rule)).fold(error, Diagnostic::and).into());
     }
-    if let Some(file) = &arguments.states {
-        scene.states = any_states(file, &scene)?;
-    }
-    let mut once = Once::default();
-    scene.warnings.iter().for_each(|warning| once.show(warning.clone(), |warning| warning));
-    once.count();
+    source.warn(&scene, &broken, |_| Some(Severity::Warning));
     // A deck has no states: what goes to a file of its own is not lost.
     let is_apart = format == Format::Deck && arguments.save_states.is_some();
     let states = if is_apart { std::mem::take(&mut scene.states) } else { Vec::new() };
@@ -81,17 +83,6 @@ pub(crate) fn run(arguments: &Convert, files: Files) -> Result<(), Failure> {
             Ok(out.flush()?)
         }
         Some(path) => files.text(path, &converted.text),
-    }
-}
-
-fn read(name: &str) -> Result<Scene, Failure> {
-    match eval::source(name)? {
-        eval::Source::File(path) => Ok(Scene::read(path)?),
-        eval::Source::Gallery(example) => {
-            let mut scene = example.scene()?;
-            scene.states = example.states(&scene)?.states;
-            Ok(scene)
-        }
     }
 }
 

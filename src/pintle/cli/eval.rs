@@ -233,7 +233,8 @@ fn of_arguments(source: Source<'_>, arguments: &Eval) -> Result<Run, Failure> {
     let survey = history.survey(&scene)?;
     let file =
         arguments.states.as_ref().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
-    survey.vanishing.warning().into_iter().for_each(|warning| show_diagnostic(&warning.in_file(&file)));
+    let warnings = survey.vanishing.warning().into_iter().chain(survey.degrees.warning());
+    warnings.for_each(|warning| show_diagnostic(&warning.in_file(&file)));
     Ok(Run { scene, history, survey, forces, model })
 }
 

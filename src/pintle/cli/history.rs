@@ -3,7 +3,7 @@
 use super::compare::is_of_another;
 use super::{Failure, compare};
 use pintle_scene::{
-    Diagnostic, ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile,
+    Degrees, Diagnostic, ElementForces, ForceFile, ForceSign, ForceStream, Label, Scene, State, StateFile,
     StateForces, StateIndex, StateMark, StateStream, Vanishing,
 };
 use std::cell::RefCell;
@@ -52,6 +52,7 @@ impl History {
         self.each(scene, |state| {
             let number = state.number.unwrap_or(survey.marks.len() as u64);
             survey.vanishing.see(number, state);
+            survey.degrees.see(number, state);
             survey.marks.push(StateMark::of(state));
             survey.moves |= state.has_rates();
             Ok(())
@@ -69,6 +70,8 @@ pub(crate) struct Survey {
     pub(crate) moves: bool,
     /// Which nodes are left out that were moved.
     pub(crate) vanishing: Vanishing,
+    /// Which angles look like degrees.
+    pub(crate) degrees: Degrees,
 }
 
 impl Survey {

@@ -1,5 +1,7 @@
 //! Elements of types that are not read: their numbers, and their nodes, for sets, surfaces and rigid bodies that name them.
 
+pub(super) mod shape;
+
 use crate::label::labelled::LabelSet;
 use crate::label::{Instance, Label};
 use crate::orientation::{cross, minus};
@@ -275,15 +277,31 @@ impl Element<'_> {
         Some(self.labels(edge, edges, corners.len()))
     }
 
+    /// The type of an element that distributes forces in space.
+    pub(super) const DISTRIBUTES: &'static str = "DCOUP3D";
+
+    /// Whether it distributes forces.
+    pub(super) fn distributes(&self) -> bool {
+        self.type_name == Self::DISTRIBUTES
+    }
+
+    /// Whether it is a solid, whose nodes have no rotations.
+    pub(super) fn is_solid(&self) -> bool {
+        self.shape() == Some(Shape::Solid)
+    }
+
     /// Whether a face is an edge: that of an element in a plane, or E1 … of a shell.
     pub(super) fn is_edge(&self, face: &str) -> bool {
         self.shape().is_some_and(|shape| shape != Shape::Solid) && !["SPOS", "SNEG"].contains(&face)
     }
 
-    /// The nodes with these numbers, and those in the middle of edges between them.
+    /// The nodes with these numbers, and those in the middle of edges between them, in their order around.
     fn labels(&self, corners: &[usize], edges: &[[usize; 2]], count: usize) -> Vec<Label> {
-        let inner = edges.iter().enumerate().filter(|(_, ends)| ends.iter().all(|end| corners.contains(end)));
-        let places = corners.iter().map(|corner| corner - 1).chain(inner.map(|(place, _)| count + place));
+        let last = if corners.len() > 2 { corners.len() } else { 1 };
+        let sides = (0..last).map(|i| [corners[i], corners[(i + 1) % corners.len()]]);
+        let is_side = |[a, b]: [usize; 2], ends: &[usize; 2]| *ends == [a, b] || *ends == [b, a];
+        let inner = sides.filter_map(|side| edges.iter().position(|ends| is_side(side, ends)));
+        let places = corners.iter().map(|corner| corner - 1).chain(inner.map(|place| count + place));
         places.filter_map(|place| Some(Label::of(self.label.instance(), *self.nodes.get(place)?))).collect()
     }
 

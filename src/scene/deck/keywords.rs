@@ -450,6 +450,14 @@ pub(super) static RULES: &[Rule] = &[
         constraint::kinematic_coupling,
     )
     .with_strange(Strange::Skipped),
+    rule(
+        "DISTRIBUTING COUPLING",
+        Model,
+        &[need("ELSET", Name)],
+        "each line is: node or node set, weight",
+        constraint::distributing_coupling,
+    )
+    .with_strange(Strange::Skipped),
     rule("KINEMATIC", Model, &[], "each line is: first, last degree of freedom", constraint::kinematic)
         .with_strange(Strange::Skipped),
     rule(
@@ -921,6 +929,7 @@ pub(super) fn is_constraint(name: &str) -> bool {
             | "COUPLING"
             | "KINEMATIC"
             | "KINEMATIC COUPLING"
+            | "DISTRIBUTING COUPLING"
             | "DISTRIBUTING"
             | "TIE"
     )
@@ -951,9 +960,8 @@ pub(super) fn is_procedure(name: &str) -> bool {
 }
 
 /// Keywords that constrain nodes and are skipped. Suboptions, such as `*KINEMATIC` below `*COUPLING`, are of their keywords.
-const CONSTRAINTS: [&str; 6] = [
+const CONSTRAINTS: [&str; 5] = [
     "CYCLIC SYMMETRY MODEL",
-    "DISTRIBUTING COUPLING",
     "EMBEDDED ELEMENT",
     "FASTENER",
     "PRE-TENSION SECTION",

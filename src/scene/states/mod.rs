@@ -16,6 +16,7 @@
 //! with the names of [`NodeMotion`]; `rotation` or `quaternion`. A state may have a `number`, and beside `nodes` component forces
 //! by element number: `"forces": {"101": {"f1": 2.5}}` ([`crate::ElementForces`]).
 
+mod degrees;
 mod document;
 mod faults;
 mod source;
@@ -35,6 +36,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use std::ops::ControlFlow;
 use std::path::Path;
 
+pub use degrees::{Degrees, InDegrees, is_in_degrees, told_in_degrees};
 pub(super) use document::once;
 pub(super) use faults::{Context, Documents, Faults};
 pub(super) use source::{Source, is_json, located, located_in, text_of, without_mark};
