@@ -943,3 +943,57 @@ fn what_is_not_determined_is_refused_by_name() {
     let wet = reference("belt_swing").replace("1000.\n", "1000.\n*CONNECTOR DAMPING, COMPONENT=1\n2.\n");
     assert!(refused(&wet).contains("a belt with damping"), "{}", refused(&wet));
 }
+
+/// A puck that slides, sticks and slips, in metres and kilograms, and in millionths of both and less: the numbers of rows and of inertia are then
+/// 1e15 apart. What has no unit is the same.
+#[test]
+fn small_units_change_nothing() {
+    let with = |length: f64, mass: f64| {
+        let [x, y, z, dx, dy, dz, radius, g, vx, vy] =
+            [0.2, 0.1, 0.05, 0.24, 0.12, 0.08, 0.15, 10.0, 0.88, 0.74].map(|number| number * length);
+        let [fx, fy] = [2.2, 0.6].map(|number| number * mass * length);
+        let (inertia, moment, mass) =
+            (0.01 * mass * length * length, 0.35 * mass * length * length, 1.3 * mass);
+        let deck = format!(
+            "*NODE\n1, {x:e}, {y:e}, {z:e}\n2, {x:e}, {y:e}, {z:e}\n3, {dx:e}, {dy:e}, {dz:e}\n*ELEMENT, TYPE=CONN3D2, ELSET=T\n101, 1, 2\n\
+             *ORIENTATION, NAME=UP\n0., 0., 1., 1., 0., 0.\n*CONNECTOR SECTION, ELSET=T, BEHAVIOR=DRY\nPLANAR,\nUP,\n\
+             *CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR FRICTION, PREDEFINED\n{radius:e}\n*FRICTION\n0.2\n*MPC\nBEAM, 2, 3\n\
+             *ELEMENT, TYPE=MASS, ELSET=M\n201, 3\n*MASS, ELSET=M\n{mass:e}\n*ELEMENT, TYPE=ROTARYI, ELSET=I\n202, 3\n\
+             *ROTARY INERTIA, ELSET=I\n{inertia:e}, {inertia:e}, {inertia:e}\n*BOUNDARY\n1, 1, 6\n\
+             *INITIAL CONDITIONS, TYPE=VELOCITY\n3, 1, {vx:e}\n3, 2, {vy:e}\n3, 6, 6.\n\
+             *AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n2, 6., 0., 0.\n1., 0., 0., 0.8\n*STEP\n*DYNAMIC\n0.01, 0.8\n\
+             *CLOAD, AMPLITUDE=A\n3, 1, {fx:e}\n3, 2, {fy:e}\n3, 6, {moment:e}\n*DLOAD\nM, GRAV, {g:e}, 0., 0., -1.\n*END STEP\n"
+        );
+        solved::<f64>(&deck, &Options::default())
+    };
+    let (usual, small) = (with(1.0, 1.0), with(1e-6, 1e-12));
+    let times = |of: &Solution<f64>| of.events.iter().map(|event| event.time).collect::<Vec<f64>>();
+    assert!(usual.events.len() >= 2, "{:?}", times(&usual));
+    assert_eq!(usual.events.len(), small.events.len());
+    for (one, other) in times(&usual).iter().zip(times(&small)) {
+        assert!((one - other).abs() < 1e-6, "{one} {other}");
+    }
+    let [one, other] = [&usual, &small].map(|of| of.frames.last().unwrap().connectors[0].displacement);
+    assert!((one[3] - other[3]).abs() < 1e-7, "{one:?} {other:?}");
+    for k in 1..3 {
+        assert!((one[k] - other[k] * 1e6).abs() < 1e-7, "{one:?} {other:?}");
+    }
+}
+
+/// A collar on a shaft that is turned from rest, and to rest, by a smooth step, under a load along it that friction holds until then: it creeps
+/// along as the direction of slip has it. Both ends graze. SciPy's Radau method, apart: 0.411547618.
+#[test]
+fn a_drive_that_grazes_lets_creep() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=SHAFT\n101, 1, 2\n*ORIENTATION, NAME=AX\n1., 0., 0., 0., 1., 0.\n\
+        *CONNECTOR SECTION, ELSET=SHAFT, BEHAVIOR=DRY\nCYLINDRICAL,\nAX,\n*CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR FRICTION, PREDEFINED\n0.05\n\
+        *FRICTION\n0.2\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 2\n*MASS, ELSET=M\n1.5\n*ELEMENT, TYPE=ROTARYI, ELSET=I\n202, 2\n\
+        *ROTARY INERTIA, ELSET=I\n0.004, 0.02, 0.02\n*BOUNDARY\n1, 1, 6\n*AMPLITUDE, NAME=A, DEFINITION=SMOOTH STEP\n0., 0., 1., 0., 3., 30.\n\
+        *STEP\n*DYNAMIC\n0.01, 3.\n*CONNECTOR MOTION, AMPLITUDE=A\nSHAFT, 4, 1.\n*CLOAD\n2, 1, 1.\n*DLOAD\nM, GRAV, 10., 0., 0., -1.\n*END STEP\n";
+    let solution: Solution<f64> = solved(deck, &Options::default());
+    assert_eq!(
+        solution.events.iter().map(|event| event.what).collect::<Vec<_>>(),
+        [What::Slips, What::Sticks]
+    );
+    let crept = solution.frames.last().unwrap().connectors[0].displacement[0];
+    assert!((crept - 0.411_547_618).abs() < 2e-8, "{crept}");
+}

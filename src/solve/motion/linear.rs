@@ -108,8 +108,75 @@ impl<R: Number> System<R> {
         order
     }
 
-    /// The solutions, one for each right-hand side, each improved once by what it leaves.
+    /// The solutions, one for each right-hand side.
+    ///
+    /// Masses and inertias beside rows of size 1 may be so small, in some units, that they look like rounding. Where no pivot is found unknowns
+    /// and equations are taken in units in which none is.
     pub(crate) fn solve(self) -> Result<Vec<Vec<R>>, NoPivot> {
+        self.solved().or_else(|error| {
+            let (balanced, units) = self.balanced();
+            let mut found = balanced.solved().map_err(|_| error)?;
+            for side in &mut found {
+                side.iter_mut().zip(&units).for_each(|(x, unit)| *x = *x * *unit);
+            }
+            Ok(found)
+        })
+    }
+
+    /// The same in other units, powers of two, and the unit of each unknown: those in which the squares of the logarithms of the entries are
+    /// least (Curtis and Reid).
+    fn balanced(&self) -> (Self, Vec<R>) {
+        const TIMES: usize = 20;
+        // Beyond this no change is one of units.
+        const MOST: f64 = 500.0;
+        let n = self.order.len();
+        let [mut of_rows, mut of_columns] = [vec![0.0; n], vec![0.0; n]];
+        let mut sizes: Vec<(usize, usize, f64)> = self
+            .entries
+            .iter()
+            .map(|(row, column, entry)| (*row, *column, entry.to_f64().abs().log2()))
+            .filter(|(.., size)| size.is_finite())
+            .collect();
+        // What rounding leaves beside others of its row and its column says nothing of units. Masses stand on the diagonal.
+        let (mut rows, mut columns) = (vec![f64::NEG_INFINITY; n], vec![f64::NEG_INFINITY; n]);
+        for (row, column, size) in sizes.iter().filter(|(row, column, _)| row != column) {
+            rows[*row] = rows[*row].max(*size);
+            columns[*column] = columns[*column].max(*size);
+        }
+        sizes.retain(|(row, column, size)| {
+            row == column || *size > rows[*row].min(columns[*column]) + R::ROUNDING.log2() / 1.5
+        });
+        let means = |of: &mut [f64], entries: &mut dyn Iterator<Item = (usize, f64)>| {
+            let mut sums = vec![(0.0, 0.0); of.len()];
+            entries.for_each(|(place, size)| {
+                sums[place].0 += size;
+                sums[place].1 += 1.0;
+            });
+            let some = of.iter_mut().zip(sums).filter(|(_, (_, count))| *count > 0.0);
+            some.for_each(|(of, (sum, count))| *of = (-sum / count).clamp(-MOST, MOST));
+        };
+        for _ in 0..TIMES {
+            let mut entries = sizes.iter().map(|(row, column, size)| (*row, size + of_columns[*column]));
+            means(&mut of_rows, &mut entries);
+            let mut entries = sizes.iter().map(|(row, column, size)| (*column, size + of_rows[*row]));
+            means(&mut of_columns, &mut entries);
+        }
+        let powers = |of: Vec<f64>| -> Vec<R> {
+            of.into_iter().map(|power| R::from_f64(power.round().exp2())).collect()
+        };
+        let [of_rows, of_columns] = [of_rows, of_columns].map(powers);
+        let scaled = |(row, column, entry): &(usize, usize, R)| {
+            (*row, *column, *entry * of_rows[*row] * of_columns[*column])
+        };
+        let entries = self.entries.iter().map(scaled).collect();
+        let side =
+            |side: &Vec<R>| side.iter().zip(&of_rows).map(|(x, factor)| *x * *factor).collect::<Vec<R>>();
+        let right = self.right.iter().map(side).collect();
+        (Self { entries, order: self.order.clone(), right }, of_columns)
+    }
+
+    /// The solutions, each improved once by what it leaves.
+    fn solved(&self) -> Result<Vec<Vec<R>>, NoPivot> {
         let natural: Vec<usize> = (0..self.order.len()).collect();
         // The pivot that there is not is named as in the natural order.
         let eliminated = self.eliminated(&self.order).or_else(|_| self.eliminated(&natural))?;
@@ -294,6 +361,35 @@ mod tests {
         }
         assert_eq!(matrix.clone().ordered(&[2, 0, 1]).solve().unwrap_err().column, 2);
         assert_eq!(matrix.solve().unwrap_err().column, 2);
+    }
+
+    /// Masses of 1e-12 and inertias of 1e-27 beside rows of size 1: what they solve is exact, and what is singular stays so.
+    #[test]
+    fn small_units_are_no_rounding() {
+        // Two unknowns with masses, the first of them held by a row with a lever on a third.
+        let masses = [1.3e-12, 2e-12, 1e-27];
+        let row = [1.0, 0.0, 3e-8];
+        let want = [3e-6, -7.0, -100.0, 2.5e-13];
+        let matrix = |held: bool| {
+            let mut matrix: System<f64> = System::new(4, 1);
+            for i in 0..3 {
+                if held || i != 1 {
+                    matrix.add(i, i, masses[i]);
+                    matrix.add(i, 4, masses[i] * want[i]);
+                }
+                matrix.add(i, 3, row[i]);
+                matrix.add(i, 4, row[i] * want[3]);
+                matrix.add(3, i, row[i]);
+                matrix.add(3, 4, row[i] * want[i]);
+            }
+            matrix
+        };
+        assert!(matrix(true).solved().is_err());
+        let found = matrix(true).solve().unwrap();
+        for (x, want) in found[0].iter().zip(want) {
+            assert!((x / want - 1.0).abs() < 1e-9, "{x} {want}");
+        }
+        assert_eq!(matrix(false).solve().unwrap_err().column, 1);
     }
 
     /// Unknowns in chains, as bodies are joined, and one that all are joined to: rows of several words, which fill in.

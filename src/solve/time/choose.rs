@@ -10,6 +10,7 @@ use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
+use pintle_kinematics::scalar::elementary;
 
 /// Margins below this count as ties.
 pub(crate) const TIE: f64 = 1e-9;
@@ -55,9 +56,14 @@ impl<R: Number> Run<'_, R> {
             })
             .collect();
         let driven = match &stuck {
-            Some((_, layout, _)) if !self.is_still => self.driven(&all_held, layout, open)?,
+            Some((now, layout, stuck)) if !self.is_still => {
+                self.driven(&all_held, (now, layout, stuck), open)?
+            }
             _ => vec![None; open.len()],
         };
+        // What grazes has no acceleration but roundings: it does not turn.
+        let grazing = |i: usize| driven[i].is_some_and(|(_, grazes)| grazes);
+        let turning: Vec<usize> = (0..open.len()).filter(|i| !grazing(*i)).map(|i| open[i]).collect();
         let slips = 3_usize.pow(open.len().min(ALL) as u32);
         let stops = 2_usize.pow(touching.len().min(ALL) as u32);
         let mut consistent: Vec<(Modes<R>, f64)> = Vec::new();
@@ -69,7 +75,7 @@ impl<R: Number> Run<'_, R> {
                 match rest % 3 {
                     // What is driven from here slips, and that way.
                     which if driven[i].is_some() => match (which, driven[i]) {
-                        (1, Some(along)) => modes.frictions[*s] = Mode::slips(along),
+                        (1, Some((along, _))) => modes.frictions[*s] = Mode::slips(along),
                         _ => continue 'combinations,
                     },
                     0 => {}
@@ -105,7 +111,7 @@ impl<R: Number> Run<'_, R> {
                     continue;
                 }
             };
-            if self.turn(&mut modes, open, (&mut found, &mut layout, &mut solved)).is_err() {
+            if self.turn(&mut modes, &turning, (&mut found, &mut layout, &mut solved)).is_err() {
                 continue;
             }
             let undriven: Vec<usize> =
@@ -193,17 +199,19 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// Of the frictions named those that what is prescribed moves from now on, though all of them stick: each with the direction in which it
-    /// slips a moment later.
+    /// slips a moment later, and whether it grazes: it sets out without an acceleration.
     fn driven(
         &mut self,
         all_held: &Modes<R>,
-        layout: &Layout,
+        (held, layout, stuck): (&Assembled<R>, &Layout, &Solved<R>),
         open: &[usize],
-    ) -> Result<Vec<Option<[R; 6]>>, Refusal> {
+    ) -> Result<Vec<Option<([R; 6], bool)>>, Refusal> {
         /// A moment, as a part of the time to the next break.
         const MOMENT: f64 = 1e-3;
         /// Below this part of the usual speed nothing moves.
         const STILL: f64 = 1e-10;
+        /// What has less than this part of its rate from its acceleration now grazes.
+        const GRAZES: f64 = 0.1;
         let none = vec![None; open.len()];
         let now = self.state.time;
         let Some(([_, end], _)) = self.mechanism.schedule.span(self.step) else { return Ok(none) };
@@ -212,7 +220,8 @@ impl<R: Number> Run<'_, R> {
         if next.is_infinite() {
             return Ok(none);
         }
-        self.state.time = now + (R::from_f64(next) - now) * R::from_f64(MOMENT);
+        let moment = (R::from_f64(next) - now) * R::from_f64(MOMENT);
+        self.state.time = now + moment;
         let found = self.assembled(all_held);
         self.state.time = now;
         let found = found.map_err(|trouble| self.say(trouble))?;
@@ -230,7 +239,29 @@ impl<R: Number> Run<'_, R> {
             }
             let size = length(&along);
             let lever = slider.components.iter().fold(0.0, |most: f64, (_, radius)| most.max(*radius));
-            (size.to_f64() > STILL * usual * lever.max(f64::MIN_POSITIVE)).then(|| along.map(|x| x / size))
+            if size.to_f64() <= STILL * usual * lever.max(f64::MIN_POSITIVE) {
+                return None;
+            }
+            let now = held.slip_acceleration(slider, &stuck.accelerations);
+            let sets_out = length(&now) * moment;
+            let grazes = sets_out.less(size * R::from_f64(GRAZES));
+            let mut along = along.map(|x| x / size);
+            // A component that nothing drives is pulled by what held it: it follows what is driven, so that friction balances that. Where it
+            // cannot, it accelerates by itself.
+            let limit = stuck.limits.get(*s).map_or(R::ZERO, |limit| limit.value);
+            let (mut free, mut share) = ([R::ZERO; 6], R::ZERO);
+            for (k, radius) in &slider.components {
+                let holds = limit * R::from_f64(*radius);
+                if along[*k].magnitude().to_f64() < STILL && R::ZERO.less(holds) {
+                    free[*k] = stuck.friction[slider.joint][*k] / holds;
+                    share = share + free[*k] * free[*k];
+                }
+            }
+            if share.less(R::integer(1)) {
+                let rest = elementary::sqrt(R::integer(1) - share);
+                (0..6).for_each(|k| along[k] = along[k] * rest + free[k]);
+            }
+            Some((along, grazes))
         };
         Ok(open.iter().map(moves).collect())
     }
@@ -411,7 +442,10 @@ impl<R: Number> Run<'_, R> {
             let margin = match &modes.frictions[*s].does {
                 Does::Sticks(_)
                     if slider.components.iter().any(|(k, _)| {
-                        // What others move does not stick.
+                        // What others move does not stick; what is prescribed and moves is known.
+                        if self.mechanism.is_given(slider.joint, *k, self.step) {
+                            return false;
+                        }
                         let [acceleration, parts] = self.second_rate(found, solved, (slider.joint, *k));
                         (parts * R::from_f64(TIE)).less(acceleration.magnitude())
                     }) =>
