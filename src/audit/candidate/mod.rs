@@ -402,6 +402,7 @@ impl<'a> Candidate<'a> {
             }
         }
         element::explain(&mut found, &of_element);
+        without_differences_of_wrong_values(&mut found);
         let connection = &self.definition.connection;
         let connector = Connector::<f64>::new(self.definition);
         let is_one_form = |k: &usize| connector.differentiated(*k).map(|measure| measure.is_one_form());
@@ -619,8 +620,23 @@ impl<'a> Candidate<'a> {
         // A component on its singular set has no step for differences of its values, and a one-form no value.
         let near = of_components.into_iter().filter(|near| *near > 0.0).fold(1.0, f64::min);
         let rows = numbers.entries(Quantity::FirstDerivatives);
+        // Values that are wrong are no witness against a row that is right.
+        let agrees = |k: usize, quantity: Quantity, answer: &Answer| {
+            let mut one = Entries::default();
+            one.0[k] = numbers.entries(quantity).0[k].clone();
+            !judge(quantity, &one, answer, &around).verdict.is_mismatch()
+        };
+        let right_values = LazyCell::new(|| Answer::sharp(Oracle::WideDifferences, &truth.value()));
+        let right_rows = LazyCell::new(|| narrow.nodal_dual(bound));
+        let is_witness = |k: usize| {
+            agrees(k, Quantity::Value, &right_values) || !agrees(k, Quantity::FirstDerivatives, &right_rows)
+        };
         let is_differenced: [bool; 6] = std::array::from_fn(|k| {
-            values(k).is_some() && rows.0[k].is_some() && examined.is_smooth[k] && !is_one_form[k]
+            values(k).is_some()
+                && rows.0[k].is_some()
+                && examined.is_smooth[k]
+                && !is_one_form[k]
+                && is_witness(k)
         });
         if !is_differenced.contains(&true) {
             return Ok(checks);
@@ -670,6 +686,17 @@ impl<'a> Candidate<'a> {
         check.add(judgement, score, case);
         checks.push(check);
         Ok(checks)
+    }
+}
+
+/// Rows that are right are not judged by values that are wrong.
+fn without_differences_of_wrong_values(found: &mut Vec<Check>) {
+    let is_wrong = |quantity: Quantity| {
+        let of = |check: &Check| check.quantity == Some(quantity) && check.against != Against::Own;
+        found.iter().any(|check| of(check) && check.verdict.is_mismatch())
+    };
+    if is_wrong(Quantity::Value) && !is_wrong(Quantity::FirstDerivatives) {
+        found.retain(|check| check.against != Against::Own);
     }
 }
 

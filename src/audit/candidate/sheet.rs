@@ -57,6 +57,34 @@ pub(super) fn is_another(case: &Case, given: &Given, before: Option<&Components<
         start.is_some_and(|start| is_as_near(&found, &wanted, &start))
     };
     is_same(&measures, &position(&found), &position(&wanted)) && before.is_none_or(is_near)
+        || is_mostly_euler(&measures, [&found, &wanted], (&first, &angles), before)
+}
+
+/// Whether two of three Euler angles, one of which is wrong besides, are those of the other sheet, which is as near to where they come from.
+fn is_mostly_euler(
+    measures: &[Measure],
+    [found, wanted]: [&[f64]; 2],
+    (first, angles): (&Components<f64>, &[usize]),
+    before: Option<&Components<f64>>,
+) -> bool {
+    if measures.len() != 3 || !measures.iter().all(|of| matches!(of, Measure::Euler(_))) {
+        return false;
+    }
+    let start: Vec<f64> =
+        angles.iter().zip(wanted).map(|(k, right)| before.map_or(*right, |of| of[*k].unwrap_or(0.0))).collect();
+    let others = |at: usize| {
+        let first = first[angles[at]].unwrap_or(0.0);
+        let position = wanted[at] + first;
+        let other = if at == 1 { -position } else { position + PI };
+        // On the turn that is given, or else on that which is nearest to where it comes from.
+        let from = if is_turn(found[at] - (other - first)) { found[at] } else { start[at] };
+        other - first - TAU * ((other - first - from) / TAU).round()
+    };
+    let other: Vec<f64> = (0..found.len()).map(others).collect();
+    let met = |of: &[f64]| of.iter().zip(found).filter(|(x, y)| (*x - *y).abs() < SAME).count();
+    let half_turns_apart = other.iter().zip(wanted).all(|(x, y)| (x - y).abs() > SAME);
+    let is_near = || before.is_none() || is_as_near(&other, wanted, &start);
+    half_turns_apart && met(&other) == 2 && met(wanted) == 0 && is_near()
 }
 
 /// Whether coordinates along axes midway between those of both nodes have the other sign where the torsion is half a turn: rounding decides
