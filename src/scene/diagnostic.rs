@@ -218,6 +218,8 @@ codes! {
     DiagnosisSignOfA = "diagnosis::sign-of-a": "The columns of the first node, a of a connector or S of a multi-point constraint, have the sign of those of the second.";
     DiagnosisGeometricTerm = "diagnosis::geometric-term-missing": "The lever is missing: g × d in the rotation columns of node a, which turns the directions in which the separation is measured; of second derivatives, the second variation of the map from the nodes.";
     DiagnosisLeverReversed = "diagnosis::geometric-term-reversed": "The lever g × d in the rotation columns of node a has the wrong sign: d × g.";
+    DiagnosisOtherAxis = "diagnosis::other-axis": "Formulas are right with the axes of both nodes in another order: e1 where e3 is meant, for example.";
+    DiagnosisHalfway = "diagnosis::not-halfway": "What a flow converter or retractor sums up is the increment along e3a in the middle of it; the axis is that at its end, at its beginning, or their mean.";
     DiagnosisNotSymmetrised = "diagnosis::not-symmetrised": "The second derivatives by rotations of one node are derivatives of the row, not symmetric, without the half bracket that makes them those of the function.";
     DiagnosisHalfTurn = "diagnosis::half-turn": "An angle is half a turn off: nπ of the wrong parity.";
     DiagnosisTurnsForgotten = "diagnosis::turns-forgotten": "The whole turns that an angle had made before are forgotten.";

@@ -143,6 +143,8 @@ impl MpcCase {
                 (Cause::DegreesForRadians, 180.0 / std::f64::consts::PI, "what is expected with φ × 180/π"),
                 (Cause::DegreesForRadians, std::f64::consts::PI / 180.0, "what is expected with φ × π/180"),
                 (Cause::MotionIgnored, 0.0, "what is expected with φ left out"),
+                (Cause::RotationHalved, 0.5, "what is expected with φ/2 for φ"),
+                (Cause::RotationDoubled, 2.0, "what is expected with 2 φ for φ"),
             ] {
                 let mut other = self.changed(|state, _| {
                     state.angles = got.taken.map(|angle| Some(factor * angle));
@@ -169,6 +171,39 @@ impl MpcCase {
                     let of = [Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
                     found.push(Elsewhere::new(cause, &relation, &other, &of));
                 }
+            }
+        }
+        // One of two hinges alone.
+        for (h, name) in ["φ1", "φ2"].into_iter().enumerate().take(if hinges == 2 { 2 } else { 0 }) {
+            for (cause, factor, how) in [
+                (Cause::MotionIgnored, 0.0, "left out"),
+                (Cause::Reversed, -1.0, "of the other sign"),
+                (Cause::RotationHalved, 0.5, "halved"),
+            ] {
+                let mut other = self.changed(|state, _| {
+                    state.angles = got.taken.map(Some);
+                    state.angles[h] = Some(factor * got.taken[h]);
+                    for of in [&mut state.velocity, &mut state.acceleration] {
+                        of[PHI + h] *= factor;
+                    }
+                });
+                other.jacobian.iter_mut().flatten().for_each(|row| row[PHI + h] *= factor);
+                let relation = format!("what is expected with {name} {how}");
+                found.push(Elsewhere::new(cause, &relation, &other, &all));
+            }
+        }
+        // An equation copied into the place of another.
+        for start in vectors(got) {
+            for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
+                let mut other = got.clone();
+                other.residual[start + i] = got.residual[start + j];
+                other.jacobian[start + i] = got.jacobian[start + j];
+                other.residual_rate[start + i] = got.residual_rate[start + j];
+                other.residual_acceleration[start + i] = got.residual_acceleration[start + j];
+                let name = if start == 0 { "δ" } else { "ρ" };
+                let relation = format!("what is expected with {name}{} in the place of {name}{}", j + 1, i + 1);
+                let of = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
+                found.push(Elsewhere::new(Cause::RowsSwapped, &relation, &other, &of));
             }
         }
         let rest = |body: &Body<f64>| Body { rotation: identity(), ..*body };
@@ -240,6 +275,21 @@ impl MpcCase {
                     other.residual[RHO..].fill(None);
                 }
                 found.push(Elsewhere::new(Cause::InitialTurned, relation, &other, &all));
+                let arm = self.constraint.arm();
+                let moved = sub(self.state.slave.displacement, self.state.master.displacement);
+                for (arm, relation) in [
+                    (arm, "the row of a beam, with the term of the arm X_S − X_M as at first"),
+                    (add(arm, moved), "the row of a beam, with the term of the arm x_S − x_M"),
+                ] {
+                    let mut other = got.clone();
+                    for (row, axis) in other.jacobian[..RHO].iter_mut().zip(identity::<f64>()) {
+                        if let Some(row) = row {
+                            row[THETA_M..THETA_M + 3].copy_from_slice(&cross(axis, arm));
+                        }
+                    }
+                    let of = [Quantity::FirstDerivatives];
+                    found.push(Elsewhere::new(Cause::InitialTurned, relation, &other, &of));
+                }
             }
             _ => {}
         }
@@ -247,8 +297,17 @@ impl MpcCase {
     }
 
     /// The arm of a rigid beam, carried by the other node, with the other sign, or not carried in the rows.
-    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 5] {
+    fn other_arms(&self, got: &Evaluation<f64>) -> [Elsewhere; 7] {
         const OF: [Quantity; 2] = [Quantity::Value, Quantity::FirstDerivatives];
+        let only_moved = |mut other: Evaluation<f64>| {
+            other.residual[RHO..].fill(None);
+            other.jacobian[RHO..].fill(None);
+            other.residual_rate[RHO..].fill(None);
+            other
+        };
+        let transposed = only_moved(
+            self.changed(|state, _| state.master.rotation = transpose(&state.master.rotation)),
+        );
         let mut by_slave = self.changed(|state, _| state.master.rotation = state.slave.rotation);
         for row in by_slave.jacobian[..RHO].iter_mut().flatten() {
             let of_master = part(row, THETA_M);
@@ -282,7 +341,15 @@ impl MpcCase {
         put(&mut linearised.residual, 0, sub(moved, cross(so3::log(&master.rotation), arm)));
         let of_first = "the row with the arm at first, X_S − X_M in place of C_M (X_S − X_M)";
         let relation = "x_S − x_M − C_S (X_S − X_M): the arm turns with S";
+        let backwards = "x_S − x_M − C_Mᵀ (X_S − X_M): the arm turns the other way round";
+        let spin = part(&self.state.velocity, THETA_M);
+        let rate = sub(part(&self.state.velocity, 0), part(&self.state.velocity, XM));
+        let mut of_rates = only_moved(got.clone());
+        put(&mut of_rates.residual_rate, 0, sub(rate, cross(spin, add(arm, moved))));
+        let of_distances = "ẋ_S − ẋ_M − ω_M × (x_S − x_M): the distance for the arm C_M (X_S − X_M)";
         [
+            Elsewhere::new(Cause::TriadsTransposed, backwards, &transposed, &OF[..1]),
+            Elsewhere::new(Cause::OtherLength, of_distances, &of_rates, &RATES[..1]),
             Elsewhere::new(Cause::InitialAxes, of_first, &at_first, &OF[1..]),
             Elsewhere::new(Cause::OtherLength, of_distance, &distance, &OF[1..]),
             Elsewhere::new(Cause::Linearised, "u_S − u_M − φ_M × (X_S − X_M)", &linearised, &OF[..1]),
@@ -489,14 +556,21 @@ impl MpcCase {
             put(&mut other.residual, RHO, value);
             found.push(Elsewhere::new(Cause::OtherParameters, relation, &other, &VALUES));
         }
-        if !has_angles {
+        let axes = [got.axes, initial];
+        for axes in axes.into_iter().take(if has_angles { 2 } else { 1 }) {
             let mut other = got.clone();
             for (i, row) in other.jacobian[RHO..FLOW].iter_mut().enumerate() {
                 let mut small = [0.0; DOFS];
                 (small[THETA_S + i], small[THETA_M + i]) = (1.0, -1.0);
+                for (h, axis) in axes.into_iter().enumerate() {
+                    small[PHI + h] = axis.map_or(0.0, |axis| -axis[i]);
+                }
                 *row = row.map(|_| small);
             }
-            let relation = "δθS − δθM, the rows of small rotations";
+            let relation = match has_angles {
+                true => "δθS − δθM − Σ a δφ, the rows of small rotations",
+                false => "δθS − δθM, the rows of small rotations",
+            };
             found.push(Elsewhere::new(Cause::Linearised, relation, &other, &[Quantity::FirstDerivatives]));
         }
         found

@@ -64,6 +64,7 @@ causes! {
     AxesOfB = DiagnosisAxesOfB, "what is expected along the axes of b", "axes of b for those of a";
     GlobalAxes = DiagnosisGlobalAxes, "what is expected along the global axes", "global axes for those of a";
     InitialAxes = DiagnosisInitialAxes, "what is expected along the initial axes of a", "axes that do not turn with a";
+    AxisOfIncrement = DiagnosisHalfway, "the value before and the increment along another axis than e3a halfway", "an axis that is not that in the middle of the increment";
     TriadsTransposed = DiagnosisTriadsTransposed, "what is expected with triads transposed", "rows of triads taken for their columns";
     MotionIgnored = DiagnosisMotionIgnored, "what is expected with a motion left out", "a motion of a node does not count";
     StateBefore = DiagnosisStateBefore, "what was expected at the state before", "an increment late";
@@ -113,6 +114,7 @@ causes! {
     TermLeftOut = DiagnosisTermLeftOut, "what is expected without one of its terms", "a term, a norm or a force left out, or of the other sign";
     OtherCoefficient = DiagnosisOtherCoefficient, "what is expected with another coefficient", "μ twice, or not at all";
     ContinuumForConsistent = DiagnosisContinuumTangent, "the tangent of an increment that goes to zero", "continuum for consistent tangent";
+    OtherAxis = DiagnosisOtherAxis, "what is expected with the axes of both nodes in another order", "another axis of the nodes";
     Factor = DiagnosisFactor, "what is expected times a constant", "a constant factor";
     Regularised = DiagnosisRegularised, "the root of what is expected squared and a constant", "a regularised norm";
     Quadratic = DiagnosisQuadratic, "what is expected and a constant times its square", "an expansion that breaks off, or a term too much";

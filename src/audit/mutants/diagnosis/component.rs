@@ -336,6 +336,35 @@ impl Symptoms<'_> {
                 found.push(Hypothesis::of_row(Cause::AxesOfB, k, both));
             }
             found.extend(flow_columns(k, row));
+            found.extend(shifted_columns(k, row));
+            let others = self.wanted().0.iter().enumerate().filter(|(l, _)| *l != k && l / 3 == k / 3);
+            for (l, other) in others {
+                let Some(other) = other else { continue };
+                for block in [XA..THETA_A, THETA_A..PSI_A, XB..THETA_B, THETA_B..DOFS - 1] {
+                    let copied = block.clone().map(|j| (j, other[j]));
+                    let made = Hypothesis::of_row(Cause::RowsSwapped, k, copied);
+                    found.push(made.related(format!("what is expected there of {}", COMPONENT[l])));
+                }
+            }
+            if measure == Some(Measure::Strain) {
+                let stretch = 1.0 + self.case.positions()[k].unwrap_or(0.0);
+                let material = norm(pair.separation()) / stretch;
+                let flows = [PSI_A, DOFS - 1];
+                let moves: Vec<usize> = (XA..THETA_A).chain(XB..THETA_B).collect();
+                for (columns, factor, what) in [
+                    (&flows[..], 1.0 / stretch, "without the stretch l/l_ref in the columns of the flows"),
+                    (&flows, material, "with 1/l_ref for 1/l_ref² in the columns of the flows"),
+                    (&flows, material * material, "without 1/l_ref² in the columns of the flows"),
+                    (&flows, -1.0, "with the other sign of the columns of the flows"),
+                    (&flows, 0.0, "without the columns of the flows"),
+                    (&moves, material, "with the direction of d not divided by l_ref"),
+                    (&moves, material / norm(pair.separation()), "with the direction of d divided by l for l_ref"),
+                ] {
+                    let made = columns.iter().map(|j| (*j, factor * row[*j]));
+                    let made = Hypothesis::of_row(Cause::NotNormalised, k, made);
+                    found.push(made.related(format!("what is expected {what}")));
+                }
+            }
             found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
             if let Some(i) = measure.and_then(axis_of) {
                 let initial = &self.case.definition.initial.a.triad;
@@ -410,6 +439,40 @@ impl Symptoms<'_> {
                     whole.related("1/l for (1 − q qᵀ)/l, q the direction: the part along q is not taken off"),
                 );
             }
+            // H = Σ t tᵀ/r over the directions across, and what directions that turn add.
+            if let (Some(pair), Some(measure)) = (&pair, connector.differentiated(k))
+                && matches!(measure, Measure::Distance | Measure::RadialDistance)
+            {
+                let d = pair.separation();
+                let axis = column(&pair.a.triad, 2);
+                let radial = match measure {
+                    Measure::RadialDistance => sub(d, scale(axis, along(&axis, &d))),
+                    _ => d,
+                };
+                let r = norm(radial);
+                let first = if measure == Measure::RadialDistance { axis } else { column(&pair.a.triad, 0) };
+                let across = cross(radial, first);
+                let one = scale(across, 1.0 / norm(across));
+                let two = cross(scale(radial, 1.0 / r), one);
+                let ways = if measure == Measure::RadialDistance { vec![one] } else { vec![one, two] };
+                let columns = ways.into_iter().map(|e| {
+                    let mut of = [0.0; DOFS];
+                    of[XA..THETA_A].copy_from_slice(&e.map(|x| -x));
+                    of[XB..THETA_B].copy_from_slice(&e);
+                    if measure == Measure::RadialDistance {
+                        of[THETA_A..PSI_A].copy_from_slice(&cross(e, d));
+                    }
+                    of
+                });
+                let columns: Vec<[f64; DOFS]> = columns.collect();
+                let product = |i: usize, j: usize| columns.iter().map(|of| of[i] * of[j]).sum::<f64>() / r;
+                for (times, what) in MULTIPLES {
+                    let made = changed(Cause::GeometricTermMissing, &|i, j, x| x + times * product(i, j));
+                    found.push(made.related(format!(
+                        "what is expected {what} the part t tᵀ/r, t the directions across the length r"
+                    )));
+                }
+            }
             let mirrored = |i: usize, j: usize| matrix[j * DOFS + i];
             found.push(changed(Cause::Symmetrised, &|i, j, x| (x + mirrored(i, j)) / 2.0));
             found.push(changed(Cause::Symmetrised, &|i, j, x| if j < i { mirrored(i, j) } else { x }));
@@ -477,7 +540,9 @@ impl Symptoms<'_> {
             let made = operations.iter().filter_map(|one| one.of_rate(k, (row, matrix), (velocity, faster)));
             found.extend(made);
             let mut is = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
-            if let Some(given) = self.rows.0[k].as_deref() {
+            let size = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let is_wrong = |given: &&[f64]| row.iter().zip(*given).any(|(x, y)| (x - y).abs() > 1e-9 * size);
+            if let Some(given) = self.rows.0[k].as_deref().filter(is_wrong) {
                 let more = faster.map_or(0.0, |faster| want - along(row, faster));
                 is(Cause::OfItsRow, along(given, faster.unwrap_or(velocity)) + more);
             }
@@ -489,6 +554,9 @@ impl Symptoms<'_> {
             for (cause, changes) in levers(row, separations) {
                 let mut changed = row.to_vec();
                 changes.into_iter().for_each(|(j, x)| changed[j] = x);
+                if changed == row {
+                    continue;
+                }
                 let more = faster.map_or(0.0, |_| twice(matrix, velocity));
                 is(cause, along(&changed, faster.unwrap_or(velocity)) + more);
             }
@@ -504,8 +572,40 @@ impl Symptoms<'_> {
             } else {
                 is(Cause::DerivativeForResolved, along(row, velocity));
             }
+            if faster.is_none() && connector.differentiated(k) == Some(Measure::Distance) {
+                let speed = norm(sub(part(velocity, XB), part(velocity, XA)));
+                let speed = Hypothesis::one(Cause::OtherLength, (k, 0), speed);
+                parts.push(speed.related("|v_b − v_a|, the speed for its component along d"));
+            }
             if let Some((i, at)) = connector.differentiated(k).and_then(resolved_at) {
                 let v = faster.unwrap_or(velocity);
+                let along_b = column(triads[1], i);
+                let apart = sub(part(v, at + XB), part(v, at));
+                let mut told = |cause: Cause, x: f64, what: &str| {
+                    parts.push(Hypothesis::one(cause, (k, 0), x).related(what));
+                };
+                if faster.is_some() {
+                    let slower = sub(part(velocity, at + XB), part(velocity, at));
+                    let turned = cross(part(velocity, THETA_B), along_b);
+                    told(
+                        Cause::DerivativeForResolved,
+                        along(&along_b, &apart) + along(&turned, &slower),
+                        "the time derivative of the resolved rate, whose axes turn with b",
+                    );
+                }
+                let carried = cross(part(v, THETA_A), separations[0]);
+                if at == XA && faster.is_none() {
+                    told(
+                        Cause::DerivativeForResolved,
+                        along(&along_b, &sub(apart, carried)),
+                        "the velocity of b as a sees it, ω_a × d taken off, along the axes of b",
+                    );
+                }
+                told(
+                    Cause::AxesOfA,
+                    along(&along_b, &part(v, at + XB)) - along(&column(triads[0], i), &part(v, at)),
+                    "those of each node along its own axes, and their difference",
+                );
                 if let Some(faster) = faster {
                     is(Cause::DerivativeForResolved, along(row, faster) + twice(matrix, velocity));
                 }
@@ -532,7 +632,35 @@ impl Symptoms<'_> {
             }
         }
         found.extend(parts);
+        found.extend(self.of_mistaken_rows(velocity, faster));
         found
+    }
+
+    /// Rates, or the linear part of accelerations, that known mistakes of rows make.
+    fn of_mistaken_rows(&self, velocity: &[f64; DOFS], faster: Option<&[f64]>) -> Vec<Hypothesis> {
+        let quantity = Quantity::FirstDerivatives;
+        let Self { got, rows, want, case, bound, .. } = *self;
+        let of_rows = Symptoms { quantity, got, rows, want, case, bound }.of_rows();
+        let made = of_rows.into_iter().filter_map(|Hypothesis { cause, changes, relation, .. }| {
+            let mut of = None;
+            let mut by = 0.0;
+            for (k, j, x) in changes.iter() {
+                let right = want.entries(quantity).get(*k, *j)?;
+                by += (x - right) * faster.unwrap_or(velocity).get(*j)?;
+                if of.is_some_and(|known| known != *k) {
+                    return None;
+                }
+                of = Some(*k);
+            }
+            let k = of?;
+            let x = self.wanted().get(k, 0)? + by;
+            let made = Hypothesis { is_searched: true, ..Hypothesis::one(cause, (k, 0), x) };
+            Some(match relation {
+                Some(relation) => made.related(relation),
+                None => made,
+            })
+        });
+        made.collect()
     }
 }
 
@@ -784,6 +912,33 @@ fn flow_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
                     format!("what is expected, and a number in the column {} too", DOF[other]),
                     vec![(other, sign * x)],
                 );
+            }
+        }
+    }
+    found
+}
+
+/// Rows whose columns from one on, to the end of a node or of both, stand one place further on, or back.
+fn shifted_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
+    let mut found = Vec::new();
+    for from in [THETA_A, PSI_A, XB, THETA_B] {
+        for to in [PSI_A + 1, DOFS].into_iter().filter(|to| *to > from + 1) {
+            let columns = &row[from..to];
+            if columns.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            for (by, side) in [(1, "further on"), (columns.len() - 1, "further back")] {
+                let mut moved = columns.to_vec();
+                moved.rotate_right(by);
+                // What falls out at one end leaves a zero at the other.
+                moved[if by == 1 { 0 } else { columns.len() - 1 }] = 0.0;
+                let made = moved.into_iter().enumerate().map(|(j, x)| (from + j, x));
+                let made = Hypothesis::of_row(Cause::ColumnsSwapped, k, made);
+                let last = DOF[to - 1];
+                found.push(made.related(format!(
+                    "what is expected with the columns {} to {last} one place {side}",
+                    DOF[from]
+                )));
             }
         }
     }

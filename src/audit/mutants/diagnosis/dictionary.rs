@@ -15,7 +15,7 @@ use crate::mutants::diagnosis::matching::Hypothesis;
 use num_dual::{Dual2, DualSVec64};
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{DOFS, Pair};
-use pintle_kinematics::scalar::elementary::{abs, atan2, direction, norm};
+use pintle_kinematics::scalar::elementary::{abs, atan2, direction, norm, recip};
 use pintle_kinematics::scalar::{MAX_ORDER, Scalar, Seeded};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
@@ -197,6 +197,36 @@ fn lengths<S: Scalar<Real = f64>>(
     add_item(Cause::OtherParameters, Formula::one("Ψ_b − Ψ_a"), flows);
 }
 
+/// What the strain l/l_ref − 1 of a belt may be else, l_ref = l₀ + Ψ_a − Ψ_b.
+fn strains<S: Scalar<Real = f64>>(pair: &Pair<S>, l0: f64, mut add_item: impl FnMut(Cause, Formula, S)) {
+    let l = norm(pair.separation());
+    let (a, b, l0) = (pair.a.flow, pair.b.flow, S::from_real(l0));
+    let reference = l0 + a - b;
+    let one = S::one();
+    let over = |x: S, y: S| x * recip(y);
+    let mut add = |cause: Cause, words: &str, x: S| add_item(cause, Formula::one(words), x);
+    add(Cause::OtherLength, "l/l_ref", over(l, reference));
+    add(Cause::OtherLength, "the elongation l − l_ref, not divided by l_ref", l - reference);
+    add(Cause::OtherLength, "(l − l_ref)/l, divided by the length now", one - over(reference, l));
+    let green = over(l, reference) * over(l, reference) - one;
+    add(Cause::OtherLength, "(l² − l_ref²)/(2 l_ref²), Green's strain", green * S::from_real(0.5));
+    add(Cause::OtherLength, "ln(l/l_ref), the logarithmic strain", {
+        let x = over(l, reference);
+        lift(x, [x.real().ln(), 1.0 / x.real(), -0.5 / (x.real() * x.real())])
+    });
+    add(Cause::InitialKept, "(l − l_ref)/l₀, divided by the material length at first", over(l - reference, l0));
+    add(Cause::MotionIgnored, "l/l₀ − 1, without the flows", over(l, l0));
+    for (words, other) in [
+        ("l/(l₀ − Ψ_a + Ψ_b) − 1, the flows of the other sign", l0 - a + b),
+        ("l/(l₀ + Ψ_a) − 1, without the flow of b", l0 + a),
+        ("l/(l₀ − Ψ_b) − 1, without the flow of a", l0 - b),
+        ("l/(l₀ + Ψ_a + Ψ_b) − 1, the flow of b of the other sign", l0 + a + b),
+        ("l/(l₀ − Ψ_a − Ψ_b) − 1, the flow of a of the other sign", l0 - a - b),
+    ] {
+        add(Cause::FlowColumn, words, over(l, other));
+    }
+}
+
 /// The angles of every sequence of three axes, in the order of the rotations: three different axes, then the first one twice.
 fn sequences<S: Scalar>(r: &Matrix<S>) -> Vec<([usize; 3], [S; 3])> {
     let mut found = Vec::new();
@@ -339,8 +369,14 @@ fn items<S: Scalar<Real = f64>>(
     initial: &Pair<f64>,
     before: &Pair<f64>,
     (places, units): ([Vector<f64>; 2], &[Unit]),
+    belt: Option<f64>,
 ) -> Vec<Item<S>> {
     let mut found = Vec::new();
+    if let Some(l0) = belt {
+        strains(pair, l0, |cause, formula, x| {
+            found.push(Item { cause, unit: Unit::Length, formula, x });
+        });
+    }
     if units.contains(&Unit::Length) {
         lengths(pair, initial, before, places, |cause, formula, x| {
             found.push(Item { cause, unit: Unit::Length, formula, x });
@@ -405,8 +441,13 @@ fn found<S: Scalar<Real = f64>>(
     let initial = &case.definition.initial;
     let before = path.last().map_or(initial, |step| &step.state.pair);
     let connector = case.connector();
-    // A pure number is a cosine.
-    let unit = |measure: Measure| if measure.unit() == Unit::Length { Unit::Length } else { Unit::Angle };
+    // A pure number is a cosine, or the strain of a belt.
+    let is_strain = |measure: Option<Measure>| measure == Some(Measure::Strain);
+    let unit = |measure: Measure| match measure.unit() {
+        Unit::Length => Unit::Length,
+        _ if is_strain(Some(measure)) => Unit::Length,
+        _ => Unit::Angle,
+    };
     let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(unit));
     let distances: [bool; 6] = std::array::from_fn(|k| {
         matches!(connector.differentiated(k), Some(Measure::Distance | Measure::RadialDistance))
@@ -414,8 +455,13 @@ fn found<S: Scalar<Real = f64>>(
     let present: Vec<Unit> = units.into_iter().flatten().collect();
     let [own_now, own_first] = [case.positions(), case.at_rest().positions()];
     let places = initial_places(initial.reference, case.definition.planar);
-    let all = items(&last.state.pair.moved(seeds), initial, before, (places, &present));
-    let at_first = items(initial, initial, initial, (places, &present));
+    // The material length at first: l/(1 + ε) less the flows.
+    let belt = (0..6).find(|k| is_strain(connector.differentiated(*k))).and_then(|k| own_first[k]);
+    let belt = belt
+        .map(|strain| norm(initial.separation()) / (1.0 + strain) - initial.a.flow + initial.b.flow)
+        .filter(|length| length.is_finite() && *length != 0.0);
+    let all = items(&last.state.pair.moved(seeds), initial, before, (places, &present), belt);
+    let at_first = items(initial, initial, initial, (places, &present), belt);
     let mut found = Found::default();
     for (k, wanted) in want.0.iter().enumerate() {
         let (Some(wanted), Some(given), Some(unit)) = (wanted, &got.0[k], units[k]) else { continue };
@@ -525,10 +571,10 @@ mod tests {
                 let unit = [if of.start < 3 { Unit::Length } else { Unit::Angle }];
                 let rows = std::array::from_fn(|j| <DualSVec64<DOFS> as Seeded<DOFS>>::seed(0.0, j));
                 let places = initial_places(initial.reference, false);
-                let rows = items(&state.pair.moved(&rows), initial, initial, (places, &unit));
+                let rows = items(&state.pair.moved(&rows), initial, initial, (places, &unit), None);
                 let rates: [Dual2<f64>; DOFS] =
                     std::array::from_fn(|j| Dual2::new(0.0, state.velocity[j], state.acceleration[j]));
-                let rates = items(&state.pair.moved(&rates), initial, initial, (places, &unit));
+                let rates = items(&state.pair.moved(&rates), initial, initial, (places, &unit), None);
                 for k in of.clone() {
                     let want = |quantity: Quantity| right.entries(quantity).0[k].clone().unwrap();
                     let row = want(Quantity::FirstDerivatives);

@@ -1,6 +1,7 @@
 //! The same connector at other nodes than those that are meant: exchanged, held in their initial place, with triads transposed, an
 //! increment late, without its history.
 
+use crate::candidate::values_before;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
@@ -52,12 +53,33 @@ fn product_of([x, y, z]: [Matrix<f64>; 3]) -> Matrix<f64> {
 const PRINCIPAL: &str = "what is expected of principal angles";
 const FLOWS_SWAPPED: &str = "what is expected with Ψa and Ψb exchanged";
 
+/// What is right of a case elsewhere. What a one-form sums up goes on from what was right at the state before, for that is handed over.
+fn numbers_of(case: &Case, quantity: Quantity) -> Option<Numbers<f64>> {
+    let mut numbers = product(case)?;
+    let connector = case.connector();
+    let is_one_form = |k: &usize| connector.differentiated(*k).is_some_and(|measure| measure.is_one_form());
+    let one_forms: Vec<usize> = (0..6).filter(is_one_form).collect();
+    if quantity != Quantity::Value || one_forms.is_empty() || case.path.len() < 2 {
+        return Some(numbers);
+    }
+    let mut before = case.clone();
+    before.path.pop();
+    let before = product(&before)?;
+    for k in one_forms {
+        let sum = before.entries(Quantity::Value).get(k, 0).unwrap_or(0.0);
+        if let Some(x) = numbers.entries_mut(Quantity::Value).0[k].as_mut().and_then(|x| x.first_mut()) {
+            *x -= sum;
+        }
+    }
+    Some(numbers)
+}
+
 /// The numbers elsewhere, with the cause that puts them there, and what they are.
 fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String>, Numbers<f64>)> {
     let initial = case.definition.initial;
     let mut found = Vec::new();
     let mut add = |cause: Cause, relation: Option<String>, case: &Case| {
-        found.extend(product(case).map(|numbers| (cause, relation, numbers)));
+        found.extend(numbers_of(case, quantity).map(|numbers| (cause, relation, numbers)));
     };
     let turned = |from: &Node<f64>, triad| Node { triad, ..*from };
     let moved = |from: &Node<f64>, by: &Node<f64>| Node { displacement: by.displacement, ..*from };
@@ -206,6 +228,22 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
     for map in of_triads {
         add(Cause::TriadsTransposed, None, &mapped(case, map, true));
     }
+    // The axes of both nodes by other names, right-handed.
+    let renamed: [(&str, [(usize, f64); 3]); 5] = [
+        ("e2, e3, e1 for e1, e2, e3", [(1, 1.0), (2, 1.0), (0, 1.0)]),
+        ("e3, e1, e2 for e1, e2, e3", [(2, 1.0), (0, 1.0), (1, 1.0)]),
+        ("e2 for e1, e1 for e2", [(1, 1.0), (0, 1.0), (2, -1.0)]),
+        ("e3 for e1, e1 for e3", [(2, 1.0), (1, -1.0), (0, 1.0)]),
+        ("e3 for e2, e2 for e3", [(0, -1.0), (2, 1.0), (1, 1.0)]),
+    ];
+    for (how, from) in renamed {
+        let anew = |node: &Node<f64>| {
+            let axes = from.map(|(i, sign)| vector::scale(vector::column(&node.triad, i), sign));
+            turned(node, transpose(&axes))
+        };
+        let map = |pair: &Pair<f64>| Pair { a: anew(&pair.a), b: anew(&pair.b), ..*pair };
+        add(Cause::OtherAxis, Some(format!("what is expected with {how}")), &mapped(case, map, true));
+    }
     let global = |pair: &Pair<f64>| Pair { a: turned(&pair.a, identity()), ..*pair };
     add(Cause::GlobalAxes, None, &mapped(case, global, true));
     add(Cause::Linearised, None, &mapped(case, |_| initial, false));
@@ -265,9 +303,18 @@ pub(super) fn beside(x: f64, given: f64, wanted: f64) -> f64 {
 /// What components are elsewhere.
 pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
     let mut found = Vec::new();
+    let connector = case.connector();
+    let is_summed = |k: usize| {
+        quantity == Quantity::Value
+            && case.path.len() > 1
+            && connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
+    };
+    let before = (0..6).any(is_summed).then(|| values_before(case)).unwrap_or([None; 6]);
     for (cause, relation, numbers) in found_elsewhere(case, quantity) {
         for (k, row) in numbers.entries(quantity).0.iter().enumerate() {
             let Some(row) = row else { continue };
+            let sum = if is_summed(k) { before[k].unwrap_or(0.0) } else { 0.0 };
+            let row: Vec<f64> = row.iter().map(|x| x + sum).collect();
             let made = Hypothesis::of_row(cause, k, row.iter().copied().enumerate());
             found.push(match &relation {
                 Some(relation) => made.related(relation.clone()),

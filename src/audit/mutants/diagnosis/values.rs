@@ -3,6 +3,7 @@
 use crate::case::quantity::{Entries, Quantity};
 use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
+use crate::mutants::diagnosis::MULTIPLES;
 use crate::mutants::diagnosis::columns::along;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces;
@@ -61,6 +62,10 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
         if let Some(before) = before[k] {
             add(Cause::Increment, f - before);
         }
+        if measure.is_one_form() {
+            of_sums(case, (k, f, before[k].unwrap_or(0.0)), &mut found);
+        }
+        let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
         if is_angle {
             of_function(f, 0.0, &mut add);
             add(Cause::DegreesForRadians, f.to_radians());
@@ -74,7 +79,9 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                 if halves % 2.0 != 0.0 && halves.abs() < 1e3 {
                     add(Cause::WrongParity, f + PI * halves);
                 }
+                of_other_turns((k, f, got), &mut found);
                 let mirrored = ((got + f) / PI).round();
+                let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
                 if mirrored % 2.0 != 0.0 && mirrored.abs() < 1e3 {
                     add(Cause::Folded, PI * mirrored - f);
                 }
@@ -97,6 +104,90 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
     }
     found.extend(of_rotation(case, (want, got), (&now, &first)));
     found
+}
+
+/// An angle that is a multiple of the right one but for its turns, or whose turns are counted with few digits of π.
+fn of_other_turns((k, f, got): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
+    for (factor, what) in [(0.5, "half of"), (2.0, "twice"), (-0.5, "minus half of"), (-2.0, "minus twice")] {
+        let turns = ((got / factor - f) / TAU).round();
+        if turns.abs() < 1e3 {
+            let made = Hypothesis::one(Cause::Factor, (k, 0), factor * (f + TAU * turns));
+            found.push(made.related(format!("{what} what is expected, turns counted apart")));
+        }
+    }
+    // So many half turns are tried.
+    const HALVES: i32 = 24;
+    /// By which π may be off, and digits beyond which it is not.
+    const ROUGH: f64 = 0.01;
+    const DIGITS: i32 = 10;
+    if got == f || (got - f).abs() > ROUGH * f64::from(HALVES) {
+        return;
+    }
+    for halves in (-HALVES..=HALVES).filter(|halves| *halves != 0) {
+        let pi = PI + (got - f) / f64::from(halves);
+        for digits in 2..=DIGITS {
+            let ten = 10.0_f64.powi(digits);
+            let written = (pi * ten).round() / ten;
+            if (written - pi).abs() < 1e-14 * f64::from(HALVES) && (written - PI).abs() < ROUGH {
+                let made = Hypothesis::one(Cause::Rounded, (k, 0), f + f64::from(halves) * (written - PI));
+                found.push(made.related(format!("what is expected with {written} for π where turns are added")));
+                break;
+            }
+        }
+    }
+}
+
+/// What is summed up over increments: the last of them along another axis, or with another multiple of one of its parts.
+fn of_sums(case: &Case, (k, f, before): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
+    let Some((last, path)) = case.path.split_last() else { return };
+    let mut add = |cause: Cause, x: f64, what: String| {
+        found.push(Hypothesis::one(cause, (k, 0), x).related(what));
+    };
+    let from = path.last().map_or(case.definition.initial, |step| step.state.pair);
+    let value_of = |pair: Pair<f64>| {
+        let mut other = case.clone();
+        if let Some(end) = other.path.last_mut() {
+            (end.state.pair, end.increment) = (pair, Step::between(&from, pair).increment);
+        }
+        product_with_forces(&other)?.entries(Quantity::Value).get(k, 0)
+    };
+    let now = last.state.pair;
+    let (mut still, mut held) = (now, now);
+    (still.a.flow, still.b.flow) = (from.a.flow, from.b.flow);
+    held.b.triad = from.b.triad;
+    let [Some(still), Some(held)] = [still, held].map(value_of) else { return };
+    let (flow, of_b) = (f - still, f - held);
+    let rotations = f - before - flow;
+    for (part, what) in [
+        (flow, "the flow"),
+        (rotations, "the rotations"),
+        (of_b, "the rotation of b"),
+        (rotations - of_b, "the rotation of a"),
+    ] {
+        for (times, multiple) in MULTIPLES {
+            let what = format!("what is expected {multiple} the increment of {what}");
+            add(Cause::TermLeftOut, f + times * part, what);
+        }
+    }
+    let scale = case.definition.flow_scale;
+    for (factor, what) in [(1.0 / scale, "without the scale β_s"), (1.0 / (scale * scale), "divided by β_s, which must multiply")] {
+        let what = format!("what is expected, the increment of the flow {what}");
+        add(Cause::NotNormalised, f + (factor - 1.0) * flow, what);
+    }
+    // The axis at the end of the increment, at its beginning, and their mean; and each axis of a.
+    let spin = sub(last.increment.rotation[0], last.increment.rotation[1]);
+    let ends = [&now.a.triad, &from.a.triad];
+    for (j, name) in [(2, "e3a"), (0, "e1a"), (1, "e2a")] {
+        let [end, begin] = ends.map(|triad| dot(column(triad, j), spin));
+        for (x, where_) in [(end, "at the end"), (begin, "at the beginning"), ((end + begin) / 2.0, "mean")] {
+            let what = match (where_, j) {
+                ("mean", _) => format!("the value before and the increment along the mean of {name} before and after"),
+                _ => format!("the value before and the increment along {name} {where_} of it"),
+            };
+            let cause = if j == 2 { Cause::AxisOfIncrement } else { Cause::OtherAxis };
+            add(cause, before + flow + x, what);
+        }
+    }
 }
 
 /// The rows of a state.
@@ -248,6 +339,12 @@ fn of_rotation(
         add_as(Cause::InitialKept, "", so3::log(&q), [0.0; 3]);
     }
     let flexions = [now, first];
+    let is_free = |measure: &Measure| {
+        matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))
+    };
+    if rotational.iter().flatten().any(is_free) {
+        add_as(Cause::TurnForgotten, "the principal rotation vector", so3::log(&q), so3::log(&q0));
+    }
     let vector = |all: &Components<f64>| Some([all[3]?, all[4]?, all[5]?]);
     let held = || Some([0, 1, 2].map(|i| want.get(3 + i, 0)).map(|x| x.unwrap_or(0.0)));
     let is_misalignment =
