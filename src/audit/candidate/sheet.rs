@@ -70,8 +70,11 @@ fn is_mostly_euler(
     if measures.len() != 3 || !measures.iter().all(|of| matches!(of, Measure::Euler(_))) {
         return false;
     }
-    let start: Vec<f64> =
-        angles.iter().zip(wanted).map(|(k, right)| before.map_or(*right, |of| of[*k].unwrap_or(0.0))).collect();
+    let start: Vec<f64> = angles
+        .iter()
+        .zip(wanted)
+        .map(|(k, right)| before.map_or(*right, |of| of[*k].unwrap_or(0.0)))
+        .collect();
     let others = |at: usize| {
         let first = first[angles[at]].unwrap_or(0.0);
         let position = wanted[at] + first;

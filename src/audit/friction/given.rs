@@ -132,6 +132,27 @@ impl FrictionSubject {
             against.criterion.internal = Internal::Constant(-internal);
             others.push((Cause::Reversed, "what is expected with −F_C^int for F_C^int".into(), against));
         }
+        if let Some(maximum) = friction.maximum {
+            for (cause, relation, maximum) in [
+                (Cause::TermLeftOut, "what is expected without τ_max", None),
+                (
+                    Cause::OtherCoefficient,
+                    "what is expected with μ τ_max for τ_max",
+                    Some(coefficient * maximum),
+                ),
+                (
+                    Cause::OtherCoefficient,
+                    "what is expected with τ_max/μ for τ_max",
+                    Some(maximum / coefficient),
+                ),
+            ] {
+                others.push((cause, relation.into(), Friction { maximum, ..friction.clone() }));
+            }
+        }
+        for (mistake, what, criterion) in friction.criterion.with_components_mistaken() {
+            let other = Friction { criterion, ..friction.clone() };
+            others.push((cause_of(mistake), format!("what is expected with {what}"), other));
+        }
         for (what, criterion) in friction.criterion.with_parts_left_out() {
             let relation = format!("what is expected without {what}");
             others.push((Cause::TermLeftOut, relation, Friction { criterion, ..friction.clone() }));
@@ -174,12 +195,7 @@ impl FrictionSubject {
         let symbols: Vec<(&'static str, f64)> =
             numbers.iter().enumerate().map(|(i, x)| (symbol(i), *x)).collect();
         for (mistake, what, criterion) in found.friction.criterion.with_terms_mistaken(&symbols) {
-            let cause = match mistake {
-                TermMistake::Parameter => Cause::ParametersSwapped,
-                TermMistake::LeftOut => Cause::NotNormalised,
-                TermMistake::Norm => Cause::SumForNorm,
-                TermMistake::Axis => Cause::AxesOfA,
-            };
+            let cause = cause_of(mistake);
             let other = friction(criterion);
             if found.others.iter().all(|(.., known)| *known != other) {
                 found.others.push((cause, format!("what is expected with {what}"), other));
@@ -187,6 +203,15 @@ impl FrictionSubject {
         }
         found.parameters = symbols;
         Some(found)
+    }
+}
+
+const fn cause_of(mistake: TermMistake) -> Cause {
+    match mistake {
+        TermMistake::Parameter => Cause::ParametersSwapped,
+        TermMistake::LeftOut => Cause::NotNormalised,
+        TermMistake::Norm => Cause::SumForNorm,
+        TermMistake::Axis => Cause::OtherAxis,
     }
 }
 
@@ -343,6 +368,11 @@ impl FrictionCase {
         }
         found.extend(self.other_norms(table.quantity));
         found.extend(self.other_angles(table.quantity));
+        if table.quantity == Quantity::FrictionCriterion {
+            let [traction, contact, ..] = self.part_values();
+            let excess = vec![(format!("Φ{}", self.title), vec![traction - self.coefficient * contact])];
+            found.push((Cause::TermLeftOut, "Φ with F_C for F_N: F_C^int is left out".into(), excess));
+        }
         match table.quantity {
             Quantity::FrictionGradient => found.extend(self.other_gradients()),
             Quantity::FrictionForce => found.extend(self.other_increments(&sliding)),
@@ -412,11 +442,26 @@ impl FrictionCase {
         let parts = self.derivatives(criterion, &self.point);
         let own = (parts[1].value, parts[1].gradient);
         let mut found = Vec::new();
+        let traction = (parts[0].value, parts[0].gradient);
+        let internal = self.internal();
+        if own.0 != 0.0 && internal != 0.0 {
+            let (contact, slopes) = if own.0 > internal { own } else { (internal, [0.0; 6]) };
+            let mut rows = self.with_contact(
+                quantity,
+                (parts[0].value, parts[0].gradient),
+                (contact - internal, slopes),
+            );
+            // F_C is as it must be.
+            if rows.len() > 1 {
+                rows.remove(1);
+            }
+            let relation = "what is expected with the larger of F_C and F_C^int for their sum";
+            found.push((Cause::SumForNorm, relation.to_string(), rows));
+        }
         let mut add = |cause: Cause, words: String, traction: (f64, [f64; 6]), contact: (f64, [f64; 6])| {
             let relation = format!("what is expected with {words}");
             found.push((cause, relation, self.with_contact(quantity, traction, contact)));
         };
-        let traction = (parts[0].value, parts[0].gradient);
         let of_traction = match &criterion.tangential {
             Tangential::Norm(components) if components.len() > 1 => {
                 let of = |(k, radius): &(usize, f64)| (1.0 / radius, vec![unit(*k)], Shape::Sum);
@@ -427,8 +472,7 @@ impl FrictionCase {
         if let Some(sum) = of_traction {
             add(Cause::SumForNorm, "the sum of magnitudes for the norm in P".into(), sum, own);
         }
-        let magnitudes =
-            criterion.contact_parts(&self.context()).map_or_else(Vec::new, |parts| parts.magnitudes);
+        let magnitudes = criterion.contact_norms(&self.context());
         let terms: Vec<Part> =
             magnitudes.into_iter().map(|(factor, rows)| (factor, rows, Shape::Norm)).collect();
         let is_of_axes = terms
@@ -444,6 +488,21 @@ impl FrictionCase {
             add(Cause::SumForNorm, "the sum of magnitudes for the norm in F_C".into(), traction, sums);
             if let Some(sum) = of_traction {
                 add(Cause::SumForNorm, "sums of magnitudes for the norms in P and F_C".into(), sum, sums);
+            }
+        }
+        // A factor before one force of a norm alone.
+        for (i, (factor, rows, _)) in terms.iter().enumerate().filter(|(_, (factor, ..))| *factor != 0.0) {
+            for n in (0..rows.len()).filter(|_| rows.len() > 1) {
+                let mut partial = terms.clone();
+                let scaled = rows.iter().enumerate().map(
+                    |(m, row)| {
+                        if m == n { *row } else { row.map(|x| x / factor) }
+                    },
+                );
+                partial[i].1 = scaled.collect();
+                let force = rows[n].iter().position(|x| *x != 0.0).map_or("", |k| FORCE[k]);
+                let words = format!("the factor of a norm at {force} alone in F_C");
+                add(Cause::NotNormalised, words, traction, pressed(&partial, &self.point));
             }
         }
         for (i, (_, rows, _)) in terms.iter().enumerate() {
@@ -478,6 +537,13 @@ impl FrictionCase {
         found
     }
 
+    /// F_C^int.
+    fn internal(&self) -> f64 {
+        let [_, contact, normal, _] = self.part_values();
+        let parts = self.friction.criterion.contact_parts(&self.context());
+        parts.map_or(normal - contact, |parts| parts.internal)
+    }
+
     /// P, F_C, F_N and Φ, or their gradients, with another traction and another contact force; nothing of other quantities.
     fn with_contact(
         &self,
@@ -486,9 +552,7 @@ impl FrictionCase {
         (contact, of_contact): (f64, [f64; 6]),
     ) -> Vec<(String, Vec<f64>)> {
         use crate::friction::criterion::PARTS;
-        let internal =
-            self.friction.criterion.contact_parts(&self.context()).map_or(0.0, |parts| parts.internal);
-        let normal = contact + internal;
+        let normal = contact + self.internal();
         let sign = if normal == 0.0 { 0.0 } else { normal.signum() };
         let excess = |p: f64, n: f64| p - self.coefficient * n;
         let of_normal = of_contact.map(|x| sign * x);
@@ -533,9 +597,22 @@ impl FrictionCase {
         let sizes =
             own.iter().map(|(name, row)| (name.clone(), row.iter().map(|x| x.abs()).collect())).collect();
         let of_traction = own.first().map(|(_, row)| row.clone()).unwrap_or_default();
-        let held = own.last().map(|(name, _)| vec![(name.clone(), of_traction)]).unwrap_or_default();
+        let held = own.last().map(|(name, _)| vec![(name.clone(), of_traction.clone())]).unwrap_or_default();
         let (lost, missing) = (Cause::SignLost, Cause::CouplingMissing);
-        vec![(lost, lost.relation().to_string(), sizes), (missing, missing.relation().to_string(), held)]
+        // The gradient of a root without its division by the root.
+        let [traction, ..] = self.part_values();
+        let undivided = own.iter().zip([1.0, 0.0, 0.0, 1.0]).filter(|(_, has)| *has != 0.0);
+        let undivided = undivided.map(|((name, row), _)| {
+            let more = row.iter().zip(&of_traction).map(|(x, slope)| x + (traction - 1.0) * slope);
+            (name.clone(), more.collect::<Vec<f64>>())
+        });
+        let relation = "the gradient of P not divided by P".to_string();
+        let undivided = (Cause::NotNormalised, relation, undivided.collect());
+        vec![
+            undivided,
+            (lost, lost.relation().to_string(), sizes),
+            (missing, missing.relation().to_string(), held),
+        ]
     }
 
     /// Forces without what was stored, slip that is not summed up, all of the motion as slip, each component limited by itself.
@@ -554,6 +631,11 @@ impl FrictionCase {
             ),
             (increment, "the slip of the increment, not summed up".into(), unsummed.own(of)),
         ];
+        let mut against = self.clone();
+        against.displacement = self.displacement.map(|x| -x);
+        let relation = "what is expected with the increment of the other sign, f − K_s Δu";
+        found.push((Cause::Reversed, relation.into(), against.own(of)));
+        found.extend(self.other_stiffnesses(of, sliding));
         let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
         let title = |name: &str| format!("{name}{}", self.title);
         let radii = self.friction.radii();
@@ -589,6 +671,13 @@ impl FrictionCase {
                     (title(&output(*k)), vec![force])
                 })
                 .collect();
+            // One of several that is not cut.
+            if trial.len() > 1 {
+                for one in &trial {
+                    let relation = format!("the force of {} that would stick, not cut at the limit", one.0);
+                    found.push((Cause::StickForSlip, relation, vec![one.clone()]));
+                }
+            }
             let relation = "the force that would stick, not cut at the limit";
             found.push((Cause::StickForSlip, relation.into(), trial));
             // At the limit along another direction than that of the force that would stick.
@@ -601,12 +690,9 @@ impl FrictionCase {
             };
             let spring = |k: usize, r: f64| stiffness * r * r * self.displacement[k];
             type Direction<'a> = &'a dyn Fn(usize, f64) -> f64;
-            let directions: [(&str, Direction<'_>); 3] = [
+            let directions: [(&str, Direction<'_>); 2] = [
                 ("along the motion of the increment", &spring),
                 ("along the force before it", &|k, _| self.before.force[k]),
-                ("along a force that sticks with K_s for K_s R²", &|k, r| {
-                    self.before.force[k] + spring(k, r) / (r * r)
-                }),
             ];
             for (what, direction) in directions {
                 let relation = format!("the limit {what}");
@@ -625,6 +711,62 @@ impl FrictionCase {
         found
     }
 
+    /// Forces, or the tangent, with another stick stiffness of moments than K_s R².
+    fn other_stiffnesses(&self, quantity: Quantity, sliding: &[usize]) -> Vec<Known> {
+        let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let Some(stiffness) = outcome.stick_stiffness else { return Vec::new() };
+        let radii: Vec<(usize, f64)> =
+            self.friction.radii().into_iter().filter(|(k, _)| sliding.contains(k)).collect();
+        if radii.iter().all(|(_, r)| *r == 1.0) {
+            return Vec::new();
+        }
+        let [_, _, normal, _] = self.derivatives(&self.friction.criterion, &self.forces_at_end());
+        let mut found = Vec::new();
+        for (power, what) in [(0, "K_s"), (1, "K_s R")] {
+            let spring = |r: f64| stiffness * r.powi(power);
+            let trial: Vec<f64> = radii
+                .iter()
+                .map(|(k, r)| self.before.force[*k] + spring(*r) * self.displacement[*k])
+                .collect();
+            let size = trial.iter().zip(&radii).map(|(x, (_, r))| (x / r).powi(2)).sum::<f64>().sqrt();
+            let slips = size > outcome.limit;
+            let share = if slips { outcome.limit / size } else { 1.0 };
+            let rows = radii.iter().zip(&trial).enumerate().map(|(i, ((k, _), x))| {
+                if quantity == Quantity::FrictionForce {
+                    return (format!("{}{}", output(*k), self.title), vec![share * x]);
+                }
+                let mut row = vec![0.0; 12];
+                for (j, ((l, r), y)) in radii.iter().zip(&trial).enumerate() {
+                    let own = if i == j { share * spring(*r) } else { 0.0 };
+                    let turned = share * x * y / (r * r * size * size) * spring(*r);
+                    row[*l] = own - if slips { turned } else { 0.0 };
+                }
+                if slips {
+                    for (entry, slope) in row[6..].iter_mut().zip(normal.gradient) {
+                        *entry = self.coefficient * slope * x / size;
+                    }
+                }
+                (format!("∂{}{}", result_name(*k), self.title), row)
+            });
+            let relation =
+                format!("what is expected with the stick stiffness {what} of a moment, for K_s R²");
+            let mut rows: Vec<(String, Vec<f64>)> = rows.collect();
+            if quantity == Quantity::FrictionForce {
+                let slip = if slips { (size - outcome.limit) / stiffness } else { 0.0 };
+                let all = [("Δγ", slip), ("CASU", self.before.accumulated_slip + slip)];
+                rows.extend(all.map(|(name, x)| (format!("{name}{}", self.title), vec![x])));
+            }
+            found.push((Cause::NotNormalised, relation, rows));
+        }
+        found
+    }
+
+    /// What presses at the end of the increment.
+    fn forces_at_end(&self) -> [f64; 6] {
+        let sliding = self.sliding();
+        std::array::from_fn(|k| if sliding.contains(&k) { self.point[k] } else { self.forces[k] })
+    }
+
     /// The tangent of an increment that goes to zero, that of slip with the slope of the limit left out, and its symmetric part.
     fn other_tangents(&self, sliding: &[usize]) -> Vec<Known> {
         let input = self.input(0, 0.0);
@@ -640,6 +782,23 @@ impl FrictionCase {
         let differs = |k: &usize, j: &usize| (own[*k][*j] - own[*j][*k]).abs() > 1e-9 * own[*k][*j].abs();
         if sliding.iter().any(|k| sliding.iter().any(|j| differs(k, j))) {
             found.push((Cause::Symmetrised, Cause::Symmetrised.relation().to_string(), symmetric));
+        }
+        found.extend(self.other_stiffnesses(Quantity::FrictionTangent, sliding));
+        let zero = Cause::ComponentZero;
+        if outcome.status == Status::Stick {
+            found.push((zero, "zero, though it sticks".into(), rows(&|_, _| 0.0)));
+        }
+        let against = rows(&|k, j| if j < 6 { own[k][j] } else { -own[k][j] });
+        let relation = "what is expected with the other sign of the slopes by what presses";
+        found.push((Cause::Reversed, relation.into(), against));
+        if self.friction.maximum.is_some_and(|maximum| outcome.limit >= maximum) {
+            let [_, _, normal, _] = self.derivatives(&self.friction.criterion, &self.forces_at_end());
+            let coupled = rows(&|k, j| match j {
+                0..6 => own[k][j],
+                _ => self.coefficient * normal.gradient[j - 6] * outcome.force[k] / outcome.limit,
+            });
+            let relation = "what is expected with the slope of μ F_N, though τ_max is the limit";
+            found.push((Cause::TermLeftOut, relation.into(), coupled));
         }
         let Some(stiffness) = outcome.stick_stiffness.filter(|_| outcome.status == Status::Slip) else {
             return found;
@@ -663,6 +822,16 @@ impl FrictionCase {
         let share = outcome.limit / trial.map(|x| x * x).sum::<f64>().sqrt();
         let stuck = rows(&|k, j| if j == k { elastic[k] } else { 0.0 });
         found.push((Cause::StickForSlip, "the stick stiffness, though it slips".into(), stuck));
+        let beside = rows(&|k, j| match j {
+            0..6 if j == k => elastic[k],
+            0..6 => 0.0,
+            _ => own[k][j],
+        });
+        let relation = "the stick stiffness, though it slips, beside the right slopes by what presses";
+        found.push((Cause::StickForSlip, relation.into(), beside));
+        let diagonal = rows(&|k, j| if j == k { share * elastic[k] } else { own[k][j] });
+        let relation = "the limit over P of stick, times the stick stiffness, on the diagonal";
+        found.push((Cause::SecantForTangent, relation.into(), diagonal));
         let secant =
             rows(&|k, j| if j < 6 { if j == k { share * elastic[k] } else { 0.0 } } else { own[k][j] });
         let relation = "the limit over P of stick, times the stick stiffness";

@@ -201,8 +201,10 @@ impl MpcCase {
                 other.residual_rate[start + i] = got.residual_rate[start + j];
                 other.residual_acceleration[start + i] = got.residual_acceleration[start + j];
                 let name = if start == 0 { "δ" } else { "ρ" };
-                let relation = format!("what is expected with {name}{} in the place of {name}{}", j + 1, i + 1);
-                let of = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
+                let relation =
+                    format!("what is expected with {name}{} in the place of {name}{}", j + 1, i + 1);
+                let of =
+                    [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
                 found.push(Elsewhere::new(Cause::RowsSwapped, &relation, &other, &of));
             }
         }
@@ -305,9 +307,8 @@ impl MpcCase {
             other.residual_rate[RHO..].fill(None);
             other
         };
-        let transposed = only_moved(
-            self.changed(|state, _| state.master.rotation = transpose(&state.master.rotation)),
-        );
+        let transposed =
+            only_moved(self.changed(|state, _| state.master.rotation = transpose(&state.master.rotation)));
         let mut by_slave = self.changed(|state, _| state.master.rotation = state.slave.rotation);
         for row in by_slave.jacobian[..RHO].iter_mut().flatten() {
             let of_master = part(row, THETA_M);
@@ -458,6 +459,17 @@ impl MpcCase {
                 ] {
                     found.push(Elsewhere::new(cause, relation, &of(value, slope), &FIRST));
                 }
+                let mut still = got.clone();
+                still.jacobian[0] = got.jacobian[0].map(|_| {
+                    let mut row = [0.0; DOFS];
+                    for (i, x) in arm.into_iter().enumerate() {
+                        (row[i], row[XM + i]) = (x / initial, -x / initial);
+                    }
+                    row
+                });
+                let relation = "the row along the link at first, (X_S − X_M)/|X_S − X_M|";
+                let of = [Quantity::FirstDerivatives];
+                found.push(Elsewhere::new(Cause::Linearised, relation, &still, &of));
             }
             Translation::Carried | Translation::Equal => {
                 let mut other = got.clone();
@@ -623,6 +635,19 @@ impl MpcCase {
                 Cause::ColumnsSwapped,
                 relation,
                 &swapped,
+                &[Quantity::FirstDerivatives],
+            ));
+            let mut summed = got.clone();
+            summed.jacobian[..RHO].fill(None);
+            summed.jacobian[FLOW] = None;
+            for row in summed.jacobian.iter_mut().flatten() {
+                (row[PHI], row[PHI + 1]) = (row[PHI] + row[PHI + 1], 0.0);
+            }
+            let relation = "what is expected of φ1 and φ2 together, in the column of φ1";
+            found.push(Elsewhere::new(
+                Cause::ColumnsSwapped,
+                relation,
+                &summed,
                 &[Quantity::FirstDerivatives],
             ));
         }

@@ -6,6 +6,7 @@ use crate::motion::rows::{Assembled, Layout, Owner};
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
+use std::collections::BTreeMap;
 
 /// Entries of rows below this count as zero, and rows that are nearer to a combination of others as one.
 const ZERO: f64 = 1e-9;
@@ -56,6 +57,9 @@ impl Layout {
         modes: &Modes<R>,
     ) -> Result<(), Refusal> {
         let n = self.columns.len();
+        // Rows with an unknown of their own follow from no others, and no others from them.
+        let alone = self.alone(mechanism, assembled);
+        let mut chosen: Vec<usize> = Vec::new();
         // Orthonormal directions, with the equations that each is made of.
         let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
         // Stick comes last: what boundary conditions hold or move needs no friction to do so.
@@ -66,7 +70,7 @@ impl Layout {
         let [held, stuck] = [false, true].map(|wanted| {
             assembled.rows.iter().enumerate().filter(move |(_, row)| sticks(row.owner) == wanted)
         });
-        for (index, row) in held.chain(stuck) {
+        for (index, row) in held.chain(stuck).filter(|(index, _)| !alone[*index]) {
             let mut vector = vec![0.0; n];
             for (dof, entry) in &row.coefficients {
                 let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
@@ -80,8 +84,8 @@ impl Layout {
                 continue;
             }
             vector.iter_mut().for_each(|x| *x /= size);
-            let mut made = vec![0.0; self.kept.len() + 1];
-            made[self.kept.len()] = 1.0;
+            let mut made = vec![0.0; chosen.len() + 1];
+            made[chosen.len()] = 1.0;
             for _ in 0..2 {
                 for (direction, of) in &basis {
                     let part: f64 = vector.iter().zip(direction).map(|(x, y)| x * y).sum();
@@ -94,10 +98,10 @@ impl Layout {
                 vector.iter_mut().for_each(|x| *x /= left);
                 made.iter_mut().for_each(|x| *x /= left);
                 basis.push((vector, made));
-                self.kept.push(index);
+                chosen.push(index);
                 continue;
             }
-            let involved = made.iter().zip(self.kept.iter().chain([&index]));
+            let involved = made.iter().zip(chosen.iter().chain([&index]));
             let involved: Vec<usize> =
                 involved.filter(|(part, _)| part.abs() > ZERO).map(|(_, index)| *index).collect();
             // At a dead point a row may follow from those of other connectors for a moment: they do not hold it.
@@ -114,18 +118,61 @@ impl Layout {
             needed(mechanism, assembled, modes, &involved)?;
             self.open.extend(involved);
         }
+        self.kept = chosen;
+        self.kept.extend((0..alone.len()).filter(|index| alone[*index]));
         self.kept.sort_unstable();
         self.open.sort_unstable();
         self.open.dedup();
         Ok(())
     }
 
+    /// Which equations have an unknown that no other one has; and which have one once those are set aside.
+    fn alone<R: Number>(&self, mechanism: &Mechanism<R>, assembled: &Assembled<R>) -> Vec<bool> {
+        /// Of the largest entry of a row, what is no rounding.
+        const CLEAR: f64 = 1e-3;
+        let mut of_columns: Vec<Vec<usize>> = vec![Vec::new(); self.columns.len()];
+        let mut entries: Vec<BTreeMap<usize, f64>> = Vec::with_capacity(assembled.rows.len());
+        for (index, row) in assembled.rows.iter().enumerate() {
+            let mut all = BTreeMap::new();
+            for (dof, entry) in &row.coefficients {
+                let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
+                if let Some(place) = self.place[*dof] {
+                    *all.entry(place).or_insert(0.0) += entry.to_f64() / scale;
+                }
+            }
+            all.keys().for_each(|place| of_columns[*place].push(index));
+            entries.push(all);
+        }
+        let mut left: Vec<usize> = of_columns.iter().map(Vec::len).collect();
+        let mut alone = vec![false; entries.len()];
+        let mut single: Vec<usize> = (0..left.len()).filter(|place| left[*place] == 1).collect();
+        while let Some(place) = single.pop() {
+            let Some(index) = of_columns[place].iter().copied().find(|index| !alone[*index]) else {
+                continue;
+            };
+            let of = &entries[index];
+            let size = of.values().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if of[&place].abs() <= (CLEAR * size).max(ZERO) {
+                continue;
+            }
+            alone[index] = true;
+            for other in of.keys() {
+                left[*other] -= 1;
+                if left[*other] == 1 {
+                    single.push(*other);
+                }
+            }
+        }
+        alone
+    }
+
     /// Finds what equations alone determine: sets of unknowns that share equations, and have as many.
     fn determine<R: Number>(&mut self, mechanism: &Mechanism<R>, assembled: &Assembled<R>) {
         let n = self.columns.len();
         let mut root: Vec<usize> = (0..n).collect();
-        fn find(root: &[usize], mut i: usize) -> usize {
+        fn find(root: &mut [usize], mut i: usize) -> usize {
             while root[i] != i {
+                root[i] = root[root[i]];
                 i = root[i];
             }
             i
@@ -139,17 +186,17 @@ impl Layout {
         for row in &self.kept {
             let places = places(*row);
             for pair in places.windows(2) {
-                let (i, j) = (find(&root, pair[0]), find(&root, pair[1]));
+                let (i, j) = (find(&mut root, pair[0]), find(&mut root, pair[1]));
                 root[i] = j;
             }
         }
         let mut sets: Vec<(Vec<usize>, Vec<usize>)> = vec![(Vec::new(), Vec::new()); n];
         for i in 0..n {
-            sets[find(&root, i)].0.push(i);
+            sets[find(&mut root, i)].0.push(i);
         }
         for row in &self.kept {
             if let Some(first) = places(*row).first() {
-                sets[find(&root, *first)].1.push(*row);
+                sets[find(&mut root, *first)].1.push(*row);
             }
         }
         sets.retain(|(unknowns, rows)| !rows.is_empty() && unknowns.len() == rows.len());

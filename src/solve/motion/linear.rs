@@ -244,6 +244,12 @@ impl<R: Number> System<R> {
             factors.push(factor);
             rows.push(ends[row]..end);
         }
+        // Long rows, as that of a node which carries many, stand whole: what a short pivot takes of one costs the pivot's length.
+        let mut whole: Vec<Option<Whole<R>>> = Vec::new();
+        whole.resize_with(n, || None);
+        for row in (0..n).filter(|row| rows[*row].len() > LONG) {
+            whole[row] = Some(Whole::new(&left[rows[row].clone()], n));
+        }
         let least = R::from_f64(PIVOT * R::ROUNDING);
         let mut taken = Vec::with_capacity(2 * n);
         let mut pivots = Vec::with_capacity(n);
@@ -255,18 +261,40 @@ impl<R: Number> System<R> {
                 candidates.push(row);
                 row = follows[row];
             }
-            let size = |row: usize| left[rows[row].start].1.magnitude();
+            let leading = |row: usize| match &whole[row] {
+                Some(whole) => whole.entries[k],
+                None => left[rows[row].start].1,
+            };
+            let size = |row: usize| leading(row).magnitude();
             let most = candidates.iter().fold(R::ZERO, |most, row| larger(most, size(*row)));
             let enough = most * R::from_f64(SHORTEST);
             let large = candidates.iter().filter(|row| !size(**row).less(enough));
+            let length = |row: usize| whole[row].as_ref().map_or(rows[row].len(), |whole| whole.length);
             let best =
-                large.min_by_key(|row| (rows[**row].len(), **row)).filter(|_| (least * sizes[k]).less(most));
+                large.min_by_key(|row| (length(**row), **row)).filter(|_| (least * sizes[k]).less(most));
             let Some(best) = best.copied() else { return Err(NoPivot { column: order[k] }) };
+            let factors_of: Vec<(usize, R)> = {
+                let inverse = R::integer(1) / leading(best);
+                let others = candidates.iter().copied().filter(|row| *row != best);
+                others.map(|row| (row, leading(row) * inverse)).collect()
+            };
+            if let Some(of) = whole[best].take() {
+                let start = left.len();
+                left.extend(
+                    (k..n).map(|at| (at, of.entries[at])).filter(|(at, x)| *at == k || !x.is_nothing()),
+                );
+                rows[best] = start..left.len();
+            }
             let pivot = rows[best].clone();
-            let inverse = R::integer(1) / left[pivot.start].1;
-            for row in candidates.iter().copied().filter(|row| *row != best) {
-                let factor = left[rows[row].start].1 * inverse;
+            for (row, factor) in factors_of {
                 taken.push((row, best, factor));
+                if let Some(of) = &mut whole[row] {
+                    let next = of.subtract(k, &left[pivot.start + 1..pivot.end], factor);
+                    if let Some(next) = next {
+                        follows[row] = std::mem::replace(&mut begins[next], row);
+                    }
+                    continue;
+                }
                 subtract(
                     &left[rows[row].start + 1..rows[row].end],
                     &left[pivot.start + 1..pivot.end],
@@ -284,6 +312,9 @@ impl<R: Number> System<R> {
                 rows[row] = start..start + less.len();
                 if let Some((k, _)) = less.first() {
                     follows[row] = std::mem::replace(&mut begins[*k], row);
+                }
+                if less.len() > LONG {
+                    whole[row] = Some(Whole::new(&less, n));
                 }
             }
             pivots.push((best, pivot));
@@ -307,6 +338,36 @@ impl<R: Number> Eliminated<R> {
             x[*column] = sum / *divisor;
         }
         x
+    }
+}
+
+/// Rows of more entries than this stand whole.
+const LONG: usize = 64;
+
+/// A row with a place for each column.
+struct Whole<R> {
+    entries: Vec<R>,
+    /// How many may be other than zero.
+    length: usize,
+}
+
+impl<R: Number> Whole<R> {
+    fn new(row: &[(usize, R)], n: usize) -> Self {
+        let mut entries = vec![R::ZERO; n];
+        row.iter().for_each(|(k, x)| entries[*k] = *x);
+        Self { entries, length: row.len() }
+    }
+
+    /// Takes a multiple of a pivot of column k, and gives the column where it begins then.
+    fn subtract(&mut self, k: usize, pivot: &[(usize, R)], factor: R) -> Option<usize> {
+        self.entries[k] = R::ZERO;
+        self.length = self.length.saturating_sub(1);
+        for (column, x) in pivot {
+            let entry = &mut self.entries[*column];
+            self.length += usize::from(entry.is_nothing());
+            *entry = *entry - factor * *x;
+        }
+        (k + 1..self.entries.len()).find(|at| !self.entries[*at].is_nothing())
     }
 }
 

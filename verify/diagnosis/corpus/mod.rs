@@ -10,6 +10,7 @@ mod rows;
 mod second;
 mod special;
 mod strangers;
+mod third;
 mod values;
 
 use pintle_audit::oracles::oracle::Narrow;
@@ -179,7 +180,7 @@ pub(crate) fn settings() -> Settings {
 
 /// All of them.
 pub(crate) fn all() -> impl Iterator<Item = &'static Wrong> {
-    let parts = [SEEN, &[strangers::ALL, outsiders::ALL]].concat();
+    let parts = [SEEN, &[strangers::ALL, outsiders::ALL, third::ALL]].concat();
     parts.into_iter().flatten()
 }
 
@@ -314,6 +315,11 @@ fn causes_of_strangers_are_named() {
 #[test]
 fn causes_of_outsiders_are_named() {
     assert_named("outsiders", &[outsiders::ALL], 90);
+}
+
+#[test]
+fn causes_of_a_third_outsider_are_named() {
+    assert_named("third", &[third::ALL], 100);
 }
 
 /// Right routines: the product's numbers, and numbers by other formulas. Nothing is wrong of any type, in any quantity, at any state.

@@ -358,7 +358,11 @@ impl Symptoms<'_> {
                     (&flows, -1.0, "with the other sign of the columns of the flows"),
                     (&flows, 0.0, "without the columns of the flows"),
                     (&moves, material, "with the direction of d not divided by l_ref"),
-                    (&moves, material / norm(pair.separation()), "with the direction of d divided by l for l_ref"),
+                    (
+                        &moves,
+                        material / norm(pair.separation()),
+                        "with the direction of d divided by l for l_ref",
+                    ),
                 ] {
                     let made = columns.iter().map(|j| (*j, factor * row[*j]));
                     let made = Hypothesis::of_row(Cause::NotNormalised, k, made);
@@ -800,7 +804,14 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
         Measure::Misalignment(i) | Measure::Cardan(i) => (i - 1, product(&q, &transpose(&q0))),
         _ => return Vec::new(),
     };
-    let phi = so3::log(&r);
+    // With its turns, where it is what the components are.
+    let whole = case.positions();
+    let phi = match (measure, [whole[3], whole[4], whole[5]]) {
+        (Measure::RotationVector(_) | Measure::RotationVectorAtB(_), [Some(x), Some(y), Some(z)]) => {
+            [x, y, z]
+        }
+        _ => so3::log(&r),
+    };
     let (left, inverse) = (so3::left_jacobian(phi), so3::inverse_left_jacobian(phi));
     let of = |m: Matrix<f64>| {
         let g = apply(&step.state.pair.a.triad, m[i]);
@@ -827,7 +838,14 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
         ("1/12 for the coefficient of φ^²", 1.0 / 12.0),
         ("no φ^²", 0.0),
     ];
-    let made = [of(left), of(transpose(&left)), of(transpose(&inverse)), of(inverse)];
+    let made = [
+        of(left),
+        of(transpose(&left)),
+        of(transpose(&inverse)),
+        of(inverse),
+        of(pintle_kinematics::vector::identity())
+            .related("the axis itself: the Jacobian of the rotation vector is left out"),
+    ];
     let of_others = others.into_iter().map(|(what, coefficient)| {
         of(by(coefficient)).related(format!("the row of the inverse Jacobian with {what}"))
     });
@@ -873,6 +891,25 @@ fn mistyped_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
                 let made = Hypothesis::of_row(cause, k, [entry]);
                 found.push(made.related(format!("what is expected {what}")));
             }
+        }
+    }
+    // An index of g_j d_l − g_l d_j that is another one, in each component.
+    for place in 0..4 {
+        for by in [1, 2] {
+            let typed = (0..3).map(|i| {
+                let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+                let mut at = [j, l, l, j];
+                at[place] = (at[place] + by) % 3;
+                let [a, b, c, d_] = at;
+                let lever = g[j] * d[l] - g[l] * d[j];
+                (THETA_A + i, of_a[i] - lever + g[a] * d[b] - g[c] * d[d_])
+            });
+            let made = Hypothesis::of_row(Cause::GeometricTermMissing, k, typed);
+            found.push(
+                made.related(
+                    "what is expected with an index mistyped in the cross product g × d of the lever",
+                ),
+            );
         }
     }
     found

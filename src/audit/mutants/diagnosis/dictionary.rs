@@ -214,7 +214,11 @@ fn strains<S: Scalar<Real = f64>>(pair: &Pair<S>, l0: f64, mut add_item: impl Fn
         let x = over(l, reference);
         lift(x, [x.real().ln(), 1.0 / x.real(), -0.5 / (x.real() * x.real())])
     });
-    add(Cause::InitialKept, "(l − l_ref)/l₀, divided by the material length at first", over(l - reference, l0));
+    add(
+        Cause::InitialKept,
+        "(l − l_ref)/l₀, divided by the material length at first",
+        over(l - reference, l0),
+    );
     add(Cause::MotionIgnored, "l/l₀ − 1, without the flows", over(l, l0));
     for (words, other) in [
         ("l/(l₀ − Ψ_a + Ψ_b) − 1, the flows of the other sign", l0 - a + b),

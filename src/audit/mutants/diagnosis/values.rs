@@ -54,7 +54,7 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
                     add(Cause::ReferenceSubtracted, f - reference);
                 }
                 if is_angle {
-                    of_function(now, first, &mut add);
+                    of_function(k, now, first, &mut found);
                 }
             }
         }
@@ -65,9 +65,9 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
         if measure.is_one_form() {
             of_sums(case, (k, f, before[k].unwrap_or(0.0)), &mut found);
         }
-        let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
         if is_angle {
-            of_function(f, 0.0, &mut add);
+            of_function(k, f, 0.0, &mut found);
+            let mut add = |cause: Cause, x: f64| found.push(Hypothesis::one(cause, (k, 0), x));
             add(Cause::DegreesForRadians, f.to_radians());
             if let Some(got) = got.get(k, 0) {
                 let turns = ((got - f) / TAU).round();
@@ -115,24 +115,21 @@ fn of_other_turns((k, f, got): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
             found.push(made.related(format!("{what} what is expected, turns counted apart")));
         }
     }
-    // So many half turns are tried.
+    // So many half turns are tried, and so many digits of π, rounded or cut off.
     const HALVES: i32 = 24;
-    /// By which π may be off, and digits beyond which it is not.
-    const ROUGH: f64 = 0.01;
     const DIGITS: i32 = 10;
-    if got == f || (got - f).abs() > ROUGH * f64::from(HALVES) {
+    if got == f || (got - f).abs() > 0.01 * f64::from(HALVES) {
         return;
     }
     for halves in (-HALVES..=HALVES).filter(|halves| *halves != 0) {
         let pi = PI + (got - f) / f64::from(halves);
-        for digits in 2..=DIGITS {
-            let ten = 10.0_f64.powi(digits);
-            let written = (pi * ten).round() / ten;
-            if (written - pi).abs() < 1e-14 * f64::from(HALVES) && (written - PI).abs() < ROUGH {
-                let made = Hypothesis::one(Cause::Rounded, (k, 0), f + f64::from(halves) * (written - PI));
-                found.push(made.related(format!("what is expected with {written} for π where turns are added")));
-                break;
-            }
+        let written = (2..=DIGITS).map(|digits| 10.0_f64.powi(digits)).flat_map(|ten| {
+            let digits = PI * ten;
+            [digits.round() / ten, digits.trunc() / ten]
+        });
+        for written in written.filter(|written| (written - pi).abs() < 1e-14 * f64::from(HALVES)) {
+            let made = Hypothesis::one(Cause::Rounded, (k, 0), f + f64::from(halves) * (written - PI));
+            found.push(made.related(format!("what is expected with {written} for π where turns are added")));
         }
     }
 }
@@ -170,7 +167,10 @@ fn of_sums(case: &Case, (k, f, before): (usize, f64, f64), found: &mut Vec<Hypot
         }
     }
     let scale = case.definition.flow_scale;
-    for (factor, what) in [(1.0 / scale, "without the scale β_s"), (1.0 / (scale * scale), "divided by β_s, which must multiply")] {
+    for (factor, what) in [
+        (1.0 / scale, "without the scale β_s"),
+        (1.0 / (scale * scale), "divided by β_s, which must multiply"),
+    ] {
         let what = format!("what is expected, the increment of the flow {what}");
         add(Cause::NotNormalised, f + (factor - 1.0) * flow, what);
     }
@@ -181,7 +181,9 @@ fn of_sums(case: &Case, (k, f, before): (usize, f64, f64), found: &mut Vec<Hypot
         let [end, begin] = ends.map(|triad| dot(column(triad, j), spin));
         for (x, where_) in [(end, "at the end"), (begin, "at the beginning"), ((end + begin) / 2.0, "mean")] {
             let what = match (where_, j) {
-                ("mean", _) => format!("the value before and the increment along the mean of {name} before and after"),
+                ("mean", _) => {
+                    format!("the value before and the increment along the mean of {name} before and after")
+                }
                 _ => format!("the value before and the increment along {name} {where_} of it"),
             };
             let cause = if j == 2 { Cause::AxisOfIncrement } else { Cause::OtherAxis };
@@ -243,18 +245,25 @@ pub(super) const fn axis_of(measure: Measure) -> Option<usize> {
 }
 
 /// Other functions of an angle, less the same of its initial value.
-fn of_function(now: f64, first: f64, add: &mut impl FnMut(Cause, f64)) {
-    let mut of = |cause: Cause, f: &dyn Fn(f64) -> f64| add(cause, f(now) - f(first));
-    of(Cause::OtherParameters, &f64::sin);
-    of(Cause::OtherParameters, &f64::tan);
-    of(Cause::OtherParameters, &|x| 1.0 - x.cos());
-    of(Cause::OtherParameters, &|x| 2.0 * (x / 2.0).sin());
-    of(Cause::OtherParameters, &|x| (x / 2.0).sin());
-    of(Cause::OtherParameters, &|x| 2.0 * (x / 2.0).tan());
-    of(Cause::OtherParameters, &|x| (x / 2.0).tan());
-    of(Cause::Folded, &|x| x.sin().asin());
-    of(Cause::Folded, &|x| x.tan().atan());
-    of(Cause::SignLost, &|x| x.cos().acos());
+fn of_function(k: usize, now: f64, first: f64, found: &mut Vec<Hypothesis>) {
+    let mut of = |cause: Cause, what: &str, f: &dyn Fn(f64) -> f64| {
+        let made = Hypothesis::one(cause, (k, 0), f(now) - f(first));
+        found.push(if what.is_empty() {
+            made
+        } else {
+            made.related(format!("{what} of the angle, less that at first"))
+        });
+    };
+    of(Cause::OtherParameters, "the sine", &f64::sin);
+    of(Cause::OtherParameters, "the tangent", &f64::tan);
+    of(Cause::OtherParameters, "1 − the cosine", &|x| 1.0 - x.cos());
+    of(Cause::OtherParameters, "twice the sine of half", &|x| 2.0 * (x / 2.0).sin());
+    of(Cause::OtherParameters, "the sine of half", &|x| (x / 2.0).sin());
+    of(Cause::OtherParameters, "twice the tangent of half", &|x| 2.0 * (x / 2.0).tan());
+    of(Cause::OtherParameters, "the tangent of half", &|x| (x / 2.0).tan());
+    of(Cause::Folded, "", &|x| x.sin().asin());
+    of(Cause::Folded, "", &|x| x.tan().atan());
+    of(Cause::SignLost, "", &|x| x.cos().acos());
 }
 
 /// Angles, or a rotation vector, by other parameters of the same relative rotation.
@@ -339,9 +348,8 @@ fn of_rotation(
         add_as(Cause::InitialKept, "", so3::log(&q), [0.0; 3]);
     }
     let flexions = [now, first];
-    let is_free = |measure: &Measure| {
-        matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_))
-    };
+    let is_free =
+        |measure: &Measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
     if rotational.iter().flatten().any(is_free) {
         add_as(Cause::TurnForgotten, "the principal rotation vector", so3::log(&q), so3::log(&q0));
     }

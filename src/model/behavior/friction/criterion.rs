@@ -1,6 +1,6 @@
 //! The criterion Φ = P(f) − μ F_N ≤ 0 with F_N = |F_C + F_C^int|: P and F_C of any friction, and their derivatives.
 
-use crate::behavior::friction::derived::{Derived, Potential};
+use crate::behavior::friction::derived::{Derived, DerivedPart, Potential};
 use crate::behavior::friction::flags::{Flag, Flags};
 use crate::behavior::friction::{Context, Ordered, is_divisor, is_zero};
 use crate::behavior::table::{Table, Variable};
@@ -12,7 +12,7 @@ use pintle_kinematics::catalog::{
 use pintle_kinematics::scalar::elementary::{abs, norm, sin_cos};
 use pintle_kinematics::scalar::{Real, Scalar, Seeded};
 use pintle_kinematics::vector::{cross, dot};
-use pintle_scene::Basis;
+use pintle_scene::{Basis, Operator};
 
 /// What slides: P(f), the magnitude of the tangential tractions.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -513,6 +513,53 @@ impl Criterion {
         found
     }
 
+    /// The criterion with a term of a derived component mistaken, in words: without its scale factors, with another operator, of the other sign,
+    /// without it; and with other components in P.
+    pub fn with_components_mistaken(&self) -> Vec<(TermMistake, String, Self)> {
+        let mut found = Vec::new();
+        if let Pressing::Derived(derived) = &self.pressing {
+            for (i, part) in derived.parts.iter().enumerate() {
+                let mut add = |mistake: TermMistake, words: &str, change: &dyn Fn(&mut DerivedPart)| {
+                    let mut other = derived.clone();
+                    change(&mut other.parts[i]);
+                    let words = format!("{words} term {} of F_C", i + 1);
+                    found.push((mistake, words, Self { pressing: Pressing::Derived(other), ..self.clone() }));
+                };
+                if part.scale.is_some() {
+                    add(TermMistake::LeftOut, "no scale factors in", &|part| {
+                        (part.scale, part.independent) = (None, None);
+                    });
+                }
+                for (operator, words) in [
+                    (Operator::Norm, "the norm for the sum in"),
+                    (Operator::Sum, "the sum for the norm in"),
+                    (Operator::MacauleySum, "the sum of positive parts alone in"),
+                ] {
+                    if operator != part.operator {
+                        add(TermMistake::Norm, words, &|part| part.operator = operator);
+                    }
+                }
+                add(TermMistake::LeftOut, "the other sign of", &|part| part.sign = -part.sign);
+            }
+        }
+        if let Tangential::Norm(components) = &self.tangential {
+            for (i, (k, _)) in components.iter().enumerate() {
+                let is_near = |l: &usize| *l / 3 == k / 3 && components.iter().all(|(known, _)| known != l);
+                for l in (0..6).filter(is_near) {
+                    let mut others = components.clone();
+                    others[i].0 = l;
+                    let words = format!("{} for {} in P", FORCE[l], FORCE[*k]);
+                    found.push((
+                        TermMistake::Axis,
+                        words,
+                        Self { tangential: Tangential::Norm(others), ..self.clone() },
+                    ));
+                }
+            }
+        }
+        found
+    }
+
     /// The criterion with one mistake in the terms of F_C, in words, by the symbols and values of its parameters:
     ///
     /// - one parameter for another, or both exchanged, in one term or in several;
@@ -553,6 +600,18 @@ impl Criterion {
         for set in &sets {
             let named: Vec<String> = set.iter().map(|i| name(&terms[*i])).collect();
             let of = named.join(", ");
+            let bare = |term: &Term| Term { times: Vec::new(), over: None, ..term.clone() };
+            if let Some(terms) = changed(set, &bare) {
+                add(TermMistake::LeftOut, format!("no parameters in the terms of {of}"), terms);
+            }
+            let unmultiplied = |term: &Term| Term { times: Vec::new(), ..term.clone() };
+            if let Some(terms) = changed(set, &unmultiplied) {
+                add(TermMistake::LeftOut, format!("no factors in the terms of {of}"), terms);
+            }
+            let twice = |term: &Term| Term { number: 2 * term.number, ..term.clone() };
+            if let Some(terms) = changed(set, &twice) {
+                add(TermMistake::LeftOut, format!("twice the terms of {of}"), terms);
+            }
             for (n, (p, x)) in parameters.iter().enumerate() {
                 for (q, y) in parameters.iter().enumerate().filter(|(m, _)| *m != n).map(|(_, other)| other) {
                     let for_another = |term: &Term| exchanged(term, &|z| if z == *x { *y } else { z });
@@ -596,6 +655,14 @@ impl Criterion {
             let with = |more: Vec<Term>| [rest.clone(), more].concat();
             match term.load {
                 Load::Norm(components) => {
+                    // All of a force or moment for its part across.
+                    let whole = ALL.into_iter().find(|all| all.contains(&components[0]));
+                    if let Some(whole) = whole.filter(|whole| components.len() == 2 && whole.len() == 3) {
+                        let load = Term { load: Load::Norm(whole), present: [true; 6], ..term.clone() };
+                        let words =
+                            format!("all of {} … {} for {}", FORCE[whole[0]], FORCE[whole[2]], name(term));
+                        add(TermMistake::Axis, words, with(vec![load]));
+                    }
                     let single = |k: &usize| Term { load: Load::Norm(ONE[*k]), ..term.clone() };
                     let sum = components.iter().map(single).collect();
                     add(
@@ -709,6 +776,28 @@ impl Criterion {
             }
         }
         Some(parts)
+    }
+
+    /// F_C as a sum of norms, with the context's positions: the factor and the rows A of each |A f|. Of derived components where these are norms;
+    /// empty where F_C is something else.
+    pub fn contact_norms<R: Ordered>(&self, context: &Context<'_, R>) -> Vec<(R, Vec<[R; 6]>)> {
+        let Pressing::Derived(derived) = &self.pressing else {
+            return self.contact_parts(context).map_or_else(Vec::new, |parts| parts.magnitudes);
+        };
+        let is_norm = |part: &DerivedPart| part.operator == Operator::Norm && part.sign > 0.0;
+        if !derived.parts.iter().all(is_norm) {
+            return Vec::new();
+        }
+        let rows = |part: &DerivedPart| {
+            let factors = part.scaled(&[R::integer(1); 6], context, &mut Flags::default());
+            let row = |(k, factor): (&usize, R)| {
+                let mut row = [R::ZERO; 6];
+                row[*k] = factor;
+                row
+            };
+            (R::integer(1), part.components.iter().zip(factors).map(row).collect())
+        };
+        derived.parts.iter().map(rows).collect()
     }
 
     /// F_N = |F_C + F_C^int|.

@@ -79,7 +79,7 @@ impl Derived {
 
 impl DerivedPart {
     /// α_i f_i.
-    fn scaled<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> Vec<S>
+    pub(super) fn scaled<S>(&self, f: &[S; 6], context: &Context<'_, S>, flags: &mut Flags) -> Vec<S>
     where
         S: Scalar,
         S::Real: Ordered,
