@@ -35,12 +35,12 @@ mod share;
 pub mod singular;
 
 pub use candidate::{
-    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent, values_before,
+    Candidate, ConstraintCandidate, Domain, FrictionCandidate, Given, Question, Right, Tangent,
 };
 pub use case::failing::{Failing, FrictionCase, MpcCase, RelationCase};
 pub use case::hex::Hex;
 pub use case::quantity::{Entries, Numbers, Quantity};
-pub use case::{Case, Step, initial_places};
+pub use case::{Case, Step, initial_places, values_before};
 pub use engine::{audit_case, audit_cases, audit_catalogue};
 pub use friction::{FrictionNumbers, FrictionSubject, friction_cases};
 pub use illustration::{Illustration, Steps, illustrate_catalogue, illustrate_scene};

@@ -59,7 +59,7 @@ use crate::sampling::{SPECIAL, about_initial_by, along_initial, beside_half_turn
 use crate::settings::Settings;
 use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
-use pintle_kinematics::connector::{Components, Connector, Definition, Evaluation, Output, Request, State};
+use pintle_kinematics::connector::{Components, Connector, Definition, Output, Request, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
@@ -703,7 +703,7 @@ fn without_differences_of_wrong_values(found: &mut Vec<Check>) {
 impl Asked {
     /// With what is right at the state before its end.
     fn new(number: usize, case: Case) -> Self {
-        let values_before = values_before(&case);
+        let values_before = crate::case::values_before(&case);
         Self { number, case, values_before }
     }
 
@@ -712,20 +712,6 @@ impl Asked {
         let Self { number, values_before, .. } = *self;
         Some(Question { number, step, path, values_before, wants, is_drawn: true })
     }
-}
-
-/// What is right at the state before the end of a case: residuals of constrained components, displacements of others.
-pub fn values_before(case: &Case) -> Components<f64> {
-    let mut before = case.clone();
-    before.path.pop();
-    if before.path.is_empty() {
-        let pair = case.definition.initial;
-        before.path.push(Step::between(&pair, pair));
-    }
-    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-    let found = before.evaluation(&asked).map(|(found, _)| found);
-    let of = |found: Evaluation<f64>| std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
-    found.map_or([None; 6], of)
 }
 
 impl Given {

@@ -210,3 +210,17 @@ pub fn carried(pair: &Pair<f64>, rotation: &Matrix<f64>, translation: Vector<f64
     moved.b.triad = product(rotation, &pair.b.triad);
     moved
 }
+
+/// What is right at the state before the end of a case: residuals of constrained components, displacements of others.
+pub fn values_before(case: &Case) -> Components<f64> {
+    let mut before = case.clone();
+    before.path.pop();
+    if before.path.is_empty() {
+        let pair = case.definition.initial;
+        before.path.push(Step::between(&pair, pair));
+    }
+    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+    let found = before.evaluation(&asked).map(|(found, _)| found);
+    let of = |found: Evaluation<f64>| std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
+    found.map_or([None; 6], of)
+}

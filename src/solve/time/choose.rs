@@ -12,6 +12,9 @@ use crate::time::run::Run;
 use crate::time::solution::{Event, What};
 use pintle_kinematics::scalar::elementary;
 
+/// The direction in which what is prescribed moves a friction, and whether it grazes; none where nothing prescribed does.
+type Driven<R> = Option<([R; 6], bool)>;
+
 /// Margins below this count as ties.
 pub(crate) const TIE: f64 = 1e-9;
 
@@ -203,7 +206,7 @@ impl<R: Number> Run<'_, R> {
         all_held: &Modes<R>,
         (layout, stuck): (&Layout, &Solved<R>),
         open: &[usize],
-    ) -> Result<Vec<Option<([R; 6], bool)>>, Refusal> {
+    ) -> Result<Vec<Driven<R>>, Refusal> {
         /// A moment, as a part of the time to the next break.
         const MOMENT: f64 = 1e-3;
         /// Below this part of the usual speed nothing moves.

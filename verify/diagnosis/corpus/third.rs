@@ -102,7 +102,9 @@ pub(super) const ALL: &[Wrong] = &[
     Wrong::new(
         ("CARDAN", "3.1416 for π where the turns of ur1 are added"),
         &[F],
-        |_, numbers| one(numbers, F, (3, 0), |x| x + 2.0 * (x / TAU).round() * (3.1416 - PI)),
+        |_, numbers| {
+            one(numbers, F, (3, 0), |x| x + 2.0 * (x / TAU).round() * ((PI * 1e4).round() / 1e4 - PI))
+        },
         (&["diagnosis::rounded"], "3.1416"),
     ),
     Wrong::new(

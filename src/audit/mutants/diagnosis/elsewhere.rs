@@ -1,9 +1,8 @@
 //! The same connector at other nodes than those that are meant: exchanged, held in their initial place, with triads transposed, an
 //! increment late, without its history.
 
-use crate::candidate::values_before;
 use crate::case::quantity::{Numbers, Quantity};
-use crate::case::{Case, Step};
+use crate::case::{Case, Step, values_before};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
@@ -309,7 +308,7 @@ pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
             && case.path.len() > 1
             && connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
     };
-    let before = (0..6).any(is_summed).then(|| values_before(case)).unwrap_or([None; 6]);
+    let before = if (0..6).any(is_summed) { values_before(case) } else { [None; 6] };
     for (cause, relation, numbers) in found_elsewhere(case, quantity) {
         for (k, row) in numbers.entries(quantity).0.iter().enumerate() {
             let Some(row) = row else { continue };

@@ -79,7 +79,7 @@ pub(in crate::deck) fn at(face: &[[f64; 3]], x: [f64; 3]) -> Option<(Vec<f64>, f
         if step.iter().all(|step| step.abs() < 1e-14) {
             break;
         }
-        if place.iter().any(|coordinate| !(coordinate.abs() < 4.0)) {
+        if place.iter().any(|coordinate| coordinate.is_nan() || coordinate.abs() >= 4.0) {
             return None;
         }
     }
