@@ -997,3 +997,26 @@ fn a_drive_that_grazes_lets_creep() {
     let crept = solution.frames.last().unwrap().connectors[0].displacement[0];
     assert!((crept - 0.411_547_618).abs() < 2e-8, "{crept}");
 }
+
+/// The same collar, turned ever faster from rest by a small rate: its direction is where friction and acceleration agree, 1.5 a = 0.5 − 3 a/√(a² +
+/// (R α)²), though each turns the other by more than it was turned.
+#[test]
+fn a_slow_drive_finds_its_direction() {
+    for (alpha, creeps) in [(20.0_f64, 0.111_569_766_772_991_5_f64), (5.0, 0.037_403_002_201_549_2)] {
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=SHAFT\n101, 1, 2\n*ORIENTATION, NAME=AX\n1., 0., 0., 0., 1., 0.\n\
+             *CONNECTOR SECTION, ELSET=SHAFT, BEHAVIOR=DRY\nCYLINDRICAL,\nAX,\n*CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR FRICTION, PREDEFINED\n0.05\n\
+             *FRICTION\n0.2\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 2\n*MASS, ELSET=M\n1.5\n*ELEMENT, TYPE=ROTARYI, ELSET=I\n202, 2\n\
+             *ROTARY INERTIA, ELSET=I\n0.004, 0.02, 0.02\n*BOUNDARY\n1, 1, 6\n*AMPLITUDE, NAME=A, SMOOTH=0.\n0., 0., 1., 1.\n\
+             *STEP\n*DYNAMIC\n0.01, 1.\n*CONNECTOR MOTION, AMPLITUDE=A, TYPE=VELOCITY\nSHAFT, 4, {alpha}\n*CLOAD\n2, 1, 0.5\n\
+             *DLOAD\nM, GRAV, 10., 0., 0., -1.\n*END STEP\n"
+        );
+        let solution: Solution<f64> = solved(&deck, &Options::default());
+        let left = 1.5 * creeps - 0.5 + 3.0 * creeps / creeps.hypot(0.05 * alpha);
+        assert!(left.abs() < 1e-12, "{left}");
+        let first = solution.frames.first().unwrap();
+        assert!((first.nodes[1].acceleration[0] - creeps).abs() < 1e-12, "{:?}", first.nodes[1].acceleration);
+        let last = solution.frames.last().unwrap();
+        assert!((last.connectors[0].displacement[0] - creeps / 2.0).abs() < 1e-12);
+    }
+}

@@ -331,7 +331,9 @@ fn ties_hold_within_faces() {
     }
     assert_eq!(compared, 4 * 2 * 9);
     // A tie of a surface of faces to another takes a mean around each node unless it says otherwise; what lies off the face is not read.
-    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 1.\n11, 0.2, 0.2, 0.\n12, 0.6, 0.2, 0.\n13, 0.2, 0.6, 0.\n14, 0.3, 0.3, -1.\n15, 0.2, 0.2, 0.01\n\
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0.3, 0.3, 1.\n11, 0.2, 0.2, 0.\n12, 0.6, 0.2, 0.\n13, 0.2, 0.6, 0.\n14, 0.3, 0.3, -1.\n15, 0.2, 0.2, 0.01\n16, 1., 0., 0.\n\
+        21, 1e6, 0., 0.\n22, 1000001., 0., 0.\n23, 1e6, 1., 0.\n24, 1e6, 0., 1.\n26, 1000000.3, 0.3, 0.\n27, 1000000.3, 0.3, 0.5\n\
+        *ELEMENT, TYPE=C3D4, ELSET=C\n3, 21, 22, 23, 24\n*SURFACE, NAME=FAR\nC, S1\n\
         *ELEMENT, TYPE=C3D4, ELSET=A\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D4, ELSET=B\n2, 11, 12, 13, 14\n\
         *SURFACE, NAME=MASTER\nA, S1\n*SURFACE, NAME=SLAVE\nB, S1\n*SURFACE, TYPE=NODE, NAME=OFF\n15,\n";
     for (text, equations) in [
@@ -339,6 +341,10 @@ fn ties_hold_within_faces() {
         ("*TIE, NAME=T, TYPE=SURFACE TO SURFACE\nSLAVE, MASTER\n", 0),
         ("*TIE, NAME=T, TYPE=NODE TO SURFACE\nSLAVE, MASTER\n", 9),
         ("*TIE, NAME=T\nOFF, MASTER\n", 0),
+        // A node of the face, and one that is off it by less than six digits of its place, but more than is allowed.
+        ("*SURFACE, TYPE=NODE, NAME=AT\n16,\n11,\n*TIE, NAME=T\nAT, MASTER\n", 6),
+        ("*SURFACE, TYPE=NODE, NAME=AT\n26,\n*TIE, NAME=T\nAT, FAR\n", 3),
+        ("*SURFACE, TYPE=NODE, NAME=AT\n27,\n*TIE, NAME=T\nAT, FAR\n", 0),
     ] {
         let scene = read(&format!("{nodes}{text}"));
         assert_eq!(scene.equations.len(), equations, "{text}");

@@ -398,6 +398,14 @@ impl<'a> Candidate<'a> {
                     continue;
                 }
                 let is_wide = wide.contains(&asked.number);
+                if let Some(values) = sheet::mostly_another(&asked.case, &given, before) {
+                    let of_values = Self { offers: vec![Quantity::Value], ..self.clone() };
+                    checks_of(
+                        &mut found,
+                        of_values.judge(asked, &values, &mut routine, is_wide, &mut of_element)?,
+                    );
+                    continue;
+                }
                 checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide, &mut of_element)?);
             }
         }
@@ -632,7 +640,8 @@ impl<'a> Candidate<'a> {
             agrees(k, Quantity::Value, &right_values) || !agrees(k, Quantity::FirstDerivatives, &right_rows)
         };
         let is_differenced: [bool; 6] = std::array::from_fn(|k| {
-            values(k).is_some()
+            offers(Quantity::FirstDerivatives)
+                && values(k).is_some()
                 && rows.0[k].is_some()
                 && examined.is_smooth[k]
                 && !is_one_form[k]

@@ -57,18 +57,40 @@ pub(super) fn is_another(case: &Case, given: &Given, before: Option<&Components<
         start.is_some_and(|start| is_as_near(&found, &wanted, &start))
     };
     is_same(&measures, &position(&found), &position(&wanted)) && before.is_none_or(is_near)
-        || is_mostly_euler(&measures, [&found, &wanted], (&first, &angles), before)
 }
 
-/// Whether two of three Euler angles, one of which is wrong besides, are those of the other sheet, which is as near to where they come from.
-fn is_mostly_euler(
+/// Where two of three Euler angles are those of the other sheet, and one is wrong besides: the values put on the sheet of the right ones, so that
+/// the wrong one is judged. Derivatives are of the other sheet.
+pub(super) fn mostly_another(case: &Case, given: &Given, before: Option<&Components<f64>>) -> Option<Given> {
+    let connector = case.connector();
+    let angles: Vec<usize> = vec![3, 4, 5];
+    let kinds: Option<Vec<Measure>> = angles.iter().map(|k| connector.differentiated(*k)).collect();
+    let found = angles.iter().map(|k| given.0.entries(Quantity::Value).get(*k, 0));
+    let found = found.collect::<Option<Vec<f64>>>()?;
+    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+    let (right, _) = case.evaluation(&asked)?;
+    let wanted = angles.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
+    let wanted = wanted.collect::<Option<Vec<f64>>>()?;
+    let first = case.at_rest().positions();
+    let other = mostly_euler(&kinds?, [&found, &wanted], (&first, &angles), before)?;
+    let mut put = given.clone();
+    for (at, k) in angles.into_iter().enumerate() {
+        if let Some(x) = put.0.entries_mut(Quantity::Value).0[k].as_mut().and_then(|x| x.first_mut()) {
+            *x = wanted[at] + (found[at] - other[at]);
+        }
+    }
+    Some(put)
+}
+
+/// The three Euler angles of the other sheet, where two of those given are these, and the sheet is as near to where they come from.
+fn mostly_euler(
     measures: &[Measure],
     [found, wanted]: [&[f64]; 2],
     (first, angles): (&Components<f64>, &[usize]),
     before: Option<&Components<f64>>,
-) -> bool {
+) -> Option<Vec<f64>> {
     if measures.len() != 3 || !measures.iter().all(|of| matches!(of, Measure::Euler(_))) {
-        return false;
+        return None;
     }
     let start: Vec<f64> = angles
         .iter()
@@ -87,7 +109,7 @@ fn is_mostly_euler(
     let met = |of: &[f64]| of.iter().zip(found).filter(|(x, y)| (*x - *y).abs() < SAME).count();
     let half_turns_apart = other.iter().zip(wanted).all(|(x, y)| (x - y).abs() > SAME);
     let is_near = || before.is_none() || is_as_near(&other, wanted, &start);
-    half_turns_apart && met(&other) == 2 && met(wanted) == 0 && is_near()
+    (half_turns_apart && met(&other) == 2 && met(wanted) == 0 && is_near()).then_some(other)
 }
 
 /// Whether coordinates along axes midway between those of both nodes have the other sign where the torsion is half a turn: rounding decides

@@ -368,7 +368,7 @@ impl FrictionCase {
         }
         found.extend(self.other_norms(table.quantity));
         found.extend(self.other_angles(table.quantity));
-        if table.quantity == Quantity::FrictionCriterion {
+        if table.quantity == Quantity::FrictionCriterion && self.internal() != 0.0 {
             let [traction, contact, ..] = self.part_values();
             let excess = vec![(format!("Φ{}", self.title), vec![traction - self.coefficient * contact])];
             found.push((Cause::TermLeftOut, "Φ with F_C for F_N: F_C^int is left out".into(), excess));
@@ -539,9 +539,10 @@ impl FrictionCase {
 
     /// F_C^int.
     fn internal(&self) -> f64 {
-        let [_, contact, normal, _] = self.part_values();
-        let parts = self.friction.criterion.contact_parts(&self.context());
-        parts.map_or(normal - contact, |parts| parts.internal)
+        if let Internal::Constant(internal) = self.friction.criterion.internal {
+            return internal;
+        }
+        self.friction.criterion.contact_parts(&self.context()).map_or(0.0, |parts| parts.internal)
     }
 
     /// P, F_C, F_N and Φ, or their gradients, with another traction and another contact force; nothing of other quantities.

@@ -130,6 +130,13 @@ impl Scene {
         found
     }
 
+    /// How far from a node of the other surface of a tie a node is tied to it.
+    pub(crate) fn tie_reach(&self, tie: &Tie) -> f64 {
+        let masters = self.surface_nodes(&tie.master.value).into_iter();
+        let masters: Vec<_> = masters.map(|(label, _)| (label, self.coordinates(label))).collect();
+        tie_reach(tie, &masters)
+    }
+
     /// The nodes of the dependent surface that are too far from the other to be tied, and how far is too far.
     pub(crate) fn untied_nodes(&self, tie: &Tie) -> (Vec<Label>, f64) {
         let place = |(label, _): (Label, f64)| (label, self.coordinates(label));

@@ -251,6 +251,11 @@ impl<R: Number> Run<'_, R> {
             if size.to_f64() <= STILL * usual * lever.max(f64::MIN_POSITIVE) {
                 return None;
             }
+            // What comes to rest at the next break, and has nothing left to go, is at rest.
+            let least = 10.0_f64.powi(-(self.options.digits as i32)) * self.mechanism.length;
+            if size.to_f64() * (next - now.to_f64()) <= 4.0 * least {
+                return None;
+            }
             let mut along = along.map(|x| x / size);
             if !length(&halfway).less(size * R::from_f64(GRAZES)) {
                 return Some((along, false));
@@ -414,25 +419,59 @@ impl<R: Number> Run<'_, R> {
             return Ok(());
         }
         let enough = R::from_f64(1e2 * R::ROUNDING);
+        // By which part directions follow accelerations: these may turn back by more than they were turned (Aitken's method).
+        let mut part = R::integer(1);
+        let mut before: Vec<R> = Vec::new();
         for _ in 0..ITERATIONS {
-            let mut change = R::ZERO;
+            let mut apart: Vec<R> = Vec::new();
+            let mut directions: Vec<[R; 6]> = Vec::new();
             for s in &slipping {
                 let slider = &self.mechanism.sliders[*s];
                 let along = self.accelerating(slider, (found, solved));
                 if !along.iter().any(|x| R::ZERO.less(x.magnitude())) {
                     return Ok(());
                 }
-                if let Does::Slips(old) = &modes.frictions[*s].does {
-                    change = larger(change, largest(along.iter().zip(old).map(|(new, old)| *new - *old)));
+                let Does::Slips(old) = modes.frictions[*s].does else { return Ok(()) };
+                apart.extend(along.iter().zip(old).map(|(new, old)| *new - old));
+                directions.push(old);
+            }
+            if !enough.less(largest(apart.iter().copied())) {
+                return Ok(());
+            }
+            if !before.is_empty() {
+                let [mut across, mut square] = [R::ZERO; 2];
+                for (now, then) in apart.iter().zip(&before) {
+                    let change = *now - *then;
+                    (across, square) = (across + *then * change, square + change * change);
+                }
+                if R::ZERO.less(square) {
+                    part = -(part * across) / square;
+                }
+                // Neither away from where they go, nor nowhere.
+                let [least, most] = [1e-6, 1.0].map(R::from_f64);
+                if !least.less(part) || most.less(part) {
+                    part = R::from_f64(0.5);
+                }
+            }
+            for ((s, old), apart) in slipping.iter().zip(directions).zip(apart.chunks(6)) {
+                let mut along: [R; 6] = std::array::from_fn(|k| old[k] + part * apart[k]);
+                let size = length(&along);
+                if R::ZERO.less(size) {
+                    along = along.map(|x| x / size);
                 }
                 modes.frictions[*s] = Mode::slips(along);
             }
+            before = apart;
             (*found, *layout, *solved) = self.instant(modes)?;
-            if !enough.less(change) {
-                break;
-            }
         }
-        Ok(())
+        Err(Refusal::of(
+            self.title(slipping[0]),
+            &format!(
+                "the direction in which it begins to slip at time {} is not found",
+                self.state.time.to_f64()
+            ),
+            "begin a moment later, or give the rate that is prescribed a steeper beginning",
+        ))
     }
 
     /// By how much the open frictions are consistent with a mode: the least of them, relative; negative where one is not.

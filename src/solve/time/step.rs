@@ -614,6 +614,12 @@ impl<R: Number> Run<'_, R> {
             }
             // d|v|/dt = v·a/|v|.
             let rest = rate * rate / -change;
+            // What is prescribed goes to rest as slowly as it likes: what it has left to go counts.
+            let is_given = |(k, _): &(usize, f64)| self.mechanism.is_given(slider.joint, *k, self.step);
+            let least = 10.0_f64.powi(-(self.options.digits as i32)) * self.mechanism.length;
+            if slider.components.iter().any(is_given) && (rate * rest).to_f64() <= least {
+                return Ok(Some((s, None)));
+            }
             let is_first = match found {
                 Some((_, Some(other))) => rest.less(other),
                 _ => true,

@@ -11,7 +11,9 @@ use crate::label::Label;
 use crate::label::labelled::{LabelMap, LabelSet};
 use crate::model::Weighting;
 use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Scene, Surface, Target, Tie};
+use crate::orientation::minus;
 use crate::span::{Span, Spanned};
+use pintle_kinematics::scalar::elementary::norm;
 use std::collections::HashSet;
 
 /// Nodes meet that are no farther apart than this share of the largest coordinate: six digits.
@@ -265,13 +267,20 @@ fn face_nodes(
 fn within_faces(deck: &Deck<'_>, tie: &Tie, master: &RawSurface) -> Option<Vec<Equation>> {
     /// The share of a node that is none.
     const ROUNDED: f64 = 1e-12;
+    /// Of the size of a face, how far off it a node is tied where nothing else is said.
+    const SHARE: f64 = 0.05;
     let scene = &deck.scene;
     let faces = faces_of(deck, master)?;
     if faces.iter().any(|face| !face.is_solid) {
         return None;
     }
+    // As decks are rounded; no more than a tie reaches by itself, a share of the size of a face.
     let largest = faces.iter().flat_map(|face| face.corners.as_flattened());
-    let reach = MEETS * largest.fold(0.0_f64, |most, x| most.max(x.abs()));
+    let rounded = MEETS * largest.fold(0.0_f64, |most, x| most.max(x.abs()));
+    let size =
+        |face: &Face| face.corners.iter().map(|x| norm(minus(*x, face.corners[0]))).fold(0.0, f64::max);
+    let smallest = faces.iter().map(size).filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min);
+    let reach = rounded.min(SHARE * smallest).min(tie.position_tolerance.unwrap_or(f64::INFINITY));
     let box_of = |face: &Face| {
         let of = |choose: fn(f64, f64) -> f64, from: f64| {
             face.corners.iter().fold([from; 3], |corner, x| [0, 1, 2].map(|i| choose(corner[i], x[i])))
@@ -304,20 +313,34 @@ fn within_faces(deck: &Deck<'_>, tie: &Tie, master: &RawSurface) -> Option<Vec<E
         let first = boxes.partition_point(|(sides, _)| sides[axis][0] < x[axis] - longest);
         let near = boxes.get(first..)?.iter().take_while(|(sides, _)| sides[axis][0] <= x[axis]);
         let near = near.filter(|(sides, _)| (0..3).all(|i| sides[i][0] <= x[i] && x[i] <= sides[i][1]));
-        let on = near.filter_map(|(_, face)| Some((faces::shape::at(&face.corners, x)?, face)));
-        let ((shares, apart), face) = on.min_by(|one, other| one.0.1.total_cmp(&other.0.1))?;
-        if apart > reach {
-            return None;
-        }
-        for k in 0..3 {
-            let own = std::iter::once((slave, 1.0));
-            let others = face.nodes.iter().copied().zip(shares.iter().map(|share| -share));
-            let mut terms = Vec::new();
-            for (node, factor) in own.chain(others).filter(|(_, factor)| factor.abs() > ROUNDED) {
-                let axes = scene.nodal_axes(node).ok()?;
-                for (j, along) in axes.iter().enumerate().filter(|(_, along)| along[k] != 0.0) {
-                    let degree_of_freedom = u8::try_from(j + 1).ok()?;
-                    terms.push(EquationTerm { node, degree_of_freedom, factor: factor * along[k] });
+        let near: Vec<&Face> = near.map(|(_, face)| *face).collect();
+        // A node of a face, which may be degenerate there, or a point of it.
+        let meets = near.iter().flat_map(|face| face.nodes.iter().zip(&face.corners));
+        let meets = meets.filter(|(_, corner)| norm(minus(x, **corner)) <= reach);
+        let nearest =
+            meets.min_by(|(_, one), (_, other)| norm(minus(x, **one)).total_cmp(&norm(minus(x, **other))));
+        let shares: Vec<(Label, f64)> = match nearest {
+            Some((node, _)) => vec![(*node, 1.0)],
+            None => {
+                let on = near.iter().filter_map(|face| Some((faces::shape::at(&face.corners, x)?, face)));
+                let ((shares, apart), face) = on.min_by(|one, other| one.0.1.total_cmp(&other.0.1))?;
+                if apart > reach {
+                    return None;
+                }
+                face.nodes.iter().copied().zip(shares).filter(|(_, share)| share.abs() > ROUNDED).collect()
+            }
+        };
+        // Along the axes of the node itself, so that each equation begins with another of its degrees of freedom.
+        for (i, axis) in scene.nodal_axes(slave).ok()?.into_iter().enumerate() {
+            let number = |j: usize| u8::try_from(j + 1).ok();
+            let mut terms = vec![EquationTerm { node: slave, degree_of_freedom: number(i)?, factor: 1.0 }];
+            for (node, share) in &shares {
+                for (j, along) in scene.nodal_axes(*node).ok()?.into_iter().enumerate() {
+                    let cosine: f64 = along.iter().zip(axis).map(|(x, y)| x * y).sum();
+                    if cosine.abs() > ROUNDED {
+                        let degree_of_freedom = number(j)?;
+                        terms.push(EquationTerm { node: *node, degree_of_freedom, factor: -share * cosine });
+                    }
                 }
             }
             found.push(Equation { terms, span: tie.span });
@@ -351,7 +374,10 @@ fn all_meet(scene: &Scene, tie: &Tie) -> bool {
     let slaves = scene.surface_nodes(&tie.slave.value);
     let coordinates = masters.iter().filter_map(|label| scene.nodes.get(label));
     let largest = coordinates.flat_map(|node| node.coordinates).fold(0.0_f64, |most, x| most.max(x.abs()));
-    let within = Tie { position_tolerance: Some(MEETS * largest), ..tie.clone() };
+    let rounded = MEETS * largest;
+    // Where coordinates are large, no more than a tie reaches by itself.
+    let own = scene.tie_reach(&Tie { position_tolerance: None, ..tie.clone() });
+    let within = Tie { position_tolerance: Some(rounded.min(own)), ..tie.clone() };
     let apart = slaves.iter().filter(|(label, _)| !masters.contains(label)).count();
     scene.tied_nodes(&within).len() >= apart
 }
