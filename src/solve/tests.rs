@@ -998,8 +998,8 @@ fn a_drive_that_grazes_lets_creep() {
     assert!((crept - 0.411_547_618).abs() < 2e-8, "{crept}");
 }
 
-/// The same collar, turned ever faster from rest by a small rate: its direction is where friction and acceleration agree, 1.5 a = 0.5 − 3 a/√(a² +
-/// (R α)²), though each turns the other by more than it was turned.
+/// The same collar, turned ever faster from rest by a small rate. Its direction is where friction and acceleration agree: 1.5 a = 0.5 − 3 a/√(a² +
+/// (R α)²). Each turns the other by more than it was turned.
 #[test]
 fn a_slow_drive_finds_its_direction() {
     for (alpha, creeps) in [(20.0_f64, 0.111_569_766_772_991_5_f64), (5.0, 0.037_403_002_201_549_2)] {
