@@ -390,6 +390,10 @@ fn what_is_left_out_is_named() {
         ),
         ("*TIE, NAME=T\nAPART, FACES", "TIE"),
         (
+            "*ELEMENT, TYPE=DCOUP3D, ELSET=D\n50, 1\n*DISTRIBUTING COUPLING, ELSET=D\n2, 0.\n3, 0.",
+            "DISTRIBUTING COUPLING",
+        ),
+        (
             "*ELEMENT, TYPE=C3D8, ELSET=TORN\n8, 1, 2, 3, SPOT, 1, 2, 3, 1\n*RIGID BODY, REF NODE=1, ELSET=TORN",
             "RIGID BODY",
         ),

@@ -119,7 +119,7 @@ impl FrictionSubject {
         ];
         let mut plain = friction.clone();
         plain.criterion.internal = Internal::Constant(0.0);
-        others.push((Cause::Offset, "what is expected without F_C^int".into(), plain));
+        others.push((Cause::TermLeftOut, "what is expected without F_C^int".into(), plain));
         if let Tangential::Norm(components) = &friction.criterion.tangential {
             let mut undivided = friction.clone();
             let ones = components.iter().map(|(k, _)| (*k, 1.0)).collect();

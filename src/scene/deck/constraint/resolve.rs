@@ -441,7 +441,12 @@ fn couplings_of(deck: &mut Deck<'_>, distribution: &RawDistribution) -> Result<V
     let all = set.others.iter().flat_map(|range| deck.other_elements.within(*range));
     let reference = |element: Option<Element<'_>>| element.filter(Element::distributes)?.nodes().next();
     let references: Option<Vec<Label>> = all.map(reference).collect();
-    let Some(references) = references.filter(|found| !found.is_empty() && set.labels.is_empty()) else {
+    // Weights that add up to nothing make no mean.
+    let weights = deck.scene.surfaces.get(&surface.value).into_iter().flat_map(|surface| &surface.members);
+    let weights: Vec<f64> = weights.map(|(_, weight)| weight.unwrap_or(1.0)).collect();
+    let has_mean = weights.iter().all(|weight| *weight >= 0.0) && weights.iter().any(|weight| *weight > 0.0);
+    let is_known = |found: &Vec<Label>| !found.is_empty() && set.labels.is_empty() && has_mean;
+    let Some(references) = references.filter(is_known) else {
         deck.leave_out("DISTRIBUTING COUPLING", *span, 0);
         return Ok(Vec::new());
     };
