@@ -771,6 +771,18 @@ impl MpcCase {
         (other.residual_rate, other.residual_acceleration) = (linear, crossed);
         let cause = Cause::RateForAcceleration;
         found.push(Elsewhere::new(cause, cause.relation(), &other, &RATES));
+        if !self.constraint.kind().entry().angles.is_empty() {
+            let other = self.changed(|state, _| {
+                state.velocity[PHI..].fill(0.0);
+                state.acceleration[PHI..].fill(0.0);
+            });
+            found.push(Elsewhere::new(
+                Cause::MotionIgnored,
+                "what is expected without the rates of φ",
+                &other,
+                &RATES,
+            ));
+        }
         for forth in [false, true] {
             let other = self.changed(|state, _| {
                 for (body, theta) in [(state.slave, THETA_S), (state.master, THETA_M)] {
