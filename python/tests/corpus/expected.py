@@ -21,7 +21,7 @@ cartesian_transposed triads-transposed
 join_reversed sign
 thrust_exchanged components-swapped
 radial_whole other-length
-radial_axis other-length components-swapped
+radial_axis other-axis other-length components-swapped
 projection_of_a axes-of-a
 strip_without_flow motion-ignored
 strip_flow_reversed sign-of-block nodes-swapped
@@ -67,7 +67,7 @@ thrust_lever_missing geometric-term-missing
 planar_lever_reversed geometric-term-reversed
 revolute_same_sign sign-of-a
 cardan_axes axis-for-gradient
-rotation_small axis-for-gradient
+rotation_small other-jacobian axis-for-gradient
 rotation_other_tangent rotation-turned-twice other-jacobian
 euler_b_only node-left-out
 weld_body rotation-as-local
@@ -142,7 +142,7 @@ friction_translator_lengths parameters-swapped
 friction_translator_bearing number-left-out
 friction_cylindrical_sum sum-for-norm
 friction_cylindrical_radius not-normalised
-friction_slot_internal offset
+friction_slot_internal term-left-out offset
 friction_plane_coefficient other-coefficient
 friction_planar_half other-coefficient
 friction_slot_phi sign
