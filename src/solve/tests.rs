@@ -980,8 +980,8 @@ fn small_units_change_nothing() {
     }
 }
 
-/// A collar on a shaft that is turned from rest, and to rest, by a smooth step, under a load along it that friction holds until then: it creeps
-/// along as the direction of slip has it. Both ends graze. SciPy's Radau method, apart: 0.411547618.
+/// A collar on a shaft that a smooth step turns, from rest and to rest, so that both ends graze. Friction holds its load until then. It creeps along
+/// as the direction of slip has it: 0.411547618 by SciPy's Radau method, apart.
 #[test]
 fn a_drive_that_grazes_lets_creep() {
     let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=SHAFT\n101, 1, 2\n*ORIENTATION, NAME=AX\n1., 0., 0., 0., 1., 0.\n\

@@ -262,8 +262,8 @@ fn elements_that_are_not_read_give_their_nodes() {
     assert_eq!(without(titles(&model(&again))), without(want));
 }
 
-/// A node that lies on a face of a solid moves with its shape functions: what the nodes of the face do linearly (and by those of second order
-/// quadratically) in their places, it does too, along the global axes whatever `*TRANSFORM` the nodes have.
+/// A node that lies on a face of a solid moves with its shape functions. A linear motion of the nodes of the face is its own in its place, and by
+/// faces of second order a quadratic one. That is along the global axes, whatever `*TRANSFORM` the nodes have.
 #[test]
 fn ties_hold_within_faces() {
     let high = |[x, y]: [f64; 2]| 3.0 + 0.3 * x - 0.2 * y;

@@ -26,90 +26,96 @@ fn is_turn(by: f64) -> bool {
     (by - TAU * (by / TAU).round()).abs() < SAME
 }
 
+/// Angles of a connector at a state: those given, and those of the product.
+struct Angles {
+    components: Vec<usize>,
+    measures: Vec<Measure>,
+    found: Vec<f64>,
+    wanted: Vec<f64>,
+    first: Components<f64>,
+}
+
+impl Angles {
+    /// None where there are none, or not all are given as numbers.
+    fn of(case: &Case, given: &Given) -> Option<Self> {
+        let connector = case.connector();
+        let has_sheets = |measure: &Measure| measure.winds() || is_of_vector(measure);
+        let kinds = (0..6).filter_map(|k| Some((k, connector.differentiated(k).filter(has_sheets)?)));
+        let (components, measures): (Vec<usize>, Vec<Measure>) = kinds.unzip();
+        let value = |k: &usize| given.0.entries(Quantity::Value).get(*k, 0).filter(|x| x.is_finite());
+        let found: Vec<f64> = components.iter().map(value).collect::<Option<_>>()?;
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let (right, _) = case.evaluation(&asked).filter(|_| !found.is_empty())?;
+        let wanted = components.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
+        let wanted = wanted.collect::<Option<_>>()?;
+        Some(Self { components, measures, found, wanted, first: case.at_rest().positions() })
+    }
+
+    /// The position of one at first.
+    fn first(&self, at: usize) -> f64 {
+        self.first[self.components[at]].unwrap_or(0.0)
+    }
+
+    fn positions(&self, of: &[f64]) -> Vec<f64> {
+        of.iter().enumerate().map(|(at, x)| x + self.first(at)).collect()
+    }
+}
+
 /// Whether what is given continues the angles on another sheet: no farther from the state before, where its values are given.
 pub(super) fn is_another(case: &Case, given: &Given, before: Option<&Components<f64>>) -> bool {
     let connector = case.connector();
-    let kinds = [0, 1, 2, 3, 4, 5].map(|k| connector.differentiated(k));
-    let has_sheets = |measure: &Measure| measure.winds() || is_of_vector(measure);
-    let angles: Vec<usize> = (0..6).filter(|k| kinds[*k].as_ref().is_some_and(has_sheets)).collect();
-    if angles.is_empty() && is_projected_otherwise(case, given) {
-        return true;
+    let has_angles = (0..6).any(|k| {
+        connector.differentiated(k).is_some_and(|measure| measure.winds() || is_of_vector(&measure))
+    });
+    if !has_angles {
+        return is_projected_otherwise(case, given);
     }
-    let value = |k: usize| given.0.entries(Quantity::Value).get(k, 0);
-    let Some(found) = angles.iter().map(|k| value(*k)).collect::<Option<Vec<f64>>>() else { return false };
-    if angles.is_empty() || found.iter().any(|x| !x.is_finite()) {
+    let Some(angles) = Angles::of(case, given) else { return false };
+    let Angles { components, measures, found, wanted, .. } = &angles;
+    if found.iter().zip(wanted).all(|(x, y)| (x - y).abs() < SAME) {
         return false;
     }
-    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-    let Some((right, _)) = case.evaluation(&asked) else { return false };
-    let wanted = angles.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
-    let Some(wanted) = wanted.collect::<Option<Vec<f64>>>() else { return false };
-    if found.iter().zip(&wanted).all(|(x, y)| (x - y).abs() < SAME) {
-        return false;
-    }
-    let first = case.at_rest().positions();
-    let position = |of: &[f64]| -> Vec<f64> {
-        of.iter().zip(&angles).map(|(x, k)| x + first[*k].unwrap_or(0.0)).collect()
-    };
-    let measures: Vec<Measure> = angles.iter().filter_map(|k| kinds[*k]).collect();
     let is_near = |before: &Components<f64>| {
-        let start: Option<Vec<f64>> = angles.iter().map(|k| before[*k]).collect();
-        start.is_some_and(|start| is_as_near(&found, &wanted, &start))
+        let start: Option<Vec<f64>> = components.iter().map(|k| before[*k]).collect();
+        start.is_some_and(|start| is_as_near(found, wanted, &start))
     };
-    is_same(&measures, &position(&found), &position(&wanted)) && before.is_none_or(is_near)
+    is_same(measures, &angles.positions(found), &angles.positions(wanted)) && before.is_none_or(is_near)
 }
 
 /// Where two of three Euler angles are those of the other sheet, and one is wrong besides: the values put on the sheet of the right ones, so that
 /// the wrong one is judged. Derivatives are of the other sheet.
 pub(super) fn mostly_another(case: &Case, given: &Given, before: Option<&Components<f64>>) -> Option<Given> {
-    let connector = case.connector();
-    let angles: Vec<usize> = vec![3, 4, 5];
-    let kinds: Option<Vec<Measure>> = angles.iter().map(|k| connector.differentiated(*k)).collect();
-    let found = angles.iter().map(|k| given.0.entries(Quantity::Value).get(*k, 0));
-    let found = found.collect::<Option<Vec<f64>>>()?;
-    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-    let (right, _) = case.evaluation(&asked)?;
-    let wanted = angles.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
-    let wanted = wanted.collect::<Option<Vec<f64>>>()?;
-    let first = case.at_rest().positions();
-    let other = mostly_euler(&kinds?, [&found, &wanted], (&first, &angles), before)?;
+    let angles = Angles::of(case, given)?;
+    let other = mostly_euler(&angles, before)?;
     let mut put = given.clone();
-    for (at, k) in angles.into_iter().enumerate() {
-        if let Some(x) = put.0.entries_mut(Quantity::Value).0[k].as_mut().and_then(|x| x.first_mut()) {
-            *x = wanted[at] + (found[at] - other[at]);
+    for (at, k) in angles.components.iter().enumerate() {
+        if let Some(x) = put.0.entries_mut(Quantity::Value).0[*k].as_mut().and_then(|x| x.first_mut()) {
+            *x = angles.wanted[at] + (angles.found[at] - other[at]);
         }
     }
     Some(put)
 }
 
 /// The three Euler angles of the other sheet, where two of those given are these, and the sheet is as near to where they come from.
-fn mostly_euler(
-    measures: &[Measure],
-    [found, wanted]: [&[f64]; 2],
-    (first, angles): (&Components<f64>, &[usize]),
-    before: Option<&Components<f64>>,
-) -> Option<Vec<f64>> {
+fn mostly_euler(angles: &Angles, before: Option<&Components<f64>>) -> Option<Vec<f64>> {
+    let Angles { components, measures, found, wanted, .. } = angles;
     if measures.len() != 3 || !measures.iter().all(|of| matches!(of, Measure::Euler(_))) {
         return None;
     }
-    let start: Vec<f64> = angles
-        .iter()
-        .zip(wanted)
-        .map(|(k, right)| before.map_or(*right, |of| of[*k].unwrap_or(0.0)))
-        .collect();
+    let from = |(k, right): (&usize, &f64)| before.map_or(*right, |of| of[*k].unwrap_or(0.0));
+    let start: Vec<f64> = components.iter().zip(wanted).map(from).collect();
+    // (α + π, −β, γ + π), less what they are at first, on the turn that is given, or else on that which is nearest to where it comes from.
     let others = |at: usize| {
-        let first = first[angles[at]].unwrap_or(0.0);
-        let position = wanted[at] + first;
-        let other = if at == 1 { -position } else { position + PI };
-        // On the turn that is given, or else on that which is nearest to where it comes from.
-        let from = if is_turn(found[at] - (other - first)) { found[at] } else { start[at] };
-        other - first - TAU * ((other - first - from) / TAU).round()
+        let position = wanted[at] + angles.first(at);
+        let other = if at == 1 { -position } else { position + PI } - angles.first(at);
+        let near = if is_turn(found[at] - other) { found[at] } else { start[at] };
+        other - TAU * ((other - near) / TAU).round()
     };
-    let other: Vec<f64> = (0..found.len()).map(others).collect();
+    let other: Vec<f64> = (0..3).map(others).collect();
     let met = |of: &[f64]| of.iter().zip(found).filter(|(x, y)| (*x - *y).abs() < SAME).count();
-    let half_turns_apart = other.iter().zip(wanted).all(|(x, y)| (x - y).abs() > SAME);
+    let is_apart = other.iter().zip(wanted).all(|(x, y)| (x - y).abs() > SAME);
     let is_near = || before.is_none() || is_as_near(&other, wanted, &start);
-    (half_turns_apart && met(&other) == 2 && met(wanted) == 0 && is_near()).then_some(other)
+    (is_apart && met(&other) == 2 && met(wanted) == 0 && is_near()).then_some(other)
 }
 
 /// Whether coordinates along axes midway between those of both nodes have the other sign where the torsion is half a turn: rounding decides
@@ -207,5 +213,30 @@ mod tests {
             is_as_near(&[1.0, 1.0], &[0.0, 1.5], &[0.0; 2])
                 && !is_as_near(&[3.0, 1.0], &[0.0, 0.5], &[0.0; 2])
         );
+    }
+
+    /// Two of three Euler angles of the other sheet say that it is meant, the third then being wrong: not one alone, nor where it is farther.
+    #[test]
+    fn two_angles_tell_the_sheet() {
+        let wanted = vec![0.4, 0.7, -1.1];
+        let other = [0.4 + PI, -0.7 - 2.0 * 0.2, -1.1 + PI];
+        let told = |found: [f64; 3], before: Option<[f64; 3]>| {
+            let angles = Angles {
+                components: vec![3, 4, 5],
+                measures: [1, 2, 3].map(Measure::Euler).to_vec(),
+                found: found.to_vec(),
+                wanted: wanted.clone(),
+                first: [None, None, None, Some(0.1), Some(0.2), Some(0.3)],
+            };
+            let before = before.map(|[x, y, z]| [None, None, None, Some(x), Some(y), Some(z)]);
+            mostly_euler(&angles, before.as_ref())
+        };
+        let [x, y, z] = other;
+        let found = told([x, -y, z], None).unwrap();
+        assert!(found.iter().zip(other).all(|(x, y)| is_turn(x - y)), "{found:?} {other:?}");
+        assert!(told([x, y + 0.3, z], Some([3.0, -1.0, 2.0])).is_some());
+        assert!(told([x, y + 0.3, z + 0.2], None).is_none());
+        assert!(told([0.4, y, z], None).is_none());
+        assert!(told([x, y + 0.3, z], Some([0.4, 0.7, -1.0])).is_none());
     }
 }

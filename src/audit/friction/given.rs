@@ -712,7 +712,10 @@ impl FrictionCase {
         found
     }
 
-    /// Forces, or the tangent, with another stick stiffness of moments than K_s R².
+    /// Forces, or the tangent, with K_s or K_s R for the stick stiffness K_s R² of a moment whose radius is R.
+    ///
+    /// With t_k = f_k + K_k Δu_k and n = √(Σ (t_k/R_k)²) the force is t where n is below the limit L, and L t/n beyond it. There ∂f_k/∂Δu_j =
+    /// (L/n) K_j (δ_kj − t_k t_j/(R_j² n²)), and what presses enters by ∂L/∂f_j t_k/n.
     fn other_stiffnesses(&self, quantity: Quantity, sliding: &[usize]) -> Vec<Known> {
         let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
         let Some(stiffness) = outcome.stick_stiffness else { return Vec::new() };

@@ -3,12 +3,13 @@
 use crate::audit::summary::{is_sharp, telling};
 use pintle_audit::model::Finding;
 use pintle_audit::{Check, Report, Subject};
+use pintle_scene::Severity;
 use pintle_scene::grammar::shape;
 
 /// Names that are listed.
 const NAMED: usize = 3;
 
-/// What one code says in different words is shown so often; the rest is counted.
+/// What errors of one code say in different words is shown so often; the rest is counted. What is no error is shown once for each code.
 const KINDS: usize = 3;
 
 /// The first names, and how many there are more.
@@ -65,9 +66,10 @@ pub(super) fn findings<'a>(all: impl IntoIterator<Item = &'a Finding>) -> Vec<Fi
         let of_code: Vec<usize> = (0..found.len()).filter(|at| is_code(&found[*at].0)).collect();
         let same = of_code.iter().copied().find(|at| found[*at].1 == shape);
         let last = of_code.last().copied();
+        let most = if finding.severity() == Severity::Error { KINDS } else { 1 };
         match (same, last) {
             (Some(at), _) => found[at].0.others.push(finding),
-            (None, Some(last)) if of_code.len() >= KINDS => found[last].0.others.push(finding),
+            (None, Some(last)) if of_code.len() >= most => found[last].0.others.push(finding),
             (None, last) => {
                 let at = last.map_or(found.len(), |last| last + 1);
                 found.insert(at, (Findings { first: finding, others: Vec::new() }, shape));

@@ -2,7 +2,7 @@
 
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::Modes;
-use crate::motion::rows::{Assembled, Layout, Owner};
+use crate::motion::rows::{Assembled, Layout, Owner, Row};
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
@@ -72,12 +72,7 @@ impl Layout {
         });
         for (index, row) in held.chain(stuck).filter(|(index, _)| !alone[*index]) {
             let mut vector = vec![0.0; n];
-            for (dof, entry) in &row.coefficients {
-                let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
-                if let Some(place) = self.place[*dof] {
-                    vector[place] += entry.to_f64() / scale;
-                }
-            }
+            self.entries(mechanism, row).for_each(|(place, entry)| vector[place] += entry);
             let size = norm(&vector);
             if size <= ZERO * ZERO {
                 // All of it is held.
@@ -126,6 +121,18 @@ impl Layout {
         Ok(())
     }
 
+    /// The entries of an equation by the places of unknowns, rotations by the size of lengths.
+    fn entries<'a, R: Number>(
+        &'a self,
+        mechanism: &'a Mechanism<R>,
+        row: &'a Row<R>,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        row.coefficients.iter().filter_map(|(dof, entry)| {
+            let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
+            Some((self.place[*dof]?, entry.to_f64() / scale))
+        })
+    }
+
     /// Which equations have an unknown that no other one has; and which have one once those are set aside.
     fn alone<R: Number>(&self, mechanism: &Mechanism<R>, assembled: &Assembled<R>) -> Vec<bool> {
         /// Of the largest entry of a row, what is no rounding.
@@ -134,12 +141,7 @@ impl Layout {
         let mut entries: Vec<BTreeMap<usize, f64>> = Vec::with_capacity(assembled.rows.len());
         for (index, row) in assembled.rows.iter().enumerate() {
             let mut all = BTreeMap::new();
-            for (dof, entry) in &row.coefficients {
-                let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
-                if let Some(place) = self.place[*dof] {
-                    *all.entry(place).or_insert(0.0) += entry.to_f64() / scale;
-                }
-            }
+            self.entries(mechanism, row).for_each(|(place, entry)| *all.entry(place).or_insert(0.0) += entry);
             all.keys().for_each(|place| of_columns[*place].push(index));
             entries.push(all);
         }

@@ -68,7 +68,7 @@ impl<R: Number> Run<'_, R> {
         let slips = 3_usize.pow(open.len().min(ALL) as u32);
         let stops = 2_usize.pow(touching.len().min(ALL) as u32);
         let mut consistent: Vec<(Modes<R>, f64)> = Vec::new();
-        let mut why_not = None;
+        let (mut why_not, mut has_directions) = (None, true);
         'combinations: for number in 0..slips * stops {
             let mut modes = all_held.clone();
             let mut rest = number % slips;
@@ -112,8 +112,13 @@ impl<R: Number> Run<'_, R> {
                     continue;
                 }
             };
-            if self.turn(&mut modes, &turning, (&mut found, &mut layout, &mut solved)).is_err() {
-                continue;
+            match self.turn(&mut modes, &turning, (&mut found, &mut layout, &mut solved)) {
+                Ok(true) => {}
+                Ok(false) => {
+                    has_directions = false;
+                    continue;
+                }
+                Err(_) => continue,
             }
             let undriven: Vec<usize> =
                 open.iter().zip(&driven).filter(|(_, along)| along.is_none()).map(|(s, _)| *s).collect();
@@ -136,14 +141,18 @@ impl<R: Number> Run<'_, R> {
                     touching.iter().map(|(stop, _)| self.joint_title(self.mechanism.stops[*stop].joint)),
                 );
                 names.dedup();
-                return Err(Refusal::of(
-                    &names.join(", "),
-                    &format!(
+                let (what, remedy) = match has_directions {
+                    true => (
                         "neither stick nor slip is consistent at time {}: a jam",
-                        self.state.time.to_f64()
+                        "reduce the coefficient of friction, or the offset of the load",
                     ),
-                    "reduce the coefficient of friction, or the offset of the load",
-                ));
+                    false => (
+                        "the direction in which it begins to slip at time {} is not found",
+                        "begin a moment later, or let what is prescribed begin more steeply",
+                    ),
+                };
+                let what = what.replace("{}", &self.state.time.to_f64().to_string());
+                return Err(Refusal::of(&names.join(", "), &what, remedy));
             }
             // The one that there is: nothing presses what slips.
             ([], 1) => 0,
@@ -199,8 +208,8 @@ impl<R: Number> Run<'_, R> {
         self.settle(modes, &found, layout, &solved)
     }
 
-    /// Of the frictions named those that what is prescribed moves from now on, though all of them stick: each with the direction in which it
-    /// slips a moment later, and whether it grazes: it sets out without an acceleration.
+    /// Of the frictions named those that what is prescribed moves from now on, though all of them stick. Each has the direction in which it slips
+    /// a moment later. It grazes where it sets out without an acceleration.
     fn driven(
         &mut self,
         all_held: &Modes<R>,
@@ -252,8 +261,7 @@ impl<R: Number> Run<'_, R> {
                 return None;
             }
             // What comes to rest at the next break, and has nothing left to go, is at rest.
-            let least = 10.0_f64.powi(-(self.options.digits as i32)) * self.mechanism.length;
-            if size.to_f64() * (next - now.to_f64()) <= 4.0 * least {
+            if size.to_f64() * (next - now.to_f64()) <= 4.0 * self.least_way() {
                 return None;
             }
             let mut along = along.map(|x| x / size);
@@ -402,13 +410,14 @@ impl<R: Number> Run<'_, R> {
         each.chain(stops).collect::<Vec<_>>().join(" and ")
     }
 
-    /// Turns frictions of several components that begin to slip to where they go: n along R_k times the acceleration of component k.
+    /// Turns frictions of several components that begin to slip to where they go: n along R_k times the acceleration of component k. False where
+    /// no such directions are found.
     fn turn(
         &mut self,
         modes: &mut Modes<R>,
         open: &[usize],
         (found, layout, solved): (&mut Assembled<R>, &mut Layout, &mut Solved<R>),
-    ) -> Result<(), Refusal> {
+    ) -> Result<bool, Refusal> {
         const ITERATIONS: usize = 2000;
         let slipping: Vec<usize> = open
             .iter()
@@ -416,7 +425,7 @@ impl<R: Number> Run<'_, R> {
             .filter(|s| !modes.frictions[*s].is_stuck() && self.mechanism.sliders[*s].components.len() > 1)
             .collect();
         if slipping.is_empty() {
-            return Ok(());
+            return Ok(true);
         }
         let enough = R::from_f64(1e2 * R::ROUNDING);
         // By which part directions follow accelerations: these may turn back by more than they were turned (Aitken's method).
@@ -429,14 +438,14 @@ impl<R: Number> Run<'_, R> {
                 let slider = &self.mechanism.sliders[*s];
                 let along = self.accelerating(slider, (found, solved));
                 if !along.iter().any(|x| R::ZERO.less(x.magnitude())) {
-                    return Ok(());
+                    return Ok(true);
                 }
-                let Does::Slips(old) = modes.frictions[*s].does else { return Ok(()) };
+                let Does::Slips(old) = modes.frictions[*s].does else { return Ok(true) };
                 apart.extend(along.iter().zip(old).map(|(new, old)| *new - old));
                 directions.push(old);
             }
             if !enough.less(largest(apart.iter().copied())) {
-                return Ok(());
+                return Ok(true);
             }
             if !before.is_empty() {
                 let [mut across, mut square] = [R::ZERO; 2];
@@ -464,14 +473,7 @@ impl<R: Number> Run<'_, R> {
             before = apart;
             (*found, *layout, *solved) = self.instant(modes)?;
         }
-        Err(Refusal::of(
-            self.title(slipping[0]),
-            &format!(
-                "the direction in which it begins to slip at time {} is not found",
-                self.state.time.to_f64()
-            ),
-            "begin a moment later, or give the rate that is prescribed a steeper beginning",
-        ))
+        Ok(false)
     }
 
     /// By how much the open frictions are consistent with a mode: the least of them, relative; negative where one is not.

@@ -230,6 +230,11 @@ impl<R: Number> Run<'_, R> {
         span.map_or(0.0, |([from, to], _)| PACE / (to - from)).max(self.speed())
     }
 
+    /// What has no more to slip than this before it rests is at rest: a length.
+    pub(crate) fn least_way(&self) -> f64 {
+        10.0_f64.powi(-(self.options.digits as i32)) * self.mechanism.length
+    }
+
     /// What is slower is at rest, but for rounding.
     fn rounding_of_speed(&self) -> f64 {
         1e4 * R::ROUNDING * self.usual_speed()
@@ -616,8 +621,7 @@ impl<R: Number> Run<'_, R> {
             let rest = rate * rate / -change;
             // What is prescribed goes to rest as slowly as it likes: what it has left to go counts.
             let is_given = |(k, _): &(usize, f64)| self.mechanism.is_given(slider.joint, *k, self.step);
-            let least = 10.0_f64.powi(-(self.options.digits as i32)) * self.mechanism.length;
-            if slider.components.iter().any(is_given) && (rate * rest).to_f64() <= least {
+            if slider.components.iter().any(is_given) && (rate * rest).to_f64() <= self.least_way() {
                 return Ok(Some((s, None)));
             }
             let is_first = match found {

@@ -197,7 +197,7 @@ fn lengths<S: Scalar<Real = f64>>(
     add_item(Cause::OtherParameters, Formula::one("Ψ_b − Ψ_a"), flows);
 }
 
-/// What the strain l/l_ref − 1 of a belt may be else, l_ref = l₀ + Ψ_a − Ψ_b.
+/// What the strain l/l_ref − 1 of a belt ([`Measure::Strain`]) may be else: l = |d|, l_ref = l₀ + Ψ_a − Ψ_b, l₀ the material length at first.
 fn strains<S: Scalar<Real = f64>>(pair: &Pair<S>, l0: f64, mut add_item: impl FnMut(Cause, Formula, S)) {
     let l = norm(pair.separation());
     let (a, b, l0) = (pair.a.flow, pair.b.flow, S::from_real(l0));

@@ -513,8 +513,10 @@ impl Criterion {
         found
     }
 
-    /// The criterion with a term of a derived component mistaken, in words: without its scale factors, with another operator, of the other sign,
-    /// without it; and with other components in P.
+    /// The criterion with one mistake that needs no parameters, in words:
+    ///
+    /// - a term of a derived component without its scale factors, with another operator, or of the other sign;
+    /// - another component in P.
     pub fn with_components_mistaken(&self) -> Vec<(TermMistake, String, Self)> {
         let mut found = Vec::new();
         if let Pressing::Derived(derived) = &self.pressing {

@@ -32,8 +32,6 @@ struct Like {
 }
 
 impl Once {
-    /// So many shapes of warnings of one code are shown.
-    const SHAPES: usize = 3;
     /// So many names are told.
     const NAMES: usize = 3;
 
@@ -43,7 +41,8 @@ impl Once {
         let (code, shape) = (told.code(), shape(told.message()));
         let of_code: Vec<usize> = (0..self.0.len()).filter(|place| self.0[*place].code == code).collect();
         let same = of_code.iter().find(|place| self.0[**place].shape == shape);
-        let is_full = of_code.len() >= Self::SHAPES && told.severity() != Severity::Error;
+        // Errors are all shown; of what is none, one of each code.
+        let is_full = !of_code.is_empty() && told.severity() != Severity::Error;
         let last = of_code.last().filter(|_| is_full);
         match same.or(last).and_then(|place| self.0.get_mut(*place)) {
             Some(like) => {

@@ -11,9 +11,9 @@ use crate::label::Label;
 use crate::label::labelled::{LabelMap, LabelSet};
 use crate::model::Weighting;
 use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Scene, Surface, Target, Tie};
-use crate::orientation::minus;
 use crate::span::{Span, Spanned};
 use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::{dot, sub};
 use std::collections::HashSet;
 
 /// Nodes meet that are no farther apart than this share of the largest coordinate: six digits.
@@ -262,11 +262,70 @@ fn face_nodes(
     Some(found)
 }
 
-/// The equations u_s = Σ N_i u_i of nodes of the dependent surface of a tie that lie on faces of solids, with the shape functions N_i of the
-/// face there, along the global axes. None where one lies off them, or a face is of another kind.
-fn within_faces(deck: &Deck<'_>, tie: &Tie, master: &RawSurface) -> Option<Vec<Equation>> {
+/// Faces by where they are.
+struct Places<'a> {
+    /// Along the axis on which they spread most, by where they begin.
+    sorted: Vec<([[f64; 2]; 3], &'a Face)>,
+    axis: usize,
+    longest: f64,
+}
+
+impl<'a> Places<'a> {
+    /// Each with a margin around its nodes.
+    fn of(faces: &'a [Face], margin: f64) -> Self {
+        let ends = |face: &Face| {
+            let along = |i: usize| face.corners.iter().map(move |x| x[i]);
+            let [low, high] = [
+                [0, 1, 2].map(|i| along(i).fold(f64::INFINITY, f64::min)),
+                [0, 1, 2].map(|i| along(i).fold(f64::NEG_INFINITY, f64::max)),
+            ];
+            // A curved face of second order leaves the box of its nodes.
+            let slack = if face.nodes.len() > 4 { 0.25 } else { 0.0 };
+            let longest = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+            let more = slack * longest + margin;
+            [0, 1, 2].map(|i| [low[i] - more, high[i] + more])
+        };
+        let mut sorted: Vec<_> = faces.iter().map(|face| (ends(face), face)).collect();
+        let spread = |i: usize| {
+            let low = sorted.iter().map(|(sides, _)| sides[i][0]).fold(f64::INFINITY, f64::min);
+            sorted.iter().map(|(sides, _)| sides[i][1]).fold(f64::NEG_INFINITY, f64::max) - low
+        };
+        let axis = (0..3).max_by(|one, other| spread(*one).total_cmp(&spread(*other))).unwrap_or(0);
+        sorted.sort_by(|(one, _), (other, _)| one[axis][0].total_cmp(&other[axis][0]));
+        let longest = sorted.iter().map(|(sides, _)| sides[axis][1] - sides[axis][0]).fold(0.0, f64::max);
+        Self { sorted, axis, longest }
+    }
+
+    /// Those in whose boxes a point is.
+    fn around(&self, x: [f64; 3]) -> Vec<&'a Face> {
+        let Self { sorted, axis, longest } = self;
+        let first = sorted.partition_point(|(sides, _)| sides[*axis][0] < x[*axis] - longest);
+        let near = sorted.iter().skip(first).take_while(|(sides, _)| sides[*axis][0] <= x[*axis]);
+        let is_in = |sides: &[[f64; 2]; 3]| (0..3).all(|i| sides[i][0] <= x[i] && x[i] <= sides[i][1]);
+        near.filter(|(sides, _)| is_in(sides)).map(|(_, face)| *face).collect()
+    }
+}
+
+/// The nodes of a face with whose displacements a point of it moves, each with its share: one node where it is that, else the shape functions N_i.
+/// None where the point is farther from all faces than `reach`.
+fn shares_of(near: &[&Face], x: [f64; 3], reach: f64) -> Option<Vec<(Label, f64)>> {
     /// The share of a node that is none.
     const ROUNDED: f64 = 1e-12;
+    let apart = |corner: &[f64; 3]| norm(sub(x, *corner));
+    let corners = near.iter().flat_map(|face| face.nodes.iter().zip(&face.corners));
+    let met = corners.filter(|(_, corner)| apart(corner) <= reach);
+    if let Some((node, _)) = met.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other))) {
+        return Some(vec![(*node, 1.0)]);
+    }
+    let on = near.iter().filter_map(|face| Some((faces::shape::at(&face.corners, x)?, face)));
+    let ((shares, apart), face) = on.min_by(|one, other| one.0.1.total_cmp(&other.0.1))?;
+    let shares = face.nodes.iter().copied().zip(shares);
+    (apart <= reach).then(|| shares.filter(|(_, share)| share.abs() > ROUNDED).collect())
+}
+
+/// The equations of nodes of the dependent surface of a tie that lie on faces of solids: u_s·e_i = Σ N_i u_i·e_i along each axis e_i of the node, with
+/// the shape functions N_i of the face there. None where one lies off them, or a face is of another kind.
+fn within_faces(deck: &Deck<'_>, tie: &Tie, master: &RawSurface) -> Option<Vec<Equation>> {
     /// Of the size of a face, how far off it a node is tied where nothing else is said.
     const SHARE: f64 = 0.05;
     let scene = &deck.scene;
@@ -277,68 +336,24 @@ fn within_faces(deck: &Deck<'_>, tie: &Tie, master: &RawSurface) -> Option<Vec<E
     // As decks are rounded; no more than a tie reaches by itself, a share of the size of a face.
     let largest = faces.iter().flat_map(|face| face.corners.as_flattened());
     let rounded = MEETS * largest.fold(0.0_f64, |most, x| most.max(x.abs()));
-    let size =
-        |face: &Face| face.corners.iter().map(|x| norm(minus(*x, face.corners[0]))).fold(0.0, f64::max);
+    let size = |face: &Face| face.corners.iter().map(|x| norm(sub(*x, face.corners[0]))).fold(0.0, f64::max);
     let smallest = faces.iter().map(size).filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min);
     let reach = rounded.min(SHARE * smallest).min(tie.position_tolerance.unwrap_or(f64::INFINITY));
-    let box_of = |face: &Face| {
-        let of = |choose: fn(f64, f64) -> f64, from: f64| {
-            face.corners.iter().fold([from; 3], |corner, x| [0, 1, 2].map(|i| choose(corner[i], x[i])))
-        };
-        let [low, high] = [of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)];
-        // A curved face of second order leaves the box of its nodes.
-        let slack = if face.nodes.len() > 4 { 0.25 } else { 0.0 };
-        [0, 1, 2].map(|i| {
-            let more = slack * [0, 1, 2].map(|k| high[k] - low[k]).into_iter().fold(0.0, f64::max) + reach;
-            [low[i] - more, high[i] + more]
-        })
-    };
-    let mut boxes: Vec<([[f64; 2]; 3], &Face)> = faces.iter().map(|face| (box_of(face), face)).collect();
-    // Along the axis on which the faces spread most, only those that begin within the longest of them are looked at.
-    let spread = |i: usize| {
-        let low = boxes.iter().map(|(sides, _)| sides[i][0]).fold(f64::INFINITY, f64::min);
-        boxes.iter().map(|(sides, _)| sides[i][1]).fold(f64::NEG_INFINITY, f64::max) - low
-    };
-    let axis = (0..3).max_by(|one, other| spread(*one).total_cmp(&spread(*other)))?;
-    boxes.sort_by(|(one, _), (other, _)| one[axis][0].total_cmp(&other[axis][0]));
-    let longest = boxes.iter().map(|(sides, _)| sides[axis][1] - sides[axis][0]).fold(0.0, f64::max);
+    let places = Places::of(&faces, reach);
     let masters: LabelSet = faces.iter().flat_map(|face| face.nodes.iter().copied()).collect();
     let mut found = Vec::new();
-    for (slave, _) in scene.surface_nodes(&tie.slave.value) {
-        // A node that both surfaces share is tied to itself.
-        if masters.contains(&slave) {
-            continue;
-        }
+    // A node that both surfaces share is tied to itself.
+    let slaves = scene.surface_nodes(&tie.slave.value).into_iter().map(|(node, _)| node);
+    for slave in slaves.filter(|node| !masters.contains(node)) {
         let x = scene.nodes.get(&slave)?.coordinates;
-        let first = boxes.partition_point(|(sides, _)| sides[axis][0] < x[axis] - longest);
-        let near = boxes.get(first..)?.iter().take_while(|(sides, _)| sides[axis][0] <= x[axis]);
-        let near = near.filter(|(sides, _)| (0..3).all(|i| sides[i][0] <= x[i] && x[i] <= sides[i][1]));
-        let near: Vec<&Face> = near.map(|(_, face)| *face).collect();
-        // A node of a face, which may be degenerate there, or a point of it.
-        let meets = near.iter().flat_map(|face| face.nodes.iter().zip(&face.corners));
-        let meets = meets.filter(|(_, corner)| norm(minus(x, **corner)) <= reach);
-        let nearest =
-            meets.min_by(|(_, one), (_, other)| norm(minus(x, **one)).total_cmp(&norm(minus(x, **other))));
-        let shares: Vec<(Label, f64)> = match nearest {
-            Some((node, _)) => vec![(*node, 1.0)],
-            None => {
-                let on = near.iter().filter_map(|face| Some((faces::shape::at(&face.corners, x)?, face)));
-                let ((shares, apart), face) = on.min_by(|one, other| one.0.1.total_cmp(&other.0.1))?;
-                if apart > reach {
-                    return None;
-                }
-                face.nodes.iter().copied().zip(shares).filter(|(_, share)| share.abs() > ROUNDED).collect()
-            }
-        };
+        let shares = shares_of(&places.around(x), x, reach)?;
         // Along the axes of the node itself, so that each equation begins with another of its degrees of freedom.
-        for (i, axis) in scene.nodal_axes(slave).ok()?.into_iter().enumerate() {
-            let number = |j: usize| u8::try_from(j + 1).ok();
-            let mut terms = vec![EquationTerm { node: slave, degree_of_freedom: number(i)?, factor: 1.0 }];
+        for (axis, of_slave) in scene.nodal_axes(slave).ok()?.into_iter().zip(1..) {
+            let mut terms = vec![EquationTerm { node: slave, degree_of_freedom: of_slave, factor: 1.0 }];
             for (node, share) in &shares {
-                for (j, along) in scene.nodal_axes(*node).ok()?.into_iter().enumerate() {
-                    let cosine: f64 = along.iter().zip(axis).map(|(x, y)| x * y).sum();
-                    if cosine.abs() > ROUNDED {
-                        let degree_of_freedom = number(j)?;
+                for (along, degree_of_freedom) in scene.nodal_axes(*node).ok()?.into_iter().zip(1..) {
+                    let cosine = dot(along, axis);
+                    if cosine.abs() > f64::EPSILON {
                         terms.push(EquationTerm { node: *node, degree_of_freedom, factor: -share * cosine });
                     }
                 }

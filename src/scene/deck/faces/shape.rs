@@ -51,8 +51,9 @@ fn quadrilateral(count: usize, [r, s]: [f64; 2]) -> Functions {
     found
 }
 
-/// The shape functions N_i of a face of 3, 4, 6 or 8 nodes at the point of it that is nearest to x, and the distance of that point. None where
-/// that point is beyond an edge, or no such face.
+/// The shape functions N_i of a face at the point of it that is nearest to x, and the distance of that point (length). They are those of the
+/// isoparametric elements with 3, 4, 6 or 8 nodes (Bathe, Finite Element Procedures, 5.3), corners first. None where the point is beyond an
+/// edge, and for another face.
 pub(in crate::deck) fn at(face: &[[f64; 3]], x: [f64; 3]) -> Option<(Vec<f64>, f64)> {
     const STEPS: usize = 30;
     let is_triangle = matches!(face.len(), 3 | 6);
@@ -95,8 +96,8 @@ pub(in crate::deck) fn at(face: &[[f64; 3]], x: [f64; 3]) -> Option<(Vec<f64>, f
 mod tests {
     use super::*;
 
-    /// Shape functions add up to one, their derivatives to zero, and each is one at its node and zero at the others; a field that is linear is
-    /// carried over exactly, and a quadratic one by faces of second order.
+    /// Each shape function is one at its node and zero at the others. They add up to one, and have their derivatives. Faces carry a linear field
+    /// exactly, those of second order a quadratic one.
     #[test]
     fn shapes_carry_fields() {
         let triangles = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
