@@ -21,6 +21,7 @@ class Entry:
     tolerance: float
     units: float
     state: str | None
+    simplest: str | None
 
 class RoutineError(Exception): ...
 

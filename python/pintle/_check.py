@@ -108,7 +108,7 @@ def _is_jitted(routine):
 class Report:
     """What a check or an audit found.
 
-    Attributes: `ok`, `verdict`, `worst` (`entry`, `got`, `want`, `tolerance`, `units`, `state`), `cause`
+    Attributes: `ok`, `verdict`, `worst` (`entry`, `got`, `want`, `tolerance`, `units`, `state`, `simplest`), `cause`
     (sentences), `codes`, `notes`, `compared`, `text`, and `repeat`, the line that repeats it.
     """
 
@@ -134,6 +134,8 @@ class Report:
         lines = [f"verdict: {found.verdict}, {found.compared} numbers compared"]
         if found.worst is not None:
             lines.append(f"worst: {found.worst!r}")
+            if found.worst.simplest is not None:
+                lines.append(f"simplest state at which it is wrong: {found.worst.simplest}")
         lines += found.cause + [f"note: {note}" for note in found.notes]
         if not found.ok:
             lines += ["", found.text.rstrip()]

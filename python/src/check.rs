@@ -69,7 +69,8 @@ pub(crate) fn ask(
         Settings { states, near_singular_states, wide_states, seed, atlas: false, ..Settings::default() };
     let (to, mut asked) = channel();
     let (answers, from) = channel();
-    let asked_of = Asked { settings, histories, convention: None, springs, domain: None, among: None };
+    let asked_of =
+        Asked { settings, histories, convention: None, springs, domain: None, simplest: true, among: None };
     let judge = || pintle::check::check(Messages { to, from }, &subject, asked_of);
     let answer = move || loop {
         let questions = &mut asked;

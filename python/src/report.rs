@@ -22,6 +22,8 @@ pub(crate) struct Entry {
     units: f64,
     /// Where it was seen.
     state: Option<String>,
+    /// The simplest state found at which it is wrong.
+    simplest: Option<String>,
 }
 
 #[pymethods]
@@ -103,6 +105,7 @@ impl Report {
             tolerance: worst.tolerance,
             units: worst.units,
             state: check.worst_state.clone(),
+            simplest: check.simplest.clone(),
         })
     }
 

@@ -161,7 +161,8 @@ def test_the_plugin_shows_matrix_cause_and_repeat(tmp_path):
     folder = routines.__file__.rpartition("/")[0]
     ran = subprocess.run(command, capture_output=True, text=True, env={"PYTHONPATH": folder, "PATH": ""}, cwd=tmp_path)
     assert ran.returncode == 1, ran.stdout
-    for part in ("✗   ✗   ✗", "geometric term missing", "repeat: pintle.check(routines.without_arm, 'CARTESIAN', states=20)"):
+    simplest = "simplest state at which it is wrong: a: u = (0, 0, 0), φ = (0, 0, 0); b: u = (0, 0, 0), φ = (0, 0, 0)"
+    for part in ("✗   ✗   ✗", "geometric term missing", simplest, "repeat: pintle.check(routines.without_arm, 'CARTESIAN', states=20)"):
         assert part in ran.stdout, ran.stdout
 
 
@@ -171,6 +172,18 @@ def test_nothing_starts_at_import():
         pytest.skip("threads are counted in /proc")
     count = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env={"OPENBLAS_NUM_THREADS": "1"})
     assert count.stdout == "1\n", count
+
+
+def test_the_simplest_state_is_one_at_which_it_is_wrong():
+    def bent(state, connector):
+        given = connectors.right("CARTESIAN")(state, connector)
+        if abs(given["values"][1]) > 0.1:
+            given["values"][1] *= 1.001
+        return given
+
+    report = pintle.check(bent, "CARTESIAN", states=40)
+    assert not report.ok
+    assert report.worst.simplest == "a: u = (0, 0, 0), φ = (0, 0, 0); b: u = (0, 1, 0), φ = (0, 0, 0)"
 
 
 @pytest.mark.parametrize("of", ["EULER", "ROTATION"])

@@ -119,6 +119,8 @@ pub struct Asked {
     pub springs: [Option<f64>; 6],
     /// Where states are drawn, in place of the domain of its hello.
     pub domain: Option<Domain>,
+    /// Whether to look for the simplest state at which the routine is wrong ([`pintle_audit::Check::simplest`]).
+    pub simplest: bool,
     /// Which of several that are asked for this is: a part of its name in the report.
     pub among: Option<String>,
 }
@@ -204,7 +206,7 @@ fn check_connector<D: Door>(
 ) -> Result<Checked, Misbehaviour> {
     let mut session = Session::open(door, definition, asked.convention.as_ref(), &asked.springs)?;
     let name = asked.title(session.name());
-    let Asked { settings, histories, springs, domain, .. } = asked;
+    let Asked { settings, histories, springs, domain, simplest, .. } = asked;
     let (mut states, mut outside) = (0, 0);
     let is_principal = session.is_principal();
     let domain = domain.unwrap_or_else(|| session.domain().clone());
@@ -226,8 +228,11 @@ fn check_connector<D: Door>(
         }
         Ok(given)
     })?;
-    // A counter-example would ask pintle again, not the routine.
     for check in report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
+        if simplest && check.verdict.is_mismatch() {
+            check.simplest = candidate.simplest(check, &mut |asked| session.ask(asked))?;
+        }
+        // A counter-example would ask pintle again, not the routine.
         check.failing = None;
     }
     let (not_offered, lacks_springs) = (session.not_offered(), session.lacks_springs());

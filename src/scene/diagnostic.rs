@@ -77,7 +77,7 @@ codes! {
     IncludeLimit = "deck::include-limit": "Includes nest too deep, or are too many or too large altogether.";
 
     UnsupportedKeyword = "deck::unsupported-keyword": "A keyword or parameter that acts on nodes of connectors or constraints, or changes the deck itself, and is not understood; skipping it would give another model.";
-    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, *BOUNDARY and *CLOAD with a parameter that is not read, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
+    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, *BOUNDARY and *CLOAD with a parameter that is not read, an *EQUATION of displacements and a degree of freedom of other physics, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
     ItemsAfterCoordinates = "deck::items-after-coordinates": "A line of *NODE goes on after the third coordinate, and what follows is no normal: of numbers with decimal commas the digits become further items. A warning.";
     MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
@@ -172,7 +172,7 @@ codes! {
     LockNotAvailable = "rule::lock-not-available": "A lock is triggered by a component that the connector does not have, or locks one that is not available.";
     ContactAngleDefault = "rule::contact-angle-default": "A SLIPRING with friction has no contact angle, which in a Standard analysis is then zero. A warning.";
     MpcNotInExplicit = "deck::mpc-not-in-explicit": "A multi-point constraint REVOLUTE or UNIVERSAL in an Explicit analysis.";
-    OutOfPlane = "rule::out-of-plane": "A node of a CONN2D2 element lies out of the plane z = 0, or an orientation does not have e3 along the global z; at a and b the same way.";
+    OutOfPlane = "rule::out-of-plane": "A node of a CONN2D2 element lies out of the plane z = 0, or an orientation does not have e3 along the global z; at a and b the same way. A warning: an equation of a two-dimensional model has degree of freedom 3, 4 or 5.";
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
     RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
     CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";

@@ -21,6 +21,8 @@ use pintle_kinematics::mpc::Kind;
 #[derive(Debug, Clone, Default)]
 pub struct NodeFreedom {
     nodes: LabelMap<Freedom>,
+    /// Whether all nodes are confined to the plane.
+    two_dimensional: bool,
 }
 
 /// What is known of a node.
@@ -78,7 +80,7 @@ impl NodeFreedom {
             let set = body.tie_set.as_ref().and_then(|name| scene.node_sets.get(&name.value));
             set.into_iter().flat_map(|set| &set.labels).copied().for_each(&mut turn);
         }
-        Self { nodes }
+        Self { nodes, two_dimensional: scene.two_dimensional }
     }
 
     /// Whether a node has rotational degrees of freedom.
@@ -93,10 +95,10 @@ impl NodeFreedom {
         self.nodes.get(&node).is_some_and(|freedom| freedom.is_connected && !freedom.rotates)
     }
 
-    /// Whether a node belongs to an element CONN2D2.
+    /// Whether a node belongs to an element CONN2D2, or to a model of two dimensions.
     #[must_use]
     pub fn is_planar(&self, node: Label) -> bool {
-        self.nodes.get(&node).is_some_and(|freedom| freedom.is_planar)
+        self.two_dimensional || self.nodes.get(&node).is_some_and(|freedom| freedom.is_planar)
     }
 }
 
@@ -107,6 +109,12 @@ impl Scene {
     pub fn is_axisymmetric(&self) -> bool {
         self.axisymmetric
     }
+
+    /// Whether there are connectors, and all are CONN2D2.
+    pub(crate) fn has_flat_connectors_alone(&self) -> bool {
+        let mut all = self.connectors.values().map(|element| element.dimension).peekable();
+        all.peek().is_some() && all.all(|dimension| dimension == Dimension::Two)
+    }
 }
 
 /// The ends that the type of a section gives rotations; both where there is no such type.
@@ -116,6 +124,26 @@ fn rotations(section: &crate::model::ConnectorSection, solver: Option<Solver>) -
     let Ok(connection) = ConnectionType::named(&first.value, second) else { return [true; 2] };
     let standard = (solver == Some(Solver::Standard)).then(|| connection.in_standard()).flatten();
     standard.map_or(connection.rotations, |other| other.rotations)
+}
+
+/// Whether an element type that is not read belongs to models of two dimensions or of three; None where it belongs to both. What gives a node the
+/// degrees of freedom 3 to 5 counts for three: generalised plane strain, axisymmetric elements with twist or bending.
+pub(super) fn element_dimension(name: &str) -> Option<Dimension> {
+    const NEITHER: [&str; 7] = ["SPRING", "DASHPOT", "MASS", "ROTARYI", "HEATCAP", "GAPUNI", "DGAP"];
+    const THREE: [&str; 5] = ["CPEG", "CGAX", "MGAX", "CAXA", "SAXA"];
+    const TWO: [&str; 17] = [
+        "CPS", "CPE", "CAX", "B2", "T2D", "R2D", "RB2D", "PIPE2", "FRAME2D", "DCOUP2D", "JOINT2D", "CINPS",
+        "CINPE", "AC2D", "DC2D", "COH2D", "PSI2",
+    ];
+    let begins = |names: &[&str]| names.iter().any(|known| name.starts_with(known));
+    let is_own = name.starts_with(['U', 'V', 'Z']) && name.chars().nth(1).is_some_and(|c| c.is_ascii_digit());
+    if is_own || begins(&NEITHER) {
+        None
+    } else if !begins(&THREE) && (begins(&TWO) || name.contains("AX")) {
+        Some(Dimension::Two)
+    } else {
+        Some(Dimension::Three)
+    }
 }
 
 /// Whether the nodes of an element type that is not read have rotations, or may have: beams, pipes, elbows, frames, shells (not

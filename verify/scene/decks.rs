@@ -683,3 +683,62 @@ fn a_rigid_body_of_elements_that_are_not_read_is_kept() {
         assert_eq!(kept, 1, "{format:?}");
     }
 }
+
+/// Keywords written by their beginning say what they say whole; one that could be several, or is another, is named, and makes nothing certain.
+#[test]
+fn keywords_may_be_shortened_to_any_unambiguous_beginning() {
+    let whole = "*HEADING\nbars\n*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n\
+                 *ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nAXIAL\n\
+                 *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1\n10.,\n*RIGID BODY, REF NODE=2, PIN NSET=P\n\
+                 *EQUATION\n2\n2, 2, 1., 3, 2, -1.\n*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n*NSET, NSET=P\n3\n*BOUNDARY\n1, 1, 3\n";
+    let mut short = whole.to_owned();
+    for (name, by) in [
+        ("HEADING", "HEAD"),
+        ("ELEMENT", "ELEM"),
+        ("ORIENTATION", "orie"),
+        ("CONNECTOR SECTION", "CONNECTOR SECT"),
+        ("CONNECTOR BEHAVIOR", "ConnectorBeh"),
+        ("CONNECTOR ELASTICITY", "CONNECTOR ELAS"),
+        ("RIGID BODY", "RIGID B"),
+        ("EQUATION", "EQUA"),
+        ("AMPLITUDE", "AMPL"),
+        ("BOUNDARY", "BOUN"),
+    ] {
+        short = short.replace(&format!("*{name}"), &format!("*{by}"));
+    }
+    let [whole, short] = [whole, &short].map(read);
+    assert!(short.warnings.is_empty(), "{:?}", short.warnings);
+    assert_eq!(short.boundaries.len(), 1);
+    assert_eq!(whole.write(Format::Toml).unwrap().text, short.write(Format::Toml).unwrap().text);
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nAXIAL\n";
+    for (text, keyword) in [
+        ("*RIGID, REF NODE=1\n", "RIGID BODY"),
+        ("*COUP, REF NODE=1\n", "COUPLING"),
+        ("*EQUATON\n2\n1, 1, 1., 2, 1, -1.\n", "EQUATION"),
+        ("*BOUNDRY\n1, 1, 3\n", "BOUNDARY"),
+        ("*KIN COUP, REF NODE=1\n2\n", "KINEMATIC COUPLING"),
+        ("*EQUATION\n2\n1, 1, 1., 2, 7, -1.\n", "EQUATION"),
+    ] {
+        let scene = read(&format!("{nodes}{text}"));
+        assert_eq!(scene.warnings.len(), 1, "{text}: {:?}", scene.warnings);
+        let unread: Vec<_> = scene.skipped.constraints.iter().map(|skipped| skipped.keyword).collect();
+        assert_eq!(unread, [keyword], "{text}");
+    }
+    // Of other physics throughout it holds nothing.
+    let scene = read(&format!("{nodes}*EQUATION\n2\n1, 11, 1., 2, 11, -1.\n"));
+    assert!(scene.warnings.is_empty() && scene.skipped.constraints.is_empty());
+    let error =
+        Scene::parse("deck.inp", &format!("{nodes}*EQUATION\n2\n1, 1, 1., 2, 33, -1.\n")).unwrap_err();
+    assert!(error.message().contains("no degree of freedom 33"), "{}", error.message());
+}
+
+/// Another number of nodes than a constraint takes is told beside a node that is not known.
+#[test]
+fn constraints_that_are_miscounted_are_all_told() {
+    let text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n*NSET\n1, 2\n*MPC\nBEAM, 1, 99\nTIE, 3\n";
+    let error = Scene::parse("deck.inp", text).unwrap_err();
+    let all: Vec<&str> =
+        std::iter::once(&error).chain(error.further()).map(|error| error.message()).collect();
+    assert_eq!(all.len(), 3, "{all:?}");
+    assert!(all.iter().any(|message| message.contains("TIE takes 2 nodes")), "{all:?}");
+}

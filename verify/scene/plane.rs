@@ -3,6 +3,7 @@
 
 use crate::laws::{Check, Scales, functions};
 use crate::states::{Draw, definition, pair, types};
+use pintle_assembly::analyse;
 use pintle_kinematics::catalog::{Availability, ConnectionType, PLANE, Slot, TABLE};
 use pintle_kinematics::connector::{
     Branch, Components, Connector, Definition, Evaluation, Increment, Request, State, Tally,
@@ -12,6 +13,9 @@ use pintle_kinematics::scalar::Duals;
 use pintle_kinematics::scalar::elementary::{recip, sin_cos, sqrt};
 use pintle_kinematics::scalar::{Scalar, Seeded};
 use pintle_kinematics::vector::Matrix;
+use pintle_model::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence};
+use pintle_scene::{Format, Label, NodeMotion, Rotation, Scene, State as SceneState};
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 /// The manual's 2D entry of a type: name; constrained; available; number of constraints; solver; page.
@@ -331,4 +335,161 @@ fn the_plane_is_part_of_space() {
             }
         }
     });
+}
+
+/// A plane model: an element of two dimensions that is not read, and what stands below it.
+fn flat(constraints: &str) -> (Scene, Model) {
+    let text = format!(
+        "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 1.2, 1.\n4, -0.1, 0.8\n5, 0.3, 2.\n6, 0.3, 2.\n*ELEMENT, TYPE=B21\n50, 5, 6\n\
+         *NSET, NSET=CLOUD\n1, 2, 3\n*NSET, NSET=LINE\n1, 2\n*SURFACE, TYPE=NODE, NAME=S\nCLOUD,\n*SURFACE, TYPE=NODE, NAME=L\nLINE,\n\
+         *SURFACE, TYPE=NODE, NAME=ONE\n6,\n*SURFACE, TYPE=NODE, NAME=TWO\n5,\n*ORIENTATION, NAME=TURNED\n0.6, 0.8, 0., -0.8, 0.6, 0.\n{constraints}"
+    );
+    let scene = Scene::parse("flat.inp", &text)
+        .unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)));
+    let model = Model::compile(&scene).unwrap_or_else(|error| panic!("{text}\n{}", error.render(110, false)));
+    (scene, model)
+}
+
+/// Each constraint of a deck in a model of two dimensions: its equations, and its degrees of freedom, which are none of 3, 4 and 5.
+const FLAT: [(&str, &[&str]); 11] = [
+    ("*MPC\nBEAM, 5, 4\n", &["δ1", "δ2", "ρ3"]),
+    ("*MPC\nPIN, 6, 5\n", &["δ1", "δ2"]),
+    ("*MPC\nTIE, 5, 6\n", &["δ1", "δ2", "ρ3"]),
+    ("*MPC\nLINK, 3, 4\n", &["δl"]),
+    ("*RIGID BODY, REF NODE=5, TIE NSET=CLOUD\n", &["δ1", "δ2", "ρ3", "δ1", "δ2", "ρ3", "δ1", "δ2", "ρ3"]),
+    ("*RIGID BODY, REF NODE=5, PIN NSET=LINE\n", &["δ1", "δ2", "δ1", "δ2"]),
+    (
+        "*COUPLING, CONSTRAINT NAME=C, REF NODE=5, SURFACE=L, ORIENTATION=TURNED\n*KINEMATIC\n1, 1\n",
+        &["δ1", "δ1"],
+    ),
+    ("*COUPLING, CONSTRAINT NAME=C, REF NODE=5, SURFACE=ONE\n*KINEMATIC\n1, 2\n6, 6\n", &["δ1", "δ2", "ρ3"]),
+    ("*COUPLING, CONSTRAINT NAME=C, REF NODE=5, SURFACE=S\n*DISTRIBUTING\n", &["δ1", "δ2", "ρ3"]),
+    ("*COUPLING, CONSTRAINT NAME=C, REF NODE=5, SURFACE=L\n*DISTRIBUTING\n", &["δ1", "δ2", "ρ3"]),
+    ("*TIE, NAME=T\nONE, TWO\n", &["g", "g", "ρ3"]),
+];
+
+/// Constraints in the plane: equations, degrees of freedom, the residual of a rigid motion, and rows as differences of residuals.
+#[test]
+fn constraints_are_those_of_the_plane() {
+    let mut compared = 0;
+    for (text, names) in FLAT {
+        let (scene, model) = flat(text);
+        let plan = Plan::compile(&model, &Selection::All, Request::everything(1)).unwrap();
+        let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::of(&scene).unwrap());
+        let titles: Vec<String> =
+            jacobian.equations().iter().map(|equation| equation.title(&model)).collect();
+        let ends: Vec<&str> = titles.iter().map(|title| title.rsplit(' ').next().unwrap()).collect();
+        assert_eq!(ends, names, "{text}");
+        assert!(jacobian.freedoms().iter().all(|freedom| matches!(freedom.number, 1 | 2 | 6)), "{text}");
+        // u, θ of each node, first as one body moves.
+        let angle: f64 = 0.7;
+        let turned = |x: [f64; 3]| {
+            let (sine, cosine) = angle.sin_cos();
+            [cosine * x[0] - sine * x[1] - x[0] + 0.4, sine * x[0] + cosine * x[1] - x[1] - 0.3, angle]
+        };
+        let rigid: BTreeMap<Label, [f64; 3]> =
+            scene.nodes.iter().map(|(label, node)| (*label, turned(node.coordinates))).collect();
+        let residuals = |moved: &BTreeMap<Label, [f64; 3]>| -> Vec<f64> {
+            let state = SceneState {
+                nodes: moved.iter().map(|(label, u)| (*label, plane_motion(*u))).collect(),
+                ..SceneState::default()
+            };
+            let result = Sequence::new(&model, &plan).step(&state);
+            let mpcs = result.mpcs.iter().flat_map(|of| of.evaluation.residual.into_iter().flatten());
+            mpcs.chain(result.relations.iter().flat_map(|of| of.rows.iter().map(|row| row.residual)))
+                .collect()
+        };
+        let at_rigid = residuals(&rigid);
+        assert_eq!(at_rigid.len(), names.len(), "{text}");
+        // An equation of displacements that a tie makes is met, for its nodes are at one place.
+        assert!(at_rigid.iter().all(|residual| residual.abs() < 1e-14), "{text}: {at_rigid:?}");
+        // Elsewhere rows are differences of residuals.
+        let off: BTreeMap<Label, [f64; 3]> = rigid
+            .iter()
+            .enumerate()
+            .map(|(n, (label, u))| {
+                (*label, [u[0] + 0.01 * n as f64, u[1] - 0.02 * n as f64, u[2] + 0.03 * n as f64])
+            })
+            .collect();
+        let state = SceneState {
+            nodes: off.iter().map(|(label, u)| (*label, plane_motion(*u))).collect(),
+            ..SceneState::default()
+        };
+        let mut values = Vec::new();
+        Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut values).unwrap();
+        let mut entries = values.iter();
+        for row in 0..jacobian.rows() {
+            for column in jacobian.row(row) {
+                let freedom = jacobian.freedoms()[*column as usize];
+                let at = if freedom.number == 6 { 2 } else { usize::from(freedom.number) - 1 };
+                let step = 1e-5;
+                let [more, less] = [step, -step].map(|by| {
+                    let mut moved = off.clone();
+                    if let Some(u) = moved.get_mut(&freedom.node) {
+                        u[at] += by;
+                    }
+                    residuals(&moved)[row]
+                });
+                let (got, want) = (*entries.next().unwrap(), (more - less) / (2.0 * step));
+                assert!(
+                    (got - want).abs() < 1e-9,
+                    "{text}, {} by {freedom:?}: {got}, not {want}",
+                    titles[row]
+                );
+                compared += 1;
+            }
+        }
+        assert!(entries.next().is_none(), "{text}");
+    }
+    assert!(compared > 100, "{compared}");
+}
+
+/// The motion of a node in the plane.
+fn plane_motion([x, y, angle]: [f64; 3]) -> NodeMotion {
+    let rotation = Rotation::Vector([0.0, 0.0, angle]);
+    NodeMotion { displacement: [x, y, 0.0], rotation, ..NodeMotion::default() }
+}
+
+/// Mobility and redundancy are those of the plane, whatever holds a bar rigid; beside an element of three dimensions they are those of space.
+#[test]
+fn mobility_is_that_of_the_plane() {
+    let bars = "*NODE\n1, 0., 0.\n2, 0., 1.\n3, 2., 1.5\n4, 2., 0.\n*NSET, NSET=B\n3\n*SURFACE, TYPE=NODE, NAME=S\n3,\n\
+                *ELEMENT, TYPE=CONN2D2, ELSET=L\n10, 1, 2\n11, 3, 4\n*CONNECTOR SECTION, ELSET=L\nLINK\n*BOUNDARY\n1, 1, 2\n4, 1, 2\n";
+    let mobility = |text: &str| {
+        let scene = Scene::parse("bars.inp", &format!("{bars}{text}")).unwrap();
+        let found = analyse(&scene, &Model::compile(&scene).unwrap(), &[], 1).unwrap();
+        (found.positions.first().unwrap().mobility, found.redundant.len())
+    };
+    let link = "*ELEMENT, TYPE=CONN2D2, ELSET=L\n12, 2, 3\n";
+    let coupling = "*COUPLING, CONSTRAINT NAME=C, REF NODE=2, SURFACE=S\n*KINEMATIC\n1, 2\n";
+    for coupler in [link, "*MPC\nLINK, 3, 2\n"] {
+        assert_eq!(mobility(coupler), (Some(1), 0), "{coupler}");
+    }
+    // A node that carries another has a rotation of its own, and is a bar with it.
+    for coupler in [coupling, "*RIGID BODY, REF NODE=2, PIN NSET=B\n", "*MPC\nBEAM, 3, 2\n"] {
+        assert_eq!(mobility(coupler), (Some(1), 0), "{coupler}");
+    }
+    // The same with a solid in the deck: nodes may leave the plane.
+    let solid = "*ELEMENT, TYPE=C3D4\n90, 1, 2, 3, 4\n";
+    assert_ne!(mobility(&format!("{coupling}{solid}")).0, Some(1));
+}
+
+/// Terms in degrees of freedom that the plane has not are dropped with a warning; an orientation out of the plane is an error.
+#[test]
+fn what_is_not_of_the_plane_is_said() {
+    let (_, model) = flat("*EQUATION\n3\n2, 1, 1., 3, 3, 2., 4, 1, -1.\n");
+    assert_eq!(model.relations.len(), 1);
+    assert_eq!(model.relations[0].relation.columns().len(), 2);
+    assert!(model.warnings.iter().any(|warning| warning.message().contains("degree of freedom 3 of node 3")));
+    let text = "*NODE\n1, 0., 0.\n2, 1., 0.\n*ELEMENT, TYPE=B21\n5, 1, 2\n*ORIENTATION, NAME=O\n0., 1., 0., 0., 0., 1.\n\
+                *SURFACE, TYPE=NODE, NAME=S\n2,\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=S, ORIENTATION=O\n*KINEMATIC\n1, 1\n";
+    let error = Model::compile(&Scene::parse("tilted.inp", text).unwrap()).unwrap_err();
+    assert!(error.message().contains("do not lie in the 1-2 plane"), "{}", error.message());
+    // What is written of a scene keeps its dimensions.
+    let (scene, _) = flat("*MPC\nBEAM, 5, 4\n");
+    assert!(scene.two_dimensional);
+    let toml = scene.write(Format::Toml).unwrap().text;
+    assert!(Scene::parse_toml("flat.toml", &toml).unwrap().two_dimensional, "{toml}");
+    let deck = scene.write(Format::Deck).unwrap();
+    assert!(deck.dropped.iter().any(|what| what.contains("two dimensions")), "{:?}", deck.dropped);
 }

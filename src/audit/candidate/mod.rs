@@ -32,6 +32,7 @@ mod friction;
 mod given;
 mod right;
 mod sheet;
+mod simplest;
 mod tables;
 
 pub use constraint::ConstraintCandidate;

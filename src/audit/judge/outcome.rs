@@ -85,6 +85,9 @@ pub struct Check {
     /// Why it is wrong: what holds at nearly all states at which it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<Box<Diagnosis>>,
+    /// The simplest state found at which a routine is wrong, in words, where that was asked for.
+    #[serde(skip)]
+    pub simplest: Option<String>,
     /// The file to which its counter-example was written: `pintle replay` runs it again.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counter_example: Option<String>,
@@ -127,6 +130,7 @@ impl Check {
             worst_state: None,
             score: Score::default(),
             diagnosis: None,
+            simplest: None,
             counter_example: None,
             comparison: None,
             failing: None,

@@ -4,8 +4,11 @@ use crate::case::failing::Failing;
 use crate::case::{Case, Step};
 use crate::sampling::cube_orientations;
 use pintle_kinematics::node::{Node, Pair};
-use pintle_kinematics::vector::{Matrix, identity};
+use pintle_kinematics::vector::{Matrix, identity, product};
 use serde_json::{Number, Value};
+
+/// How many of the values are of the initial state.
+const OF_INITIAL: usize = 4;
 
 /// How many passes over all values are tried.
 const PASSES: usize = 6;
@@ -13,10 +16,16 @@ const PASSES: usize = 6;
 /// The simplest case found that still fails: zero, one, or few bits in place of each number, right angles in place of each
 /// rotation, no states but the last where they do not matter.
 pub fn shrink(case: &Case, fails: &dyn Fn(&Case) -> bool) -> Case {
+    if fails(case) { shrunk(case, fails, true) } else { case.clone() }
+}
+
+/// The same, with the connector as it is initially; `None` where it does not fail.
+pub(crate) fn shrink_state(case: &Case, fails: &dyn Fn(&Case) -> bool) -> Option<Case> {
+    fails(case).then(|| shrunk(case, fails, false))
+}
+
+fn shrunk(case: &Case, fails: &dyn Fn(&Case) -> bool, with_initial: bool) -> Case {
     let mut best = case.clone();
-    if !fails(&best) {
-        return best;
-    }
     let attempt = |best: &mut Case, changed: Case| {
         let kept = fails(&changed);
         if kept {
@@ -45,19 +54,23 @@ pub fn shrink(case: &Case, fails: &dyn Fn(&Case) -> bool) -> Case {
             break;
         }
     }
-    for _ in 0..PASSES {
+    for pass in 0..PASSES {
         let before = weight(&best);
-        for triad in 0..4 {
-            for simple in std::iter::once(identity()).chain(cube_orientations()) {
+        for triad in if with_initial { 0..4 } else { 2..4 } {
+            let [a, b] = [&best.definition.initial.a, &best.definition.initial.b].map(|node| node.triad);
+            let own = if with_initial { identity() } else { [a, b][triad % 2] };
+            let turned = cube_orientations().into_iter().map(|turn| product(&turn, &own));
+            for simple in std::iter::once(own).chain(turned) {
                 let mut changed = best.clone();
                 set_triad(&mut changed, triad, simple);
-                if weight(&changed) < weight(&best) && attempt(&mut best, changed) {
+                let is_simpler = if with_initial { weight(&changed) < weight(&best) } else { pass == 0 };
+                if is_simpler && attempt(&mut best, changed) {
                     break;
                 }
             }
         }
         let count = values(&mut best.clone()).len();
-        for i in 0..count {
+        for i in if with_initial { 0 } else { OF_INITIAL }..count {
             let Some(x) = values(&mut best.clone()).get(i).map(|x| **x) else { continue };
             for simple in simpler(x) {
                 let mut changed = best.clone();

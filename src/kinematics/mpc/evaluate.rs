@@ -124,7 +124,7 @@ impl<R: Duals> Constraint<R> {
                 rows[0] = Some(self.stretch(state, vector::sub(of_slave, of_master)));
             }
         }
-        if wanted[RHO] {
+        if wanted[RHO + 2] {
             let violation = self.violation(state, angles, OF_ROTATION.map(|j| moved[j]));
             for (row, entry) in rows[RHO..FLOW].iter_mut().zip(violation) {
                 *row = Some(entry);
@@ -133,6 +133,9 @@ impl<R: Duals> Constraint<R> {
         if wanted[FLOW] {
             let apart = S::from_real(state.slave.flow - state.master.flow);
             rows[FLOW] = Some(apart + moved[PSI_S] - moved[PSI_M]);
+        }
+        for (row, wanted) in rows.iter_mut().zip(wanted) {
+            *row = row.filter(|_| wanted);
         }
         rows
     }
@@ -243,7 +246,7 @@ impl<R: Duals> Constraint<R> {
             Translation::Distance if first => self.add_stretch::<R::Gradient<3>>(state, evaluation),
             Translation::Distance => self.add_stretch::<R::Hessian<3>>(state, evaluation),
         }
-        if wanted[RHO] {
+        if wanted[RHO + 2] {
             match (self.hinges(), first) {
                 (0, true) => self.add_violation::<R::Gradient<6>, 6>(state, evaluation),
                 (0, false) => self.add_violation::<R::Hessian<6>, 6>(state, evaluation),
@@ -255,6 +258,9 @@ impl<R: Duals> Constraint<R> {
         }
         if wanted[FLOW] {
             evaluation.add_difference(FLOW, PSI_S, PSI_M, order);
+        }
+        for row in (0..ROWS).filter(|row| !wanted[*row]) {
+            (evaluation.jacobian[row], evaluation.hessian[row]) = (None, None);
         }
     }
 

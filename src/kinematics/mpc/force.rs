@@ -129,12 +129,15 @@ impl<R: Duals> Constraint<R> {
         let singly = |row: usize| {
             let at = match row {
                 FLOW => PSI_S,
+                // In the plane there is one rotation.
+                5 => THETA_S + 2,
                 _ => (XS..THETA_S)
                     .find(|j| dependent[*j] && jacobian[row].is_some_and(|of| !is_zero(of[*j])))?,
             };
             Some(at)
         };
-        for row in (0..RHO).chain([FLOW]) {
+        let is_planar = jacobian[RHO].is_none();
+        for row in (0..RHO).chain((RHO..FLOW).filter(|_| is_planar)).chain([FLOW]) {
             let (Some(of), Some(at)) = (jacobian[row].as_ref(), singly(row)) else { continue };
             let inverse = of[at].reciprocal_or_zero();
             for j in (0..DOFS).filter(|j| !dependent[*j]) {

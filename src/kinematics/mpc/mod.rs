@@ -102,6 +102,7 @@ pub struct Constraint<R: Duals> {
     /// a1₀ and a2₀, of unit length.
     axes: [Vector<R>; 2],
     flow: bool,
+    planar: bool,
 }
 
 /// One of the nodes S and M at one instant.
@@ -184,7 +185,7 @@ impl<R: Duals> Constraint<R> {
             R::choose(zero.less(length), || axis, || otherwise)
         };
         let axes = [axis(hinges[0], [zero, zero, one]), axis(hinges[1], [one, zero, zero])];
-        Self { kind, arm: from_master(slave), axes, flow: false }
+        Self { kind, arm: from_master(slave), axes, flow: false, planar: false }
     }
 
     /// Between nodes that are X_S − X_M = `arm` apart initially, with hinges about `axes`, of unit length, which are taken as they are.
@@ -196,7 +197,7 @@ impl<R: Duals> Constraint<R> {
     /// assert_eq!((joint.arm(), joint.initial_axes()), ([1.0, 2.0, 3.0], [Some(axes[0]), None]));
     /// ```
     pub const fn with_axes(kind: Kind, arm: Vector<R>, axes: [Vector<R>; 2]) -> Self {
-        Self { kind, arm, axes, flow: false }
+        Self { kind, arm, axes, flow: false, planar: false }
     }
 
     /// The same, where both nodes have material flow: a TIE makes that equal too.
@@ -205,13 +206,27 @@ impl<R: Duals> Constraint<R> {
         Self { flow: true, ..self }
     }
 
+    /// The same in a two-dimensional model, whose nodes have the degrees of freedom 1, 2, 6 and 10: without δ3, ρ1 and ρ2, and the columns by
+    /// x3, θ1 and θ2.
+    ///
+    /// ```
+    /// use pintle_kinematics::mpc::{Constraint, Kind};
+    /// let beam = Constraint::<f64>::new(Kind::Beam, [1.0, 0.0, 0.0], [0.0; 3], [[0.0; 3]; 2]).in_plane();
+    /// assert_eq!(beam.rows(), [true, true, false, false, false, true, false]);
+    /// ```
+    #[must_use]
+    pub const fn in_plane(self) -> Self {
+        Self { planar: true, ..self }
+    }
+
     /// The same on another real number; exactly so from doubles.
     pub fn exact<S: Duals>(&self) -> Constraint<S>
     where
         R: Into<f64>,
     {
         let exact = |v: Vector<R>| vector::exact(v.map(Into::into));
-        Constraint { kind: self.kind, arm: exact(self.arm), axes: self.axes.map(exact), flow: self.flow }
+        let Self { kind, flow, planar, .. } = *self;
+        Constraint { kind, arm: exact(self.arm), axes: self.axes.map(exact), flow, planar }
     }
 
     /// Its kind.
@@ -236,12 +251,15 @@ impl<R: Duals> Constraint<R> {
 
     /// The equations that it has.
     pub fn rows(&self) -> [bool; ROWS] {
-        self.kind.rows(self.flow)
+        let rows = self.kind.rows(self.flow);
+        std::array::from_fn(|row| rows[row] && (matches!(row, 0 | 1 | 5 | FLOW) || !self.planar))
     }
 
     /// The degrees of freedom that enter it.
     pub fn columns(&self) -> [bool; DOFS] {
-        self.kind.columns(self.flow)
+        let columns = self.kind.columns(self.flow);
+        let in_plane = |j: usize| j >= PHI || matches!(j % XM, 0 | 1 | 5 | 6);
+        std::array::from_fn(|j| columns[j] && (in_plane(j) || !self.planar))
     }
 
     /// The angle between the axes of two hinges in the initial geometry, in [0, π] (rad).

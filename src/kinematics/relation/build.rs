@@ -1,6 +1,6 @@
 //! Relations from what a deck says.
 
-use crate::relation::{Form, Quantity, Relation, Share, Term};
+use crate::relation::{Form, Quantity, Relation, Share, Term, is_in_plane};
 use crate::scalar::Real;
 use crate::vector;
 use crate::vector::{Vector, cross, dot, scale, sub};
@@ -44,7 +44,37 @@ impl<R: Real> Relation<R> {
                 all(0, 1..=6).chain((1..=shares.len()).flat_map(|place| all(place, 1..=3))).collect()
             }
         };
-        Self { form, columns }
+        Self { form, planar: false, columns }
+    }
+
+    /// The same in a two-dimensional model, whose nodes have the degrees of freedom 1, 2, 6 and 10: without δ3, ρ1 and ρ2, and the columns by
+    /// x3, θ1 and θ2. Where the rotation about 3 is fixed, ρ3 is the angle; nodes on one line fix that of a mean, too.
+    ///
+    /// ```
+    /// use pintle_kinematics::relation::Relation;
+    /// let mean = Relation::<f64>::mean([0.0; 3], &[(1.0, [0.0; 3]), (1.0, [1.0, 0.0, 0.0])]).in_plane();
+    /// assert_eq!(mean.rows().iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["δ1", "δ2", "ρ3"]);
+    /// assert_eq!(mean.columns(), [(0, 1), (0, 2), (0, 6), (1, 1), (1, 2), (2, 1), (2, 2)]);
+    /// ```
+    #[must_use]
+    pub fn in_plane(self) -> Self {
+        let mut form = self.form;
+        match &mut form {
+            Form::Linear(_) => {}
+            Form::Carried { fixed, .. } => {
+                let turns = fixed[5];
+                fixed[3..].fill(turns);
+            }
+            Form::Mean { shares, turns, .. } => {
+                let square = |share: &Share<R>| share.weight * dot(share.arm, share.arm);
+                let about = shares.iter().map(square).fold(R::ZERO, |sum, part| sum + part);
+                let z = [R::ZERO, R::ZERO, about.reciprocal_or_zero()];
+                *turns = if turns.is_empty() { Vec::new() } else { vec![z] };
+            }
+        }
+        let mut planar = Self { planar: true, ..Self::of(form) };
+        planar.columns.retain(|(_, number)| is_in_plane(*number));
+        planar
     }
 
     /// Σ A q = 0, of terms (place of the node, direction, degree of freedom from 0, A): 0 to 2 are displacements, 3 to 5 rotations, 6 flow.
@@ -108,7 +138,7 @@ impl<R: Real> Relation<R> {
             nodes.iter().map(|(w, x)| Share { weight: weight(*w), arm: sub(*x, middle) }).collect();
         let turns = turns(&shares);
         let form = Form::Mean { lever: sub(master, middle), shares, axes: vector::identity(), turns };
-        Relation { form, columns: Vec::new() }.exact()
+        Relation { form, planar: false, columns: Vec::new() }.exact()
     }
 
     /// The same on another real number; exactly so from doubles.
@@ -118,7 +148,7 @@ impl<R: Real> Relation<R> {
     {
         let number = |x: R| S::from_f64(x.into());
         let exact = |v: Vector<R>| v.map(number);
-        Relation::of(match &self.form {
+        let exact = Relation::of(match &self.form {
             Form::Linear(terms) => {
                 let term = |Term { place, quantity, component, axis, factor }: &Term<R>| Term {
                     place: *place,
@@ -141,7 +171,8 @@ impl<R: Real> Relation<R> {
                 axes: axes.map(exact),
                 turns: turns.iter().map(|turn| exact(*turn)).collect(),
             },
-        })
+        });
+        if self.planar { exact.in_plane() } else { exact }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::connector::{Output, Request, Tally};
 use crate::mpc::turned;
-use crate::relation::{Form, Point, Quantity, Relation, Share, Term, place_of};
+use crate::relation::{Form, Point, Quantity, Relation, Share, Term, is_in_plane, place_of};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Duals, Scalar, Seeded};
 use crate::so3;
@@ -111,8 +111,7 @@ impl<R: Duals> Relation<R> {
                 let rotation = turned(&slave.rotation, part(&of_slave, 3));
                 let rho = rho(axes, fixed, &vector::transposed_product(&body, &rotation));
                 let delta = [0, 1, 2].map(|i| dot_real(axes[i], delta));
-                let all = delta.into_iter().chain(rho);
-                all.zip(fixed).filter_map(|(equation, fixed)| fixed.then_some(equation)).collect()
+                self.carried_rows().map(|i| if i < 3 { delta[i] } else { rho[i - 3] }).collect()
             }
             Form::Mean { lever, shares, axes, turns } => {
                 let Some((master, others)) = nodes.split_first() else { return Vec::new() };
@@ -128,8 +127,11 @@ impl<R: Duals> Relation<R> {
                     let seen = apply_transposed(&body, sub(add(constant(arm), at(n)), mean));
                     scale(cross_real(seen, arm), weight)
                 });
-                let delta = axes.map(|axis| dot_real(axis, delta));
-                delta.into_iter().chain(turns.iter().map(|turn| dot_real(*turn, lag))).collect()
+                let equation = |i: usize| match axes.get(i) {
+                    Some(axis) => dot_real(*axis, delta),
+                    None => dot_real(turns[i - 3], lag),
+                };
+                self.mean_rows().map(equation).collect()
             }
         }
     }
@@ -242,7 +244,7 @@ impl<R: Duals> Relation<R> {
             Form::Mean { shares, axes, turns, .. } => {
                 let Some(master) = nodes.first() else { return };
                 let by_turn = self.by_turn(nodes, 0);
-                for (i, (row, theta)) in rows.iter_mut().zip(by_turn).enumerate() {
+                for (i, (row, theta)) in self.mean_rows().zip(rows.iter_mut().zip(by_turn)) {
                     let mut gradient = Vec::with_capacity(self.columns.len());
                     let carried = |v: Vector<R>| apply(&master.rotation, v);
                     match turns.get(i.wrapping_sub(3)) {
@@ -259,6 +261,11 @@ impl<R: Duals> Relation<R> {
                                 gradient.extend(scale(axis, -*weight));
                             }
                         }
+                    }
+                    if self.planar {
+                        let all = (1..=6).chain((0..shares.len()).flat_map(|_| 1..=3));
+                        let kept = gradient.into_iter().zip(all).filter(|(_, number)| is_in_plane(*number));
+                        gradient = kept.map(|(entry, _)| entry).collect();
                     }
                     row.gradient = gradient;
                 }
@@ -297,9 +304,9 @@ impl Relation<f64> {
                 };
                 vec![terms.iter().filter_map(size).sum()]
             }
-            Form::Carried { arm, fixed, .. } => {
+            Form::Carried { arm, .. } => {
                 let of = |i: usize| if i < 3 { moved.max(largest(arm)) } else { 1.0 };
-                (0..6).filter(|i| fixed[*i]).map(of).collect()
+                self.carried_rows().map(of).collect()
             }
             Form::Mean { lever, shares, turns, .. } => {
                 let arms = shares.iter().fold(largest(lever), |most, share| most.max(largest(&share.arm)));
@@ -307,7 +314,9 @@ impl Relation<f64> {
                     let each = shares.iter().map(|share| share.weight * norm(cross(share.arm, *turn)));
                     (moved * each.sum::<f64>()).max(1.0)
                 };
-                [moved.max(arms); 3].into_iter().chain(turns.iter().map(turned)).collect()
+                self.mean_rows()
+                    .map(|i| turns.get(i.wrapping_sub(3)).map_or(moved.max(arms), turned))
+                    .collect()
             }
         }
     }

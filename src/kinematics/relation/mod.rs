@@ -112,8 +112,15 @@ pub enum Form<R> {
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Relation<R> {
     form: Form<R>,
+    /// Whether its nodes have the degrees of freedom 1, 2, 6 and 10 alone.
+    planar: bool,
     /// The degrees of freedom that enter it, by the place of the node, ascending.
     columns: Vec<(usize, u8)>,
+}
+
+/// Whether a degree of freedom is one of a two-dimensional model.
+const fn is_in_plane(number: u8) -> bool {
+    matches!(number, 1 | 2 | 6 | 10)
 }
 
 /// A node at one instant.
@@ -210,9 +217,30 @@ impl<R> Relation<R> {
                 let unit = if terms.iter().all(is_angle) { Unit::Angle } else { Unit::Length };
                 vec![("g", unit)]
             }
-            Form::Carried { fixed, .. } => (0..6).filter(|i| fixed[*i]).map(named).collect(),
-            Form::Mean { turns, .. } => (0..3 + turns.len()).map(named).collect(),
+            Form::Carried { .. } => self.carried_rows().map(named).collect(),
+            Form::Mean { .. } if self.planar => {
+                self.mean_rows().map(|i| named(if i == 3 { 5 } else { i })).collect()
+            }
+            Form::Mean { .. } => self.mean_rows().map(named).collect(),
         }
+    }
+
+    /// Which of δ1 … ρ3 are equations of what is carried.
+    fn carried_rows(&self) -> impl Iterator<Item = usize> + use<R> {
+        let (planar, fixed) = match &self.form {
+            Form::Carried { fixed, .. } => (self.planar, *fixed),
+            _ => (self.planar, [false; 6]),
+        };
+        (0..6).filter(move |i| fixed[*i] && (!planar || is_in_plane(1 + *i as u8)))
+    }
+
+    /// Which of δ1 … δ3 and Σ of each g are equations of a mean.
+    fn mean_rows(&self) -> impl Iterator<Item = usize> + use<R> {
+        let (planar, count) = match &self.form {
+            Form::Mean { turns, .. } => (self.planar, 3 + turns.len()),
+            _ => (self.planar, 0),
+        };
+        (0..count).filter(move |i| !planar || *i != 2)
     }
 
     /// The names of its nodes by role: S and M of what is carried, M and the nodes n of a mean, the nodes of an equation.

@@ -223,6 +223,7 @@ impl Model {
         }
         model.rings = belt::rings(scene, &mut model);
         rules::boundaries(scene, &shared.freedom, &mut model.warnings);
+        plane::terms(scene, &mut model.warnings);
         rules::stiffnesses(scene, &mut model.warnings);
         for error in rules::constraints(scene) {
             if !tell(error.into()) {

@@ -6,7 +6,7 @@
 //! In an axisymmetric model 1 is the radius r, 2 the axis, and degree of freedom 6 the rotation from r to the axis: the same formulas,
 //! with r ≥ 0. Forces are those of the whole circumference.
 
-use pintle_kinematics::vector::{Matrix, column};
+use pintle_kinematics::vector::{Matrix, Vector, column};
 use pintle_scene::{Code, ConnectorElement, ConnectorSection, Diagnostic, Dimension, Label, Scene, Spanned};
 
 /// Direction cosines of exact rotations about the global 3-axis carry a few roundings.
@@ -40,6 +40,46 @@ pub(super) fn nodes(scene: &Scene, label: Label, element: &ConnectorElement) -> 
         }
     }
     found
+}
+
+/// Axes of a coupling of a two-dimensional model, by the orientation of this name.
+///
+/// # Errors
+/// Where e3 is not ±z.
+pub(super) fn axes(scene: &Scene, name: &Spanned<String>, axes: &[Vector<f64>; 3]) -> Result<(), Diagnostic> {
+    let [x, y, _] = axes[2];
+    if x.abs() <= ROUNDING && y.abs() <= ROUNDING {
+        return Ok(());
+    }
+    let message = format!(
+        "e1 and e2 of orientation {} do not lie in the 1-2 plane of a two-dimensional model",
+        name.value
+    );
+    let remedy = "give points a and b of the plane z = 0, so that e3 is the global z";
+    Err(Diagnostic::error(Code::OutOfPlane, name.span, message, "as for CONN2D2")
+        .help(remedy)
+        .in_scene(scene))
+}
+
+/// Terms of equations in degrees of freedom that a two-dimensional model has not.
+pub(super) fn terms(scene: &Scene, warnings: &mut Vec<Diagnostic>) {
+    if !scene.two_dimensional {
+        return;
+    }
+    let all =
+        scene.equations.iter().flat_map(|equation| equation.terms.iter().map(move |term| (equation, term)));
+    for (equation, term) in all.filter(|(_, term)| matches!(term.degree_of_freedom, 3..=5)) {
+        let (node, number) = (term.node, term.degree_of_freedom);
+        let message = format!(
+            "an equation has degree of freedom {number} of node {node}, and the model is two-dimensional: the term is dropped"
+        );
+        let remedy = "its nodes have the degrees of freedom 1, 2, 6 and 10";
+        warnings.push(
+            Diagnostic::warning(Code::OutOfPlane, equation.span, message, SOURCE)
+                .help(remedy)
+                .in_scene(scene),
+        );
+    }
 }
 
 /// The orientations of a two-dimensional element whose e3 is not ±z; else those whose e3 are opposite.

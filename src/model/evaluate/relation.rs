@@ -4,6 +4,7 @@
 //! they cost grows with the number of nodes.
 
 use crate::evaluate::mpc::MpcElement;
+use crate::evaluate::plane;
 use crate::evaluate::sequence::nodes::Moved;
 use pintle_kinematics::connector::{Flag, Holding, Output, Request, Tally};
 use pintle_kinematics::measure::SingularClass;
@@ -139,7 +140,17 @@ impl Builder<'_> {
     }
 
     fn turns(&self, node: Label) -> bool {
-        self.freedom.rotates(node) && !self.hinges.contains(&node)
+        self.freedom.rotates(node) && !self.hinges.contains(&node) && !self.scene.two_dimensional
+    }
+
+    /// Keeps a relation, in the plane where the model has two dimensions. One that says nothing there is none.
+    fn push(&mut self, mut element: RelationElement) {
+        if self.scene.two_dimensional {
+            element.relation = element.relation.in_plane();
+        }
+        if !element.relation.rows().is_empty() {
+            self.found.push(element);
+        }
     }
 
     /// A linear equation of terms (node, degree of freedom, factor), along the axes of each node.
@@ -154,7 +165,8 @@ impl Builder<'_> {
         const TOLD: usize = 6;
         let mut nodes: Vec<Label> = Vec::new();
         let mut given = Vec::with_capacity(terms.len());
-        for (node, number, factor) in terms {
+        let has = |number: u8| !self.scene.two_dimensional || !matches!(number, 3..=5);
+        for (node, number, factor) in terms.iter().filter(|term| has(term.1)) {
             let place = nodes.iter().position(|known| known == node).unwrap_or_else(|| {
                 nodes.push(*node);
                 nodes.len() - 1
@@ -162,6 +174,9 @@ impl Builder<'_> {
             let at = if *number == 10 { 6 } else { usize::from(*number) - 1 };
             let axes = axes_of(*node)?;
             given.push((place, axes[at % 3], at, *factor));
+        }
+        if given.is_empty() {
+            return Ok(());
         }
         // A single angle is along a global axis.
         let is_turned =
@@ -172,7 +187,7 @@ impl Builder<'_> {
             terms.iter().take(TOLD).map(|(node, number, _)| format!("{node}({number})")).collect();
         let more = if terms.len() > TOLD { "-…" } else { "" };
         let label = told.join("-") + more;
-        self.found.push(RelationElement { type_name, nodes, relation, label, span });
+        self.push(RelationElement { type_name, nodes, relation, label, span });
         Ok(())
     }
 
@@ -195,7 +210,7 @@ impl Builder<'_> {
         }
         let relation = Relation::carried(self.position(slave), self.position(master), axes, fixed);
         let label = format!("{slave}-{master}");
-        self.found.push(RelationElement { type_name, nodes: vec![slave, master], relation, label, span });
+        self.push(RelationElement { type_name, nodes: vec![slave, master], relation, label, span });
     }
 
     fn coupling(&mut self, coupling: &Coupling) -> Result<(), Diagnostic> {
@@ -212,7 +227,11 @@ impl Builder<'_> {
                         None => GLOBAL,
                         Some((name, orientation)) => {
                             let (slave, master) = (self.position(slave), self.position(coupling.reference));
-                            orientation.triad(&name.value, self.scene, slave, &[master, slave])?
+                            let axes = orientation.triad(&name.value, self.scene, slave, &[master, slave])?;
+                            if self.scene.two_dimensional {
+                                plane::axes(self.scene, name, &axes)?;
+                            }
+                            axes
                         }
                     };
                     self.carried(
@@ -229,7 +248,7 @@ impl Builder<'_> {
                 let relation = Relation::mean(self.position(coupling.reference), &shares);
                 let members =
                     std::iter::once(coupling.reference).chain(nodes.into_iter().map(|(node, _)| node));
-                self.found.push(RelationElement {
+                self.push(RelationElement {
                     type_name: "DISTRIBUTING COUPLING",
                     nodes: members.collect(),
                     relation,
@@ -270,7 +289,7 @@ pub(super) fn relations(
     }
     for tie in &scene.ties {
         for pair @ [slave, master] in scene.tied_nodes(tie) {
-            for number in 1..=3 {
+            for number in 1..=if scene.two_dimensional { 2 } else { 3 } {
                 // Displacements are equal, whatever the axes that each node has them in.
                 let terms = [(slave, number, 1.0), (master, number, -1.0)];
                 builder.linear("TIE", &terms, |_| Ok(GLOBAL), tie.span)?;

@@ -3,6 +3,7 @@
 mod resolve;
 
 use crate::deck::lookup::target;
+use crate::deck::mesh::{LAST_FREEDOM, any_degree_of_freedom};
 use crate::deck::{Deck, misplaced};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::grammar;
@@ -18,7 +19,7 @@ pub(super) use resolve::{nodes, resolve};
 #[derive(Debug, Clone)]
 struct RawTerm {
     node: Spanned<Target>,
-    degree_of_freedom: u64,
+    degree_of_freedom: u8,
     factor: f64,
 }
 
@@ -249,7 +250,7 @@ pub(super) fn equation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             while let Some(item) = items.maybe() {
                 let node = target(&item, "the node of a term")?;
                 let number = "the degree of freedom of a term";
-                let degree_of_freedom = items.need(number)?.integer(number)?;
+                let degree_of_freedom = any_degree_of_freedom(&items.need(number)?)?;
                 let factor = items.need("the factor of a term")?.number()?;
                 terms.push(RawTerm { node, degree_of_freedom, factor });
             }
@@ -385,7 +386,7 @@ fn from_to(mut items: Items<'_>, keyword: &Keyword, line: Span) -> Result<Option
     let first = first.integer("the first degree of freedom")?;
     let last = items.maybe().map_or(Ok(first), |item| item.integer("the last degree of freedom"))?;
     items.end("the first and the last degree of freedom")?;
-    if first == 0 || last < first {
+    if first == 0 || last < first || last > LAST_FREEDOM.into() {
         let message = format!("*{} names no degrees of freedom from {first} to {last}", keyword.name);
         return Err(Diagnostic::error(Code::BadDegreeOfFreedom, line, message, "this line")
             .help("write the first and the last degree of freedom, 1 to 6"));

@@ -30,7 +30,7 @@ impl Errors {
     }
 
     /// Adds an error that follows from no other, unless it was told.
-    fn tell(&mut self, error: Diagnostic) {
+    pub(super) fn tell(&mut self, error: Diagnostic) {
         let is_told = |told: &Diagnostic| (told.code(), told.span()) == (error.code(), error.span());
         let mut told = self.found.iter().flat_map(|first| std::iter::once(first).chain(first.further()));
         if told.any(is_told) {

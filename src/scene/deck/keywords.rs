@@ -848,11 +848,17 @@ pub(super) fn find(name: &str) -> Option<&'static Rule> {
     RULES.iter().find(same)
 }
 
-/// The one keyword that begins so, of five letters at least. Requests of output are not meant.
-pub(super) fn begun(name: &str) -> Option<&'static str> {
+/// The one keyword of several words of which each begins so, as `CONN ELAS`. Requests of output are not meant.
+pub(super) fn shortened(name: &str) -> Option<&'static str> {
+    let begins = |known: &&str| {
+        let words = || known.split_ascii_whitespace();
+        let given = name.split_ascii_whitespace();
+        words().count() == given.clone().count()
+            && words().zip(given).all(|(word, part)| word.starts_with(part))
+    };
     let all = RULES.iter().filter(|rule| rule.parameters.is_some()).map(|rule| rule.name);
-    let mut all = all.filter(|known| known.starts_with(name));
-    let found = all.next().filter(|_| name.len() > 4)?;
+    let mut all = all.filter(begins);
+    let found = all.next().filter(|_| name.contains(' '))?;
     all.next().is_none().then_some(found)
 }
 

@@ -697,7 +697,7 @@ pub(super) fn is_mechanical(dof: u8) -> bool {
 }
 
 /// The largest degree of freedom there is: temperatures of shells count from 11.
-const LAST_FREEDOM: u8 = 30;
+pub(super) const LAST_FREEDOM: u8 = 30;
 
 /// Any degree of freedom: those of other physics too, warping (7), pressure (8), potential (9), temperature (11, in some programs 0).
 pub(super) fn any_degree_of_freedom(item: &Item<'_>) -> Result<u8> {

@@ -4,6 +4,7 @@
 //! [`resolve`] checks every reference once the whole deck is known, so that forward references are allowed.
 
 mod assembly;
+mod beginnings;
 mod behavior;
 mod connector;
 mod constraint;
@@ -26,11 +27,13 @@ use crate::diagnostic::{Code, Diagnostic, Result, Severity, nearest};
 use crate::document;
 use crate::document::Format;
 use crate::document::form::Document;
+use crate::freedom::element_dimension;
 use crate::include::{Disk, Files, Named, NoFiles};
 use crate::label::labelled::LabelSet;
 use crate::lexer::{Keyword, Lexer, Value, not_utf8};
-use crate::model::{MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
+use crate::model::{Dimension, MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use crate::span::{Span, Spanned};
+use beginnings::Begun;
 use errors::Errors;
 use faces::OtherElements;
 use indexmap::IndexMap;
@@ -186,7 +189,11 @@ fn scene(lexer: Lexer<'_>) -> Outcome {
     }
     let is_judged = is_judged && deck.errors.leaves_references();
     let Deck { lexer, mut scene, warnings, errors, .. } = deck;
-    scene.axisymmetric = scene.skipped.element_types.keys().any(|name| name.contains("AX"));
+    let types = scene.skipped.element_types.keys();
+    scene.axisymmetric = types.clone().any(|name| name.contains("AX"));
+    let unread = types.filter_map(|name| element_dimension(name));
+    let mut all = scene.connectors.values().map(|element| element.dimension).chain(unread).peekable();
+    scene.two_dimensional = all.peek().is_some() && all.all(|dimension| dimension == Dimension::Two);
     scene.skipped.comments = lexer.comments;
     // A keyword that looks misspelt may be the cause, or what a set lacks.
     let causes = [Code::MisspeltKeyword, Code::UnknownNode, Code::UnknownElement];
@@ -255,8 +262,11 @@ impl Deck<'_> {
         loop {
             match self.lexer.keyword() {
                 Ok(None) => break,
-                Ok(Some(keyword)) => {
+                Ok(Some(mut keyword)) => {
                     (empty, self.has_keywords) = (false, true);
+                    if let Begun::One(whole) = beginnings::begun(&keyword.name) {
+                        whole.clone_into(&mut keyword.name);
+                    }
                     let name = keyword.name.clone();
                     if let Err(error) = self.take(keyword) {
                         self.fault(error, &name)?;
@@ -433,27 +443,40 @@ impl Deck<'_> {
         }
     }
 
+    /// Warns of a keyword that looks like one that is read. Where that would hold or move nodes, the model is not what was read.
+    fn ask_what_is_meant(&mut self, keyword: &Keyword) {
+        let name = keyword.name.as_str();
+        let names = || keywords::RULES.iter().map(|rule| rule.name);
+        let meant = match beginnings::begun(name) {
+            Begun::Several(all) => all,
+            _ if keywords::is_unrelated(name) => return,
+            _ => {
+                let near = nearest(name, names()).filter(|near| *near != name);
+                near.or_else(|| keywords::shortened(name)).into_iter().collect()
+            }
+        };
+        if meant.is_empty() {
+            return;
+        }
+        let message = format!("*{name} is skipped");
+        let warning =
+            Diagnostic::warning(Code::MisspeltKeyword, keyword.span, message, "not a keyword that is read");
+        let shown: Vec<String> = meant.iter().take(3).map(|name| format!("*{name}")).collect();
+        self.warn(warning.help(format!("did you mean {}?", shown.join(" or "))));
+        let holds = |name: &&&str| {
+            matches!(**name, "BOUNDARY" | "ELEMENT") || keywords::find(name).is_some_and(Rule::bears)
+        };
+        if let Some(name) = meant.iter().find(holds) {
+            self.scene.skipped.constraints.push(SkippedConstraint { keyword: name, span: keyword.span });
+        }
+    }
+
     /// Skips a keyword that is not understood.
     fn pass_over(&mut self, keyword: &Keyword) -> Result<()> {
         self.within_joint |= ["JOINT", "ITS"].contains(&keyword.name.as_str());
         self.unread.any_bears |=
             keyword.name.starts_with("CONNECTOR") || keywords::constraint(&keyword.name).is_some();
-        let names = || keywords::RULES.iter().map(|rule| rule.name);
-        let near = nearest(&keyword.name, names()).or_else(|| keywords::begun(&keyword.name));
-        if let Some(near) =
-            near.filter(|near| *near != keyword.name && !keywords::is_unrelated(&keyword.name))
-        {
-            let message = format!("*{} is skipped", keyword.name);
-            self.warn(
-                Diagnostic::warning(
-                    Code::MisspeltKeyword,
-                    keyword.span,
-                    message,
-                    "not a keyword that is read",
-                )
-                .help(format!("did you mean *{near}?")),
-            );
-        }
+        self.ask_what_is_meant(keyword);
         if !keyword.name.starts_with("CONNECTOR ") && !keywords::is_curve(&keyword.name) {
             (self.behavior_open, self.host) = (false, Host::None);
         }

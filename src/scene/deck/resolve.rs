@@ -490,9 +490,24 @@ fn other_rotations(deck: &mut Deck<'_>) {
 fn mpcs(scene: &Scene, raw: &[RawMpc], errors: &mut Errors) -> Vec<Mpc> {
     let mut mpcs = Vec::with_capacity(raw.len());
     for raw in raw {
-        errors.value(constraints(scene, raw, &mut mpcs));
+        match miscounted(raw) {
+            // It follows from no other error.
+            Some(error) => errors.tell(error),
+            None => errors.value(constraints(scene, raw, &mut mpcs)).unwrap_or_default(),
+        }
     }
     mpcs
+}
+
+/// That a constraint has another number of nodes than its kind.
+fn miscounted(RawMpc { kind, items, span }: &RawMpc) -> Option<Diagnostic> {
+    let known = kind.evaluated()?;
+    let (name, needed) = (known.name(), known.entry().nodes.len());
+    (items.len() != needed).then(|| {
+        let message = format!("{name} takes {needed} nodes, not {}", items.len());
+        Diagnostic::error(Code::BadConnectivity, *span, message, "this constraint")
+            .help(format!("write: {name}, and {needed} nodes, the dependent one first"))
+    })
 }
 
 fn constraints(scene: &Scene, raw: &RawMpc, mpcs: &mut Vec<Mpc>) -> Result<()> {
@@ -501,14 +516,7 @@ fn constraints(scene: &Scene, raw: &RawMpc, mpcs: &mut Vec<Mpc>) -> Result<()> {
     let bad = |message: String, remedy: String| {
         Err(Diagnostic::error(Code::BadConnectivity, *span, message, "this constraint").help(remedy))
     };
-    if let Some(known) = kind.evaluated() {
-        let (name, needed) = (known.name(), known.entry().nodes.len());
-        if nodes.len() != needed {
-            return bad(
-                format!("{name} takes {needed} nodes, not {}", nodes.len()),
-                format!("write: {name}, and {needed} nodes, the dependent one first"),
-            );
-        }
+    if kind.evaluated().is_some() {
         let count = nodes.iter().map(Vec::len).max().unwrap_or(0);
         if nodes.iter().any(|members| members.len() != count && members.len() != 1) || count == 0 {
             let lengths: Vec<_> = nodes.iter().map(|members| members.len().to_string()).collect();

@@ -106,6 +106,8 @@ form! {
         rotating_nodes: List<Target>,
         /// Is the model axisymmetric?
         axisymmetric: bool,
+        /// Have all nodes the degrees of freedom 1, 2, 6 and 10 alone? If not given, yes where all connectors are two-dimensional.
+        two_dimensional: Option<bool>,
         /// Element sets by name.
         element_sets: Entries<List<Member>>,
         /// Orientations by name.

@@ -170,6 +170,7 @@ fn scene(name: &str, text: &str, format: Format) -> Result<Scene> {
     error.map_or(Ok(()), Err)?;
     name.clone_into(&mut scene.name);
     scene.axisymmetric = document.axisymmetric;
+    scene.two_dimensional = document.two_dimensional.unwrap_or_else(|| scene.has_flat_connectors_alone());
     // What a document passes over stands in its warnings; the deck it stands for may name procedures without data.
     scene.skipped = Skipped::default();
     for node in &document.rotating_nodes {

@@ -353,7 +353,9 @@ impl<'a> Lexer<'a> {
         let text = self.buffer.trim_ascii_start();
         let Some(word) = text.strip_prefix(b"*").map(<[u8]>::trim_ascii_start) else { return false };
         let end = word.iter().position(|byte| *byte == b',').unwrap_or(word.len());
-        word.get(..end).is_some_and(|word| word.trim_ascii_end().eq_ignore_ascii_case(b"INCLUDE"))
+        let word = word.get(..end).unwrap_or_default().trim_ascii_end();
+        // No other keyword begins with INCL.
+        word.len() >= 4 && b"INCLUDE".get(..word.len()).is_some_and(|begun| begun.eq_ignore_ascii_case(word))
     }
 
     fn include_keyword(&mut self, keyword: &Keyword) -> Result<()> {

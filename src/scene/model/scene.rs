@@ -40,6 +40,8 @@ pub struct Scene {
     pub rotating_nodes: BTreeSet<Label>,
     /// Whether there are elements of an axisymmetric type.
     pub axisymmetric: bool,
+    /// Whether all elements are two-dimensional: nodes have the degrees of freedom 1, 2, 6 and 10 alone.
+    pub two_dimensional: bool,
     /// Element sets by name.
     pub element_sets: IndexMap<String, Set>,
     /// Orientations by name.

@@ -232,8 +232,8 @@ fn check_motion(node: Label, motion: &NodeMotion, freedom: &NodeFreedom) -> Resu
     let leaves = moves.iter().any(|[_, _, along]| *along != 0.0)
         || turns.iter().any(|[first, second, _]| *first != 0.0 || *second != 0.0);
     if freedom.is_planar(node) && leaves {
-        let message = format!("node {node} of a two-dimensional element leaves the plane");
-        let remedy = "CONN2D2 has the degrees of freedom 1, 2, 6 and 10: give u1, u2, ur3, flow and their rates, or use CONN3D2";
+        let message = format!("node {node} of a two-dimensional element or model leaves the plane");
+        let remedy = "CONN2D2 and models of two dimensions have the degrees of freedom 1, 2, 6 and 10: give u1, u2, ur3, flow and their rates, or use CONN3D2";
         return Err(Fault::new(Code::StatesOutOfPlane, message, remedy));
     }
     Ok(())

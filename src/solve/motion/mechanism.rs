@@ -272,7 +272,9 @@ impl<R: Number> Mechanism<R> {
         });
         let bodies = bodies.collect::<Result<Vec<_>, Refusal>>()?;
         let mut mechanism = Self {
-            held: vec![false; DOFS * bodies.len()],
+            held: (0..DOFS * bodies.len())
+                .map(|dof| scene.two_dimensional && (2..5).contains(&(dof % DOFS)))
+                .collect(),
             is_still: schedule.span(step).is_some_and(|(_, is_dynamic)| !is_dynamic),
             bodies,
             joints: Vec::new(),

@@ -7,6 +7,7 @@ use crate::mutants::diagnosis::matching::{Cell, Matching, Words, equation};
 use crate::mutants::diagnosis::places::{FORMULAS, OF_ANGLES, PLACES, places};
 use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
+use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::scalar::U;
 use std::collections::BTreeSet;
 
@@ -81,13 +82,36 @@ pub(super) fn without_numbers(symptoms: &[&Symptoms<'_>], words: &dyn Words) -> 
     let cells: BTreeSet<Cell> = symptoms.iter().flat_map(|one| of(one)).collect();
     let components: BTreeSet<usize> = cells.iter().map(|(k, _)| *k).collect();
     let states: Vec<Vec<Special>> = symptoms.iter().map(|one| specials(one, &components)).collect();
-    let at = common(&states, NEAR)?;
-    let Special { at, formula, .. } = states.first()?.get(at)?;
     let (place, of) = (place(&cells, words), Matching::at_states(states.len(), states.len()));
     let is = if place.contains(", ") { "are" } else { "is" };
-    let sentence =
-        format!("{place} {is} no number where {at}{of}: {formula}; {}", Cause::NotANumber.meaning());
+    let meaning = Cause::NotANumber.meaning();
+    let known = common(&states, NEAR).and_then(|n| states.first()?.get(n));
+    let still = known.map_or_else(|| still(symptoms), |_| Vec::new());
+    let sentence = match (known, still.as_slice()) {
+        (Some(Special { at, formula, .. }), _) => {
+            format!("{place} {is} no number where {at}{of}: {formula}; {meaning}")
+        }
+        (None, []) => {
+            format!("{place} {is} no number{of} that have nothing in common: {meaning}, or a failure there")
+        }
+        (None, still) => {
+            let has = if still.len() > 1 { "are zero" } else { "is zero" };
+            format!(
+                "{place} {is} no number where {} {has}{of}: a division by it; {meaning}",
+                still.join(", ")
+            )
+        }
+    };
     Some(told(Cause::NotANumber, sentence, &cells))
+}
+
+/// The displacements that are zero at all of these states.
+fn still(symptoms: &[&Symptoms<'_>]) -> Vec<&'static str> {
+    let rests = |one: &&Symptoms<'_>, k: usize| {
+        let (now, first) = (one.case.positions()[k], one.case.at_rest().positions()[k]);
+        now.zip(first).is_some_and(|(now, first)| (now - first).abs() <= NEAR * one.case.length)
+    };
+    (0..3).filter(|k| symptoms.iter().all(|one| rests(one, *k))).map(|k| COMPONENT[k]).collect()
 }
 
 /// The largest error of components, as a part of the largest entry of the row as a whole.

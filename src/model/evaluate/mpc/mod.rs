@@ -292,6 +292,7 @@ impl MpcElement {
         let constraint = Constraint::new(kind, at(0), at(1), [at(2), at(3)]);
         let both_flow = mpc.nodes.iter().take(2).all(|label| flows(*label));
         let constraint = if both_flow { constraint.with_flow() } else { constraint };
+        let constraint = if scene.two_dimensional { constraint.in_plane() } else { constraint };
         Self { nodes: mpc.nodes.clone(), constraint, ground: Default::default(), drives: Default::default() }
     }
 

@@ -368,7 +368,8 @@ fn one(
     let springs = arguments.springs.unwrap_or_default();
     let domain = arguments.within.clone();
     let among = among.map(str::to_string);
-    let asked = Asked { settings, histories: arguments.histories, convention, springs, domain, among };
+    let histories = arguments.histories;
+    let asked = Asked { settings, histories, convention, springs, domain, simplest: false, among };
     Ok(Process::start(&command, patience).and_then(|process| pintle_check::check(process, subject, asked)))
 }
 

@@ -4,13 +4,16 @@ use super::{RawBody, RawCoupling, RawDistribution, RawSurface, RawTerm, SurfaceK
 use crate::deck::errors::Errors;
 use crate::deck::faces::{self, Element};
 use crate::deck::lookup::{check_orientation, element_set, node_set, node_target};
+use crate::deck::mesh::is_mechanical;
 use crate::deck::{Deck, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest_scoped};
 use crate::grammar;
 use crate::label::Label;
 use crate::label::labelled::{LabelMap, LabelSet};
 use crate::model::Weighting;
-use crate::model::{Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Scene, Surface, Target, Tie};
+use crate::model::{
+    Coupling, CouplingKind, Equation, EquationTerm, RigidBody, Scene, SkippedConstraint, Surface, Target, Tie,
+};
 use crate::span::{Span, Spanned};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::{dot, sub};
@@ -47,10 +50,7 @@ fn one_node(scene: &Scene, target: &Spanned<Target>) -> Result<Label> {
 
 /// An equation for each place of its sets; none of one in degrees of freedom of other physics.
 fn equations(scene: &Scene, terms: &[RawTerm], span: Span) -> Result<Option<Vec<Equation>>> {
-    let number = |term: &RawTerm| match term.degree_of_freedom {
-        number @ (1..=6 | 10) => u8::try_from(number).ok(),
-        _ => None,
-    };
+    let number = |term: &RawTerm| Some(term.degree_of_freedom).filter(|number| is_mechanical(*number));
     let Some(numbers) = terms.iter().map(number).collect::<Option<Vec<u8>>>() else {
         // Of CalculiX, the temperatures of a network.
         let all_zero = terms.iter().all(|term| term.degree_of_freedom == 0);
@@ -102,6 +102,27 @@ pub(in crate::deck) fn resolve(deck: &mut Deck<'_>, errors: &mut Errors) {
             None => {
                 let what = "*EQUATION in degrees of freedom of other physics".to_owned();
                 deck.scene.skipped.count(what, span.line());
+                // With one that nodes move in, it holds something that is not known.
+                let mixed = terms.iter().find(|term| is_mechanical(term.degree_of_freedom));
+                if let Some(other) =
+                    mixed.and_then(|_| terms.iter().find(|term| !is_mechanical(term.degree_of_freedom)))
+                {
+                    let number = other.degree_of_freedom;
+                    let message = format!(
+                        "an equation of displacements has degree of freedom {number}, and is not read"
+                    );
+                    let warning = Diagnostic::warning(
+                        Code::NotFollowed,
+                        other.node.span,
+                        message,
+                        "this term is of other physics",
+                    );
+                    deck.warn(
+                        warning.help("it holds no node here; degrees of freedom of nodes are 1 to 6, and 10"),
+                    );
+                    let skipped = SkippedConstraint { keyword: "EQUATION", span: *span };
+                    deck.scene.skipped.constraints.push(skipped);
+                }
             }
         }
     }
@@ -372,9 +393,10 @@ fn untied(scene: &Scene, tie: &Tie) -> Option<Diagnostic> {
     let names: Vec<String> = apart.iter().take(3).map(ToString::to_string).collect();
     let more = if apart.len() > names.len() { " …" } else { "" };
     let message = format!(
-        "{} of {slave} {} farther than {within} from every node of {master}, and not tied: {}{more}",
+        "{} of {slave} {} farther than {} from every node of {master}, and not tied: {}{more}",
         grammar::count(apart.len(), "node"),
         grammar::agree(apart.len(), ["is", "are"]),
+        format!("{within:.3e}").parse().unwrap_or(within),
         names.join(", "),
     );
     let label = format!("node {first}, for one, is free");

@@ -55,6 +55,12 @@ impl Scene {
                 if document.axisymmetric {
                     dropped.push("that the model is axisymmetric: a deck would need its elements".to_owned());
                 }
+                if let Some(is_flat) = document.two_dimensional {
+                    let count = if is_flat { "two" } else { "three" };
+                    dropped.push(format!(
+                        "that the model has {count} dimensions: a deck would need its elements"
+                    ));
+                }
                 document.states.clear();
                 deck::write::deck(&document)?.text
             }
@@ -110,6 +116,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         element_sets,
         rotating_nodes,
         axisymmetric,
+        two_dimensional,
         orientations,
         connector_sections,
         behaviors,
@@ -171,6 +178,7 @@ fn document(scene: &Scene, dropped: &mut Vec<String>) -> Document {
         }),
         rotating_nodes: rotating_nodes.iter().copied().map(label).collect(),
         axisymmetric: *axisymmetric,
+        two_dimensional: Some(*two_dimensional).filter(|is| *is != scene.has_flat_connectors_alone()),
         element_sets: entries(element_sets, members),
         orientations: entries(orientations, |given| placeless(orientation(given))),
         connector_sections: list(connector_sections, section),
