@@ -1020,3 +1020,78 @@ fn a_slow_drive_finds_its_direction() {
         assert!((last.connectors[0].displacement[0] - creeps / 2.0).abs() < 1e-12);
     }
 }
+
+/// A block on a rail with a spring k = 100 and friction 5, in statics: `steps` is what loads or moves it.
+fn on_the_spring(steps: &str) -> String {
+    format!(
+        "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=RAIL\n101, 1, 2\n*ORIENTATION, NAME=ALONG\n1., 0., 0., 0., 1., 0.\n\
+         *CONNECTOR SECTION, ELSET=RAIL, BEHAVIOR=DRY\nTRANSLATOR,\nALONG,\n*CONNECTOR BEHAVIOR, NAME=DRY\n\
+         *CONNECTOR ELASTICITY, COMPONENT=1\n100.\n*CONNECTOR FRICTION, PREDEFINED\n.5, .2\n*FRICTION\n0.25\n*BOUNDARY\n1, 1, 6\n\
+         *AMPLITUDE, NAME=ONE\n0., 1., 9., 1.\n*AMPLITUDE, NAME=P\n0., 0., 1., 1., 2., -1.\n\
+         *AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n1, 4., 0., 0.\n0., 1.\n*STEP\n*STATIC\n0.01, 2.\n*CLOAD, AMPLITUDE=ONE\n2, 2, -20.\n\
+         {steps}*END STEP\n"
+    )
+}
+
+/// A load 20 sin 4t in statics: slip from where it exceeds friction to where it turns, (2n + 1) π/8, and back from where it is less by twice the friction.
+#[test]
+fn a_static_slip_ends_where_its_load_turns() {
+    let deck = on_the_spring("*CLOAD, AMPLITUDE=A\n2, 1, 20.\n");
+    let turn = |n: f64| (2.0 * n + 1.0) * std::f64::consts::PI / 8.0;
+    // sin 4t = 1/4; then 20 sin 4t = ±(20 − 10).
+    let quarter = 0.25_f64.asin() / 4.0;
+    let sixth = std::f64::consts::PI / 24.0;
+    let wanted = [
+        quarter,
+        turn(0.0),
+        std::f64::consts::PI / 4.0 - sixth,
+        turn(1.0),
+        std::f64::consts::PI / 2.0 - sixth,
+        turn(2.0),
+    ];
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let solution: Solution<f64> = solved(&deck, &Options { method, ..Options::default() });
+        assert_eq!(solution.events.len(), wanted.len(), "{method:?}");
+        for (event, want) in solution.events.iter().zip(wanted) {
+            assert!((event.time - want).abs() < 1e-9, "{method:?}: {} {want}", event.time);
+        }
+        let last = solution.frames.last().unwrap().connectors[0].displacement[0];
+        assert!((last - 0.15).abs() < 1e-14, "{method:?}: {last}");
+    }
+}
+
+/// What is moved in statics rubs: friction against the motion, its work beside that of the spring, whatever prescribes it.
+#[test]
+fn what_is_moved_in_statics_rubs() {
+    for moved in ["*BOUNDARY, AMPLITUDE=P\n2, 1, 1, 0.3\n", "*CONNECTOR MOTION, AMPLITUDE=P\nRAIL, 1, 0.3\n"]
+    {
+        let options = Options { times: vec![0.5, 1.5], ..Options::default() };
+        let solution: Solution<f64> = solved(&on_the_spring(moved), &options);
+        let events: Vec<(f64, What)> = solution.events.iter().map(|event| (event.time, event.what)).collect();
+        assert_eq!(events, [(0.0, What::Slips), (1.0, What::Reverses)], "{moved}");
+        for (time, friction, dissipated) in [(0.5, 5.0, 0.75), (1.5, -5.0, 3.0), (2.0, -5.0, 4.5)] {
+            let frame = solution.frames.iter().find(|frame| frame.time == time).unwrap();
+            let rail = &frame.connectors[0];
+            assert!((rail.friction[0] - friction).abs() < 1e-12, "{moved}: {:?}", rail.friction);
+            assert!((frame.energies.dissipated - dissipated).abs() < 1e-12, "{moved}: {:?}", frame.energies);
+            assert!(frame.energies.balance.abs() < 1e-12, "{moved}: {:?}", frame.energies);
+        }
+    }
+}
+
+/// A slip of several components whose direction turns has no straight path: it is refused, not followed along the first direction.
+#[test]
+fn a_static_slip_that_turns_is_refused() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n101, 1, 2\n*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0.\n\
+        *CONNECTOR SECTION, ELSET=C, BEHAVIOR=DRY\nSLIDE-PLANE,\nO,\n*CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR ELASTICITY, COMPONENT=2\n100.\n\
+        *CONNECTOR ELASTICITY, COMPONENT=3\n100.\n*CONNECTOR FRICTION, PREDEFINED\n\n*FRICTION\n0.2\n*BOUNDARY\n1, 1, 6\n2, 4, 6\n\
+        *AMPLITUDE, NAME=A\n0., 0., 1., 1., 2., 1.\n*AMPLITUDE, NAME=B\n0., 0., 1., 0., 2., 1.\n*AMPLITUDE, NAME=ONE\n0., 1., 9., 1.\n\
+        *STEP\n*STATIC\n0.01, 2.\n*CLOAD, AMPLITUDE=A\n2, 1, 20.\n*CLOAD, AMPLITUDE=B\n2, 2, 20.\n*CLOAD, AMPLITUDE=ONE\n2, 3, -30.\n*END STEP\n";
+    let until = Options { until: Some(1.0), ..Options::default() };
+    let straight: Solution<f64> = solved(deck, &until);
+    // 100 u2 = 20 − 0.2 · 30.
+    let last = straight.frames.last().unwrap().connectors[0].displacement;
+    assert!((last[1] - 0.14).abs() < 1e-14, "{last:?}");
+    let ended = solve::<f64>(&Scene::parse("deck.inp", deck).unwrap(), &Options::default()).unwrap_err();
+    assert!(ended.why.to_string().contains("turns at time 1,"), "{}", ended.why);
+}

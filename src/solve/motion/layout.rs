@@ -107,7 +107,11 @@ impl Layout {
                 }
                 _ => false,
             };
-            if sticks(row.owner) && involved.iter().all(holds) {
+            let carries = |of: &usize| *of == index || !sticks(assembled.rows[*of].owner);
+            if let (true, Owner::Joint(joint, k)) = (sticks(row.owner), row.owner)
+                && (involved.iter().all(holds) || mechanism.is_still && involved.iter().all(carries))
+            {
+                self.carried.push((joint, k));
                 continue;
             }
             needed(mechanism, assembled, modes, &involved)?;

@@ -167,6 +167,9 @@ pub(crate) struct Layout {
     pub(crate) kept: Vec<usize>,
     /// The equations whose forces are not determined: they repeat each other.
     pub(crate) open: Vec<usize>,
+    /// Components that friction would hold, and others prescribe: connector and component. Of a static step.
+    #[serde(default)]
+    pub(crate) carried: Vec<(usize, usize)>,
     /// Sets of unknowns that equations alone determine, each with these equations.
     pub(crate) determined: Vec<(Vec<usize>, Vec<usize>)>,
     /// The order in which unknowns and forces of equations are eliminated; empty until it is known.

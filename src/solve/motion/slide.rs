@@ -205,6 +205,11 @@ impl Slider {
         }
         along
     }
+
+    /// R_k Δx_k of each component, from one position to another.
+    pub(crate) fn moved<R: Number>(&self, from: &[R; 6], to: &[R; 6]) -> [R; 6] {
+        self.rates(&std::array::from_fn(|k| to[k] - from[k]))
+    }
 }
 
 /// The length of at most six numbers.

@@ -39,10 +39,10 @@ const APPROACH: f64 = 0.6;
 
 /// Into how many steps the fastest oscillation of an amplitude is parted: where all sticks nothing else limits them, and limits are passed
 /// unseen.
-const PARTS: f64 = 16.0;
+pub(crate) const PARTS: f64 = 16.0;
 
 /// The shortest period of the amplitudes of a scene.
-fn shortest_period(scene: &Scene) -> f64 {
+pub(crate) fn shortest_period(scene: &Scene) -> f64 {
     let frequency = |amplitude: &Amplitude| {
         let datum = |i: usize| amplitude.data.get(i).copied().flatten().unwrap_or(0.0);
         match amplitude.definition {

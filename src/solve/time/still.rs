@@ -13,12 +13,14 @@ use crate::motion::linear::System;
 use crate::motion::mechanism::Mechanism;
 use crate::motion::mode::{Cause, Does, Mode, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Layout, Trouble};
+use crate::motion::slide::length;
 use crate::motion::state::{DOFS, State, WORKS};
 use crate::number::{Number, is_finite, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::Method;
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
+use crate::time::step::{PARTS, shortest_period};
 use pintle_kinematics::vector::Vector;
 
 /// A state, its equations and their solution.
@@ -29,6 +31,8 @@ type Moved<R> = (State<R>, Assembled<R>, Solved<R>);
 pub(crate) struct Found<R: Number> {
     pub(crate) state: State<R>,
     pub(crate) solved: Solved<R>,
+    /// The positions of the connector of each friction.
+    positions: Vec<[R; 6]>,
     /// The sign of the determinant of Newton's matrix, at the beginning of the iterations.
     sign: f64,
 }
@@ -42,6 +46,14 @@ const REST: f64 = 1e-6;
 
 /// The part of a step by which the rate is found of what passes zero.
 const NEAR: f64 = 1e-3;
+
+/// A slip of several components that leaves its direction by more than this part of it turns.
+const STRAIGHT: f64 = 1e-9;
+
+/// Σ n x.
+fn along_of<R: Number>(along: &[R; 6], moved: &[R; 6]) -> R {
+    along.iter().zip(moved).fold(R::ZERO, |sum, (n, x)| sum + *n * *x)
+}
 
 impl<R: Number> Assembled<R> {
     /// At rest: unit masses where something acts, and no accelerations that are prescribed.
@@ -120,7 +132,7 @@ impl<R: Number> Run<'_, R> {
         }
         // The witness goes another way: other steps, and so other beginnings of Newton's method.
         let parts = if self.options.method == Method::Extrapolation { 50.0 } else { 37.0 };
-        let most = (to - self.began) / parts;
+        let most = ((to - self.began) / parts).min(shortest_period(self.scene) / PARTS);
         for (time, is_frame) in stops {
             self.keep(false);
             self.go(R::from_f64(time), R::from_f64(most))?;
@@ -268,15 +280,49 @@ impl<R: Number> Run<'_, R> {
         for (s, (slider, mode)) in self.mechanism.sliders.iter().zip(&self.modes.frictions).enumerate() {
             let Does::Slips(along) = &mode.does else { continue };
             let places = [&before, &found].map(|found| found.joints[slider.joint].position);
-            let slip = slider.components.iter().fold(zero, |sum, (k, radius)| {
-                sum + R::from_f64(*radius) * along[*k] * (places[1][*k] - places[0][*k])
-            });
+            let moved = slider.moved(&places[0], &places[1]);
+            let slip = along_of(along, &moved);
+            let aside: [R; 6] = std::array::from_fn(|k| moved[k] - slip * along[k]);
+            let straight = length(&moved) * R::from_f64(STRAIGHT) + self.slip_noise(&found, s);
+            if straight.less(length(&aside)) {
+                return Err(Refusal::of(
+                    &self.mechanism.joints[slider.joint].title,
+                    &format!(
+                        "a slip of several components turns at time {}, and a static step follows one along a line alone",
+                        self.state.time.to_f64()
+                    ),
+                    "use *DYNAMIC, slowly, or load in proportion",
+                ));
+            }
             if let Some(sum) = state.sums.get_mut(WORKS + s) {
                 *sum = *sum + slip;
             }
         }
         solved.switches.retain(|switch| switch.cause != Cause::Stops);
-        Ok(Found { state, solved, sign })
+        let positions =
+            self.mechanism.sliders.iter().map(|slider| found.joints[slider.joint].position).collect();
+        Ok(Found { state, solved, positions, sign })
+    }
+
+    /// A friction that stands, of which others prescribe how it moves, and that has moved: the direction, by component times radius.
+    fn carried_off(&self, found: &Found<R>, at: &Assembled<R>) -> Option<(usize, [R; 6])> {
+        let stuck =
+            self.mechanism.sliders.iter().zip(&self.modes.frictions).zip(&found.positions).enumerate();
+        stuck.filter(|(s, _)| self.is_carried(*s)).find_map(|(s, ((slider, mode), now))| {
+            let Does::Sticks(from) = &mode.does else { return None };
+            let moved = slider.moved(from, now);
+            let far = length(&moved);
+            self.slip_noise(at, s).less(far).then(|| (s, moved.map(|x| x / far)))
+        })
+    }
+
+    /// Whether how a friction moves is prescribed, by its own components or by what else holds its nodes.
+    fn is_carried(&self, s: usize) -> bool {
+        let slider = &self.mechanism.sliders[s];
+        slider.components.iter().any(|(k, _)| {
+            self.mechanism.is_given(slider.joint, *k, self.step)
+                || self.layout.carried.contains(&(slider.joint, *k))
+        })
     }
 
     /// The slip of a friction between this state and one found.
@@ -334,10 +380,27 @@ impl<R: Number> Run<'_, R> {
             // What is beyond its end already ends here.
             let slack = |switch: &Switch<R>| switch.scale * R::from_f64(1e4 * R::ROUNDING);
             let overdue = now.iter().find(|switch| switch.value.less(-slack(switch)));
-            let reversed = self
-                .slipping()
-                .into_iter()
-                .find(|s| self.slip_to(&found, *s).less(zero - self.slip_noise(&known, *s)));
+            if let Some((s, moved)) = self.carried_off(&found, &known) {
+                events_here += 1;
+                self.bounded(events_here)?;
+                self.modes.frictions[s] = Mode::slips(moved);
+                self.event(s, What::Slips, None);
+                self.relay()?;
+                self.record(true)?;
+                last_sign = None;
+                continue;
+            }
+            let mut reversed = None;
+            for s in self.slipping() {
+                let noise = self.slip_noise(&known, s);
+                // Forth and back within the step it may have gone farther forth.
+                if self.slip_to(&found, s).less(zero - noise)
+                    || self.slip_rate(length, s, length)?.less(zero - noise / self.difference(length))
+                {
+                    reversed = Some(s);
+                    break;
+                }
+            }
             if let Some(switch) = overdue {
                 events_here += 1;
                 self.bounded(events_here)?;
@@ -470,21 +533,17 @@ impl<R: Number> Run<'_, R> {
     fn turn_back(&mut self, s: usize, length: R) -> Result<(), Refusal> {
         let zero = R::ZERO;
         let start = self.state.time;
-        // Another difference for the witness.
-        let part = if self.options.method == Method::Extrapolation { 3e-3 } else { 5e-3 };
-        let d = length * R::from_f64(part);
-        let soon = self.balance(start + d)?;
-        if self.slip_to(&soon, s).less(zero) {
+        let mut values = [self.slip_rate(zero, s, length)?, R::integer(-1)];
+        if !zero.less(values[0]) {
             // At once: the load has turned here.
             return self.stick_at_rest(s);
         }
         let (mut low, mut high) = (zero, length);
-        let mut values = [self.slip_to(&soon, s) / d, R::integer(-1)];
-        values[1] = self.slip_rate(start + high, s, d)?;
+        values[1] = self.slip_rate(high, s, length)?;
         if !values[1].less(zero) {
             // It has turned back, and forth again.
             high = high * R::ratio(1, 2);
-            values[1] = self.slip_rate(start + high, s, d)?;
+            values[1] = self.slip_rate(high, s, length)?;
         }
         let resolution = length * R::from_f64(1e3 * R::ROUNDING);
         for iteration in 0..200 {
@@ -500,11 +559,11 @@ impl<R: Number> Run<'_, R> {
             if !low.less(guess) || !guess.less(high) {
                 break;
             }
-            let rate = self.slip_rate(start + guess, s, d)?;
-            if rate.less(zero) {
-                (high, values[1]) = (guess, rate);
-            } else {
+            let rate = self.slip_rate(guess, s, length)?;
+            if zero.less(rate) {
                 (low, values[0]) = (guess, rate);
+            } else {
+                (high, values[1]) = (guess, rate);
             }
         }
         let found = self.balance(start + high)?;
@@ -512,30 +571,60 @@ impl<R: Number> Run<'_, R> {
         self.stick_at_rest(s)
     }
 
-    /// The rate of a slip by central differences, extrapolated twice.
-    fn slip_rate(&mut self, time: R, s: usize, d: R) -> Result<R, Refusal> {
+    /// The length of the differences of a step. The witness has others.
+    fn difference(&self, length: R) -> R {
+        length * R::from_f64(if self.options.method == Method::Extrapolation { 3e-3 } else { 5e-3 })
+    }
+
+    /// The rate of a slip at a time after now, by differences that stay within `length`, for there is no corner of a load: central ones, extrapolated;
+    /// at an end of it one-sided ones.
+    fn slip_rate(&mut self, at: R, s: usize, length: R) -> Result<R, Refusal> {
+        let (zero, start) = (R::ZERO, self.state.time);
+        let levels = if R::ROUNDING < 1e-20 { 9 } else { 3 };
+        let d = self.difference(length);
+        let room = at.lesser(length - at);
+        let is_central = (d * R::ratio(1, 64)).less(room);
+        let sign = if is_central || at.less(length - at) { R::integer(1) } else { R::integer(-1) };
+        let d = if is_central { d.lesser(room) } else { d } * sign;
+        let here = if is_central { zero } else { self.slip_at(start + at, s)? };
         let mut table: Vec<R> = Vec::new();
-        for level in 0..3 {
+        for level in 0..levels {
             let h = d / R::integer(1 << level);
-            let above = self.balance(time + h)?;
-            let below = self.balance(time - h)?;
-            let slope = (self.slip_to(&above, s) - self.slip_to(&below, s)) / (h + h);
-            let mut row = slope;
+            let above = self.slip_at(start + at + h, s)?;
+            let mut row = match is_central {
+                true => (above - self.slip_at(start + at - h, s)?) / (h + h),
+                false => (above - here) / h,
+            };
             let mut power = 1;
             for known in &mut table {
-                power *= 4;
+                power *= if is_central { 4 } else { 2 };
                 let next = row + (row - *known) / R::integer(power - 1);
                 *known = std::mem::replace(&mut row, next);
             }
             table.push(row);
         }
-        Ok(table.last().copied().unwrap_or(R::ZERO))
+        Ok(table.last().copied().unwrap_or(zero))
+    }
+
+    /// How far a friction has slipped at a time.
+    fn slip_at(&mut self, time: R, s: usize) -> Result<R, Refusal> {
+        if !self.state.time.less(time) {
+            return Ok(R::ZERO);
+        }
+        let found = self.balance(time)?;
+        Ok(self.slip_to(&found, s))
     }
 
     fn stick_at_rest(&mut self, s: usize) -> Result<(), Refusal> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let position = found.joints[self.mechanism.sliders[s].joint].position;
-        self.modes.frictions[s] = Mode::sticks(position);
+        let before = std::mem::replace(&mut self.modes.frictions[s], Mode::sticks(position));
+        // What moves as prescribed cannot stick: it slips the other way.
+        self.relay()?;
+        let is_turned = self.is_carried(s);
+        if let (true, Does::Slips(along)) = (is_turned, before.does) {
+            self.modes.frictions[s] = Mode::slips(along.map(|x| -x));
+        }
         let time = self.state.time;
         let joint = self.mechanism.sliders[s].joint;
         let begun = self
@@ -547,6 +636,7 @@ impl<R: Number> Run<'_, R> {
         match begun.filter(|begun| is_now(&self.solution.events[*begun])) {
             // A slip that ends as it begins is none.
             Some(begun) => drop(self.solution.events.remove(begun)),
+            None if is_turned => self.event(s, What::Reverses, None),
             None => self.event(s, What::Sticks, None),
         }
         self.relay()?;
