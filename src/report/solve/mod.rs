@@ -50,10 +50,14 @@ impl Facts<'_> {
     fn digits<R: Number>(&self) -> usize {
         let most = if R::ROUNDING < f64::EPSILON / 4.0 { self.digits } else { self.digits.min(16) };
         let Some(difference) = self.difference else { return most.min(6) };
+        // Two methods that agree share roundings: of doubles so many, and a digit besides.
+        const SHARED: f64 = 3e-14;
+        const SURE: f64 = 10.0;
         let error = difference.largest();
         if error.is_nan() || error >= NO_DIGIT {
             return 1;
         }
+        let error = if R::ROUNDING < f64::EPSILON / 4.0 { SURE * error } else { (SURE * error).max(SHARED) };
         if error <= 0.0 { most } else { most.min((-error.log10()).floor().max(1.0) as usize) }
     }
 

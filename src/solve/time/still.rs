@@ -20,7 +20,7 @@ use crate::refusal::Refusal;
 use crate::time::integrate::Method;
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
-use crate::time::step::{PARTS, shortest_period};
+use crate::time::step::{Crossing, PARTS, crossing, shortest_period};
 use pintle_kinematics::vector::Vector;
 
 /// A state, its equations and their solution.
@@ -375,10 +375,18 @@ impl<R: Number> Run<'_, R> {
             let (_, known, first) = self
                 .moved(self.state.time, &vec![zero; self.layout.columns.len()])
                 .map_err(|t| self.say(t))?;
+            self.depart(&known);
+            // Where all that presses passes zero, what friction carries is rounding of the other forces.
+            let forces =
+                larger(largest(first.forces.iter().copied()), largest(first.total.iter().flatten().copied()));
+            let size = |switch: &Switch<R>| match switch.cause {
+                Cause::Breaks => larger(switch.scale, forces),
+                _ => switch.scale,
+            };
             let now: Vec<Switch<R>> =
                 first.switches.into_iter().filter(|switch| switch.cause != Cause::Stops).collect();
             // What is beyond its end already ends here.
-            let slack = |switch: &Switch<R>| switch.scale * R::from_f64(1e4 * R::ROUNDING);
+            let slack = |switch: &Switch<R>| size(switch) * R::from_f64(1e4 * R::ROUNDING);
             let overdue = now.iter().find(|switch| switch.value.less(-slack(switch)));
             if let Some((s, moved)) = self.carried_off(&found, &known) {
                 events_here += 1;
@@ -417,7 +425,7 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             // What stays at its limit, as a belt that nothing moves any more, is on either side of it by rounding.
-            let rounded = |switch: &Switch<R>| switch.scale * R::from_f64(1e3 * R::ROUNDING);
+            let rounded = |switch: &Switch<R>| size(switch) * R::from_f64(1e3 * R::ROUNDING);
             let crossed = found.solved.switches.iter().zip(&now).position(|(then, now)| {
                 then.cause == now.cause && then.value.less(-rounded(then)) && !now.value.less(-slack(now))
             });
@@ -435,6 +443,13 @@ impl<R: Number> Run<'_, R> {
                 self.meets_at_rest(of, cause)?;
                 self.crossing = None;
                 last_sign = None;
+                continue;
+            }
+            // What passes its end and returns within the step is looked at more closely.
+            if let Some(part) = self.dip(&now, &found, length)?
+                && (most * R::from_f64(1e-6)).less(length)
+            {
+                h = length * R::from_f64(part);
                 continue;
             }
             if last_sign.is_some_and(|sign| sign * found.sign < 0.0) {
@@ -457,6 +472,33 @@ impl<R: Number> Run<'_, R> {
             }
         }
         Ok(())
+    }
+
+    /// What has left its stop is open: at rest nothing else tells.
+    fn depart(&mut self, known: &Assembled<R>) {
+        /// So near to its limit a component is there (rad, or lengths of the model).
+        const MEETS: f64 = 1e-9;
+        for (stop, touch) in self.mechanism.stops.iter().zip(&mut self.modes.stops) {
+            let Touch::Leaves(side) = *touch else { continue };
+            let unit = if stop.component < 3 { self.mechanism.length } else { 1.0 };
+            let gap = stop.gap(side, known.joints[stop.joint].position[stop.component]);
+            if gap.is_some_and(|gap| gap.to_f64() > MEETS * unit) {
+                *touch = Touch::Open;
+            }
+        }
+    }
+
+    /// Where within a step a quantity comes so near to the end of its mode that it may have passed and returned.
+    fn dip(&mut self, now: &[Switch<R>], found: &Found<R>, length: R) -> Result<Option<f64>, Refusal> {
+        let mut inner = Vec::new();
+        for part in [0.25, 0.5, 0.75] {
+            let between = self.balance(self.state.time + length * R::from_f64(part))?;
+            inner.push((part, between.solved.switches));
+        }
+        Ok(match crossing(now, &inner, &found.solved.switches) {
+            Some(Crossing::Inside(part)) => Some(part),
+            _ => None,
+        })
     }
 
     /// Events at one place that go on for ever have no solution.
@@ -491,7 +533,7 @@ impl<R: Number> Run<'_, R> {
             }
             let width = high - low;
             let guess = match high_value {
-                Some(below) if iteration % 3 != 2 => {
+                Some(below) if iteration % 3 != 2 && zero.less(low_value) => {
                     let span = low_value - below;
                     let part = if zero.less(span) { low_value / span } else { half };
                     // Past the root by a little, so that both ends come near it.
@@ -502,8 +544,9 @@ impl<R: Number> Run<'_, R> {
             let guess = if guess.less(low + resolution * half) { low + resolution * half } else { guess };
             let found = self.balance(start + guess)?;
             let switches = &found.solved.switches;
-            let negative = switches.iter().zip(now).enumerate().find(|(_, (then, now))| {
-                then.cause == now.cause && then.value.less(zero) && !now.value.less(zero)
+            // That which is known to cross may begin below zero, by rounding.
+            let negative = switches.iter().zip(now).enumerate().find(|(i, (then, now))| {
+                then.cause == now.cause && then.value.less(zero) && (*i == index || !now.value.less(zero))
             });
             match negative.map(|(other, (then, _))| (other, then.value)) {
                 Some((other, value)) => {
@@ -517,11 +560,12 @@ impl<R: Number> Run<'_, R> {
                 None => {
                     low = guess;
                     if let Some(switch) = switches.get(index) {
-                        low_value = switch.value;
                         let rounded = switch.scale * R::from_f64(16.0 * R::ROUNDING);
-                        if !rounded.less(switch.value.magnitude()) {
+                        // What begins at its end, as stick after a slip, vanishes only once it has been away from it.
+                        if rounded.less(low_value) && !rounded.less(switch.value.magnitude()) {
                             high = guess;
                         }
+                        low_value = switch.value;
                     }
                 }
             }
