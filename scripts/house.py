@@ -109,6 +109,19 @@ def folders():
                 yield f"{name}: {count}"
 
 
+def orphans():
+    """Source files of crates and tests that no other declares, so that nobody compiles them."""
+    for path in [*sources(), *sorted((ROOT / "verify").rglob("*.rs"))]:
+        if path.stem in ("lib", "main", "build") or DATA.search(str(path.parent.relative_to(ROOT))) or "runtime" in path.parts:
+            continue
+        folder, name = (path.parent.parent, path.parent.name) if path.stem == "mod" else (path.parent, path.stem)
+        parents = [folder / f"{of}.rs" for of in ("mod", "lib", "main")] + [folder.with_suffix(".rs")]
+        declared = re.compile(rf"^\s*(pub(\([^)]*\))? )?mod {name}\b\s*[;{{]|path = \"[^\"]*{re.escape(path.name)}\"", re.MULTILINE)
+        tops = [*parents, ROOT / "Cargo.toml", *(ROOT / "src").glob("*/Cargo.toml")]
+        if not any(top.is_file() and declared.search(top.read_text()) for top in tops):
+            yield str(path.relative_to(ROOT))
+
+
 def paragraphs(lines):
     text, fenced, generated = [], False, False
     for line in [*lines, ""]:
@@ -151,7 +164,7 @@ def figures():
     of_comments = [(length, path, text) for path in sources() for length, text in sentences(paragraphs(comments(path)))]
     long = [f"{path.relative_to(ROOT)}: {text[:90]}" for length, path, text in of_comments if length > TOO_LONG]
     round_ = [circle for crate in CRATES for circle in circles(crate)]
-    crowded = list(folders())
+    crowded, alone = list(folders()), list(orphans())
     share = 100 * sum(length > LONG for length in of_pages) / max(1, len(of_pages))
     words = len((ROOT / "CHANGELOG.md").read_text().split())
     lines = sum(len(path.read_text().splitlines()) for path in sources())
@@ -160,6 +173,7 @@ def figures():
         ("files under `src`", len(sources()), None, []),
         ("import circles of more than three files", len(round_), 0, [", ".join(circle) for circle in round_]),
         ("folders of more than fifteen files", len(crowded), 0, crowded),
+        ("source files that nothing declares", len(alone), 0, alone),
         ("pages: % of sentences over 30 words", round(share, 1), 5, []),
         ("pages: sentences over 40 words", sum(length > TOO_LONG for length in of_pages), 0, []),
         ("doc comments: sentences over 40 words", len(long), 0, long),

@@ -20,7 +20,9 @@ use crate::judge::outcome::{Against, Check};
 use crate::judge::table::{Change, Entry, ResultTable};
 use crate::judge::verdict::Score;
 use crate::laws::demanded::Invariant;
-use crate::laws::{Asked, Demand, IsConditioned, Related, TURN, Term, What, axis, try_mutants};
+use crate::laws::{
+    Asked, Demand, IsConditioned, Related, Term, What, about_third, axis, try_mutants, turning,
+};
 use crate::mutants::mutant::{Changes, Mistake, Mutant, of_angle, of_rate};
 use crate::oracles::differences;
 use crate::oracles::differences::FIRST_STEP;
@@ -435,13 +437,14 @@ impl RelationCase {
 
     /// The state turned and moved, which goes on turning.
     fn twin(&self) -> (Self, Matrix<f64>) {
-        let matrix = turn(TURN);
+        let is_planar = self.relation.is_planar();
+        let matrix = turn(turning(is_planar));
         let speed = |of: fn(&Point<f64>) -> &[f64; 7]| {
             let largest = self.nodes.iter().flat_map(of).fold(0.0_f64, |most, x| most.max(x.abs()));
             if largest > 0.0 { largest.min(1.0) } else { 1.0 }
         };
-        let spin = scale([0.6, 0.3, -0.5], speed(|point| &point.velocity));
-        let spin_rate = scale([-0.2, 0.7, 0.4], speed(|point| &point.acceleration));
+        let spin = about_third(is_planar, scale([0.6, 0.3, -0.5], speed(|point| &point.velocity)));
+        let spin_rate = about_third(is_planar, scale([-0.2, 0.7, 0.4], speed(|point| &point.acceleration)));
         let positions = self.positions();
         let from = positions.get(1).copied().unwrap_or_default();
         let mut twin = self.clone();

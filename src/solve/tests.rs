@@ -1096,9 +1096,10 @@ fn a_static_slip_that_turns_is_refused() {
     assert!(ended.why.to_string().contains("turns at time 1,"), "{}", ended.why);
 }
 
-/// A block on a rail with spring, friction and stops, in statics, under loads that are straight between points in time: u stays where it is between
-/// (f − μ|N|)/k and (f + μ|N|)/k, each within the stops, and goes with that which it meets. Between points all three are straight. What presses passes
-/// zero in some, stops are met in some.
+/// A block on a rail with spring, friction and stops, in statics, under loads that are straight between points in time.
+///
+/// u stays where it is between (f − μ|N|)/k and (f + μ|N|)/k, each within the stops, and goes with that which it meets. Between points all three
+/// are straight. What presses passes zero in some, stops are met in some.
 #[test]
 fn a_static_block_is_a_play_between_bounds() {
     let line = |points: &[(f64, f64)], t: f64| {

@@ -9,6 +9,7 @@ pub(crate) mod friction; // whether friction of scenes is audited, along its his
 pub(crate) mod jax; // JAX as an oracle of the audit
 pub(crate) mod laws; // whether the laws are asked of every connector, and speak
 pub(crate) mod model; // whether findings are told of the right thing, and as bad as they are taken to be
+pub(crate) mod relations; // constraints beside connectors: right numbers pass everywhere, mutants and what is planted are noticed
 pub(crate) mod sample; // whether large scenes are judged by an even share, which the report says
 pub(crate) mod structured; // states as models have them: one axis turns, shafts are aligned, forces are exactly zero
 pub(crate) mod units; // whether units and axes change a verdict

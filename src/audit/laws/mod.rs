@@ -13,7 +13,7 @@ mod type_laws;
 
 pub use demanded::{Claim, Demanded, Invariant, What};
 pub(super) use power::along_rows;
-pub(super) use rigid::{TURN, axis, turned_terms};
+pub(super) use rigid::{about_third, along_plane, axis, turned_terms, turning};
 pub(super) use twin::exchanged_entry;
 pub use type_laws::of_type;
 

@@ -17,7 +17,22 @@ use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector::{Matrix, Vector, apply, cross};
 
 /// How the axes are turned: far from every special rotation.
-pub(crate) const TURN: Vector<f64> = [0.9, -1.3, 0.4];
+const TURN: Vector<f64> = [0.9, -1.3, 0.4];
+
+/// The same in the plane, or in space.
+pub(crate) fn turning(is_planar: bool) -> Vector<f64> {
+    if is_planar { [0.0, 0.0, 1.3] } else { TURN }
+}
+
+/// A rotation, or the rate of one, where there is only that about 3; else as it is.
+pub(crate) fn about_third(is_planar: bool, of: Vector<f64>) -> Vector<f64> {
+    if is_planar { [0.0, 0.0, of[2]] } else { of }
+}
+
+/// A displacement, or the rate of one, where there is only the plane; else as it is.
+pub(crate) fn along_plane(is_planar: bool, of: Vector<f64>) -> Vector<f64> {
+    if is_planar { [of[0], of[1], 0.0] } else { of }
+}
 
 /// The places of both nodes' translations and rotations along an axis.
 const fn both(a: usize, b: usize, i: usize) -> [usize; 2] {
@@ -167,7 +182,7 @@ impl Context<'_> {
 
     /// The state in turned axes, and the rotation: one that is far from every special one, about the third axis where the connector lies in a plane.
     pub(crate) fn turned(&self) -> (Matrix<f64>, Case) {
-        let rotation = turn(if self.case.definition.planar { [0.0, 0.0, 1.3] } else { TURN });
+        let rotation = turn(turning(self.case.definition.planar));
         let mut state = self.state;
         state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
         for rates in [&mut state.velocity, &mut state.acceleration] {

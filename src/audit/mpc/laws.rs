@@ -22,7 +22,8 @@ use crate::judge::outcome::{Against, Check};
 use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::Score;
 use crate::laws::{
-    Asked, Demand, Invariant, IsConditioned, Related, TURN, Term, What, along_rows, axis, try_mutants,
+    Asked, Demand, Invariant, IsConditioned, Related, Term, What, about_third, along_plane, along_rows, axis,
+    try_mutants, turning,
 };
 use crate::mpc::numbers_of;
 use crate::mutants::mutant::{Changes, Mutant};
@@ -195,13 +196,18 @@ impl<'a> Laws<'a> {
 
     fn rigid_modes(&self) -> Vec<Demand> {
         let mut found = Vec::new();
+        let is_planar = self.case.constraint.is_planar();
+        let columns = self.case.constraint.columns();
+        // In the plane two translations, one turn, and the degrees of freedom that there are.
+        let by: Vec<Option<usize>> =
+            std::iter::once(None).chain((0..DOFS).filter(|j| !is_planar || columns[*j]).map(Some)).collect();
         for row in self.smooth() {
-            for i in 0..3 {
-                found.push(self.along_translation(row, None, i));
-                found.push(self.along_turn(row, None, i));
-                for j in 0..DOFS {
-                    found.push(self.along_translation(row, Some(j), i));
-                    found.push(self.along_turn(row, Some(j), i));
+            for (i, j) in (0..3).flat_map(|i| by.iter().map(move |j| (i, *j))) {
+                if !is_planar || i < 2 {
+                    found.push(self.along_translation(row, j, i));
+                }
+                if !is_planar || i == 2 {
+                    found.push(self.along_turn(row, j, i));
                 }
             }
         }
@@ -303,11 +309,16 @@ impl<'a> Laws<'a> {
             if most > 0.0 { most } else { 1.0 }
         };
         let (fast, faster) = (fastest(&state.velocity), fastest(&state.acceleration));
-        let rotation = turn(TURN);
-        let (spin, spin_rate) = (scale([0.6, 0.3, -0.5], fast), scale([-0.2, 0.7, 0.4], faster));
-        let place = scale([0.3, -0.5, 0.2], *length);
-        let (velocity, acceleration) =
-            (scale([-0.4, 0.1, 0.6], fast * length), scale([0.5, 0.2, -0.3], faster * length));
+        let is_planar = self.case.constraint.is_planar();
+        let rotation = turn(turning(is_planar));
+        let [spin, spin_rate] = [scale([0.6, 0.3, -0.5], fast), scale([-0.2, 0.7, 0.4], faster)]
+            .map(|rate| about_third(is_planar, rate));
+        let [place, velocity, acceleration] = [
+            scale([0.3, -0.5, 0.2], *length),
+            scale([-0.4, 0.1, 0.6], fast * length),
+            scale([0.5, 0.2, -0.3], faster * length),
+        ]
+        .map(|of| along_plane(is_planar, of));
         let separation = apply(&rotation, self.separation);
         let mut twin = *state;
         twin.angles = self.taken.map(Some);
@@ -410,8 +421,10 @@ impl<'a> Laws<'a> {
             }
         };
         let Some(start) = self.vector_of(row) else { return in_row(row) };
-        let all = [0, 1, 2].map(|m| in_row(start + m));
-        let of = |quantity: Quantity| [0, 1, 2].map(|m| numbers.at(quantity, start + m, 0));
+        // In the plane, which is turned about 3 alone, the others are zero.
+        let there = |m: usize, x: f64| if self.equations.contains(&(start + m)) { x } else { 0.0 };
+        let all = [0, 1, 2].map(|m| there(m, in_row(start + m)));
+        let of = |quantity: Quantity| [0, 1, 2].map(|m| there(m, numbers.at(quantity, start + m, 0)));
         let carried = || add(of(Quantity::Value), self.offset(start));
         let seen = match quantity {
             Quantity::Value => sub(apply_transposed(rotation, carried()), self.offset(start)),
@@ -455,7 +468,7 @@ impl<'a> Laws<'a> {
                 _ => tolerance.at(quantity, row, place),
             }
         };
-        rows.map(of_row).sum()
+        rows.filter(|row| self.equations.contains(row)).map(of_row).sum()
     }
 
     /// Every mistake in a quantity, of equations that are on no singular set.

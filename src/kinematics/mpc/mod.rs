@@ -102,6 +102,7 @@ pub struct Constraint<R: Duals> {
     /// a1₀ and a2₀, of unit length.
     axes: [Vector<R>; 2],
     flow: bool,
+    #[serde(default)]
     planar: bool,
 }
 
@@ -217,6 +218,11 @@ impl<R: Duals> Constraint<R> {
     #[must_use]
     pub const fn in_plane(self) -> Self {
         Self { planar: true, ..self }
+    }
+
+    /// Whether its nodes have the degrees of freedom of the plane alone ([`Constraint::in_plane`]).
+    pub const fn is_planar(&self) -> bool {
+        self.planar
     }
 
     /// The same on another real number; exactly so from doubles.

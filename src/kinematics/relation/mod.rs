@@ -113,6 +113,7 @@ pub enum Form<R> {
 pub struct Relation<R> {
     form: Form<R>,
     /// Whether its nodes have the degrees of freedom 1, 2, 6 and 10 alone.
+    #[serde(default)]
     planar: bool,
     /// The degrees of freedom that enter it, by the place of the node, ascending.
     columns: Vec<(usize, u8)>,
@@ -180,6 +181,11 @@ impl<R> Relation<R> {
     /// What it says.
     pub const fn form(&self) -> &Form<R> {
         &self.form
+    }
+
+    /// Whether its nodes have the degrees of freedom of the plane alone ([`Relation::in_plane`]).
+    pub const fn is_planar(&self) -> bool {
+        self.planar
     }
 
     /// The degrees of freedom that enter it: the place of the node, and the number there, in global axes.

@@ -1,5 +1,7 @@
 //! The keywords that are understood: where they may stand, and which parameters they take.
 
+pub(super) mod beginnings;
+
 use crate::behavior::{
     Basis, DamageCriterion, DamageEvolutionKind, DampingKind, Degradation, Extrapolation,
     HardeningDefinition, HardeningKind, Integration, Operator, PotentialOperator, RateInterpolation,

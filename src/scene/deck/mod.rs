@@ -4,7 +4,6 @@
 //! [`resolve`] checks every reference once the whole deck is known, so that forward references are allowed.
 
 mod assembly;
-mod beginnings;
 mod behavior;
 mod connector;
 mod constraint;
@@ -33,10 +32,10 @@ use crate::label::labelled::LabelSet;
 use crate::lexer::{Keyword, Lexer, Value, not_utf8};
 use crate::model::{Dimension, MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use crate::span::{Span, Spanned};
-use beginnings::Begun;
 use errors::Errors;
 use faces::OtherElements;
 use indexmap::IndexMap;
+use keywords::beginnings::{Begun, begun};
 use keywords::{Family, Rule, Stage, Strange};
 use sets::SetBuilder;
 use std::collections::HashMap;
@@ -264,7 +263,9 @@ impl Deck<'_> {
                 Ok(None) => break,
                 Ok(Some(mut keyword)) => {
                     (empty, self.has_keywords) = (false, true);
-                    if let Begun::One(whole) = beginnings::begun(&keyword.name) {
+                    if keywords::find(&keyword.name).is_none()
+                        && let Begun::One(whole) = begun(&keyword.name)
+                    {
                         whole.clone_into(&mut keyword.name);
                     }
                     let name = keyword.name.clone();
@@ -447,7 +448,7 @@ impl Deck<'_> {
     fn ask_what_is_meant(&mut self, keyword: &Keyword) {
         let name = keyword.name.as_str();
         let names = || keywords::RULES.iter().map(|rule| rule.name);
-        let meant = match beginnings::begun(name) {
+        let meant = match begun(name) {
             Begun::Several(all) => all,
             _ if keywords::is_unrelated(name) => return,
             _ => {

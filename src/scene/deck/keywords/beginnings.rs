@@ -45,7 +45,7 @@ const OTHERS: &[&str] = &[
 
 /// What a name that is no keyword of its own may begin.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Begun {
+pub(in crate::deck) enum Begun {
     /// This keyword.
     One(&'static str),
     /// Several, these that are read among them.
@@ -59,7 +59,7 @@ pub(super) enum Begun {
 /// ```text
 /// *BOUN  BOUNDARY        *ELEM  ELEMENT        *RIGID  RIGID BODY, or RIGID SURFACE        *FILM  (a keyword of its own)
 /// ```
-pub(super) fn begun(name: &str) -> Begun {
+pub(in crate::deck) fn begun(name: &str) -> Begun {
     let begins = |known: &str, with: &str| {
         let mut letters = known.bytes().filter(|byte| *byte != b' ');
         with.bytes()
