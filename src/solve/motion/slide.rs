@@ -55,16 +55,14 @@ pub(crate) fn limit<R: Number>(
     let context = Context { position, motion, accumulated_slip: slip, conditions };
     let parts = friction.criterion.contact_parts(&context);
     // Where all that presses passes zero together, what is left of it is rounding of the rest.
-    let constant = parts.as_ref().map_or(zero, |parts| parts.internal.magnitude());
-    let size = larger(larger(largest(*pressing), constant), R::from_f64(f64::MIN_POSITIVE));
+    let internal = friction.criterion.internal_force(&context);
+    let size = larger(larger(largest(*pressing), internal.magnitude()), R::from_f64(f64::MIN_POSITIVE));
     let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).powf(0.5));
     let mut branches = Branches::none();
     let mut turns = Vec::new();
     let (mut contact, mut gradient);
-    let internal;
     match &parts {
-        Some(ContactParts { linear, magnitudes, internal: constant }) => {
-            internal = *constant;
+        Some(ContactParts { linear, magnitudes, .. }) => {
             gradient = *linear;
             contact = dot(linear, pressing);
             for (i, (factor, rows)) in magnitudes.iter().enumerate() {
@@ -111,7 +109,6 @@ pub(crate) fn limit<R: Number>(
                 friction.criterion.at(&seeded, constant(R::integer(1)), None, &context.map(constant));
             contact = point.contact.real();
             gradient = point.contact.gradient();
-            internal = zero;
         }
     }
     let signed = contact + internal;
