@@ -129,9 +129,9 @@ pub(crate) fn limit<R: Number>(
     let mut caps = None;
     if let Some(maximum) = friction.maximum.map(R::from_f64) {
         let below = maximum - value;
-        let is_capped = known.map_or(below.less(zero), |known| known.is_capped);
+        let is_capped = known.and_then(|known| known.is_capped).unwrap_or(below.less(zero));
         caps = Some([if is_capped { -below } else { below }, maximum]);
-        branches.is_capped = below.less(zero);
+        branches.is_capped = Some(below.less(zero));
         if is_capped {
             let none = vec![];
             return Limit { value: maximum, gradient: [zero; 6], turns, caps, branches, reach: none };

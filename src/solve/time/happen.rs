@@ -41,7 +41,8 @@ impl<R: Number> Run<'_, R> {
             }
             Cause::Caps => {
                 if let Some(mode) = self.modes.frictions.get_mut(of) {
-                    mode.branches.is_capped = !mode.branches.is_capped;
+                    let is_capped = &mut mode.branches.is_capped;
+                    *is_capped = is_capped.map(|is_capped| !is_capped);
                 }
                 Ok(())
             }
