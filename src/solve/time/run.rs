@@ -494,9 +494,12 @@ impl<'a, R: Number> Run<'a, R> {
         Ok(())
     }
 
-    /// The frictions that stick rigidly.
+    /// The frictions that stick rigidly, and have something to do.
     pub(crate) fn standing(&self) -> Vec<usize> {
-        let stands = |s: &usize| matches!(self.modes.frictions[*s].does, Does::Sticks(_));
+        let stands = |s: &usize| {
+            matches!(self.modes.frictions[*s].does, Does::Sticks(_))
+                && !self.mechanism.is_idle(&self.modes, &self.mechanism.sliders[*s])
+        };
         (0..self.modes.frictions.len()).filter(stands).collect()
     }
 
@@ -736,7 +739,7 @@ impl<'a, R: Number> Run<'a, R> {
                 free: joint.free,
                 sticks: of
                     .filter(|(slider, _)| slider.joint == index)
-                    .map(|(_, mode)| mode.is_stuck())
+                    .map(|(slider, mode)| mode.is_stuck() && !self.mechanism.is_gone(&self.modes, slider))
                     .collect(),
                 limits: self
                     .mechanism
@@ -744,7 +747,10 @@ impl<'a, R: Number> Run<'a, R> {
                     .iter()
                     .zip(solved.tangential.iter().zip(&solved.limits))
                     .filter(|(slider, _)| slider.joint == index)
-                    .map(|(_, (tangential, limit))| [*tangential, limit.value])
+                    .map(|(slider, (tangential, limit))| {
+                        let is_gone = self.mechanism.is_gone(&self.modes, slider);
+                        if is_gone { [R::ZERO; 2] } else { [*tangential, limit.value] }
+                    })
                     .collect(),
                 held: [0, 1, 2, 3, 4, 5].map(held),
                 failed: self.modes.failed.get(index).copied().unwrap_or([false; 6]),

@@ -267,7 +267,12 @@ impl<R: Number> Solution<R> {
     /// How far another solution with the same frames is from this one. `length` is the size of the model.
     pub fn difference(&self, other: &Self, length: f64) -> Difference {
         let mut found = Difference { same_events: true, ..Difference::default() };
-        let duration = self.frames.last().map_or(1.0, |frame| frame.time.to_f64()).max(f64::MIN_POSITIVE);
+        // What ends as it begins may have events beyond its last frame.
+        let ends = |of: &Self| {
+            let frame = of.frames.last().map_or(0.0, |frame| frame.time.to_f64());
+            of.events.last().map_or(frame, |event| frame.max(event.time.to_f64()))
+        };
+        let duration = Some(ends(self).max(ends(other))).filter(|end| *end > 0.0).unwrap_or(1.0);
         found.same_events =
             self.events.len() == other.events.len() && self.frames.len() == other.frames.len();
         for (one, two) in self.events.iter().zip(&other.events) {
