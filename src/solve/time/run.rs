@@ -526,12 +526,18 @@ impl<'a, R: Number> Run<'a, R> {
     /// The beginning of a step: where things are, what sticks, rates that fit.
     pub(crate) fn begin(&mut self) -> Result<(), Refusal> {
         self.remember()?;
+        let before = std::mem::take(&mut self.modes.frictions);
+        let have_springs = !self.mechanism.stiffness.is_empty();
         self.prepare()?;
         if !std::mem::replace(&mut self.is_launched, true) {
             self.launch()?;
         }
         self.touch()?;
         self.stiffen()?;
+        if have_springs {
+            // Springs of stick go on from step to step.
+            self.modes.frictions = before;
+        }
         self.begin_modes()?;
         if self.solution.frames.is_empty() {
             let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
