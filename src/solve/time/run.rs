@@ -316,9 +316,39 @@ impl<'a, R: Number> Run<'a, R> {
             keeping: None,
         };
         if options.from.is_some() {
+            run.refuse_forgotten()?;
             run.follow_given();
         }
         Ok(run)
+    }
+
+    /// Refuses to go on from a later state where what follows depends on more than a state tells.
+    fn refuse_forgotten(&self) -> Result<(), Refusal> {
+        if self.state.time.to_f64() <= 0.0 {
+            return Ok(());
+        }
+        let mechanism = &self.mechanism;
+        let remedy = "solve it from the beginning: --keep and --resume go on exactly";
+        let refused = |joint: usize, what: &str| {
+            let why = format!("a state does not tell {what}, on which what follows depends");
+            Err(Refusal::of(self.joint_title(joint), &why, remedy))
+        };
+        if let Some(criterion) = mechanism.criteria.first() {
+            let what = if criterion.is_failure { "whether it has failed" } else { "where it has locked" };
+            return refused(criterion.joint, what);
+        }
+        for slider in &mechanism.sliders {
+            if slider.ring.is_some() {
+                return refused(slider.joint, "how far its belt has run over the ring");
+            }
+            if self.options.stick == Stick::Elastic {
+                return refused(slider.joint, "how far the spring of its stick is stretched");
+            }
+            if mechanism.friction(slider).is_some_and(|of| of.criterion.depends_on_slip()) {
+                return refused(slider.joint, "how far it has slipped");
+            }
+        }
+        Ok(())
     }
 
     /// Takes the histories of connectors to a state that is given: the whole rotation is their increment.
