@@ -177,9 +177,10 @@ impl<R: Number> Run<'_, R> {
                 ));
             }
         };
-        let Some((modes, margin)) = consistent.into_iter().nth(chosen) else { return Ok(()) };
+        let Some((modes, _)) = consistent.into_iter().nth(chosen) else { return Ok(()) };
+        let (found, layout, solved) = self.instant(&modes)?;
         if !self.solution.frames.is_empty() {
-            for s in open {
+            for (i, s) in open.iter().enumerate() {
                 let was_stuck = before.frictions[*s].is_stuck();
                 let what = match (&modes.frictions[*s].does, was_stuck) {
                     (Does::Sticks(_) | Does::Stretches(_), true) => continue,
@@ -194,17 +195,23 @@ impl<R: Number> Run<'_, R> {
                         What::Reverses
                     }
                 };
-                self.event(*s, what, Some(margin));
+                let margin = match driven[i] {
+                    // What is prescribed decides.
+                    Some(_) => None,
+                    None => self.sureness(*s, (&found, &layout, &solved), &modes),
+                };
+                self.event(*s, what, margin);
             }
-            for (stop, _) in &touching {
+            for touching in &touching {
+                let (stop, _) = touching;
                 let [was, is] = [&before, &modes].map(|modes| matches!(modes.stops[*stop], Touch::Closed(_)));
                 if was != is {
                     let what = if is { What::Closes } else { What::Opens };
+                    let margin = self.margin_of_stops(&found, (&layout, &solved), &modes, &[*touching]);
                     self.event_of_stop(*stop, what, Some(margin));
                 }
             }
         }
-        let (found, layout, solved) = self.instant(&modes)?;
         self.settle(modes, &found, layout, &solved)
     }
 
@@ -530,6 +537,25 @@ impl<R: Number> Run<'_, R> {
             least = least.min(margin);
         }
         least
+    }
+
+    /// How sure a friction sticks or slips in a mode: by which part of the larger its limit and its load differ, where it alone would stick.
+    fn sureness(
+        &mut self,
+        s: usize,
+        (found, layout, solved): (&Assembled<R>, &Layout, &Solved<R>),
+        modes: &Modes<R>,
+    ) -> Option<f64> {
+        if modes.frictions[s].is_stuck() {
+            return Some(self.margin(found, (layout, solved), modes, &[s]));
+        }
+        let mut held = modes.clone();
+        held.frictions[s] = Mode::sticks(found.joints[self.mechanism.sliders[s].joint].position);
+        let (_, _, stuck) = self.instant(&held).ok()?;
+        let (limit, load) = (stuck.limits.get(s)?.value, *stuck.tangential.get(s)?);
+        let size = larger(limit, load);
+        let part = R::ZERO.less(size).then(|| ((load - limit) / size).to_f64().abs())?;
+        Some(if part <= TIE { 0.0 } else { part })
     }
 
     /// Takes a mode, with the branches of its frictions and its certificate.

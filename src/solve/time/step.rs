@@ -812,10 +812,13 @@ impl<R: Number> Run<'_, R> {
         done
     }
 
-    /// How fast a quantity of this scale passes zero that changes by so much within h: in its scale per duration of the run.
+    /// How fast a quantity of this scale passes zero that changes by so much within h: in its scale per duration of the run. None where the scale
+    /// is rounding.
     pub(crate) fn sharpness(&self, change: R, h: R, scale: R) -> Option<f64> {
+        /// From this on the scale is rounding, as that of a friction that nothing presses yet.
+        const MOST: f64 = 1e9;
         let rate = ((change / scale).to_f64() * (self.duration() / h.to_f64())).abs();
-        rate.is_finite().then_some(rate)
+        (rate < MOST).then_some(rate)
     }
 
     /// From the beginning of the run to its end.
