@@ -352,7 +352,25 @@ fn a_largest_friction_force_holds_no_more() {
     assert!((speed + 0.5 * 5.0 / 7.0).abs() < 1e-13, "{speed}");
 }
 
-/// The margin of a turn is by what the load exceeds what friction holds, that of rest by what it holds more, each of its own friction: of two
+/// A mass 0.3 above a rail of length L, pushed along by 8: T = 0.3 (20 + 2 |M|/L) with M = 0.3 (8 − T). Where 0.18/L > 1 both signs of M give a
+/// root, below there is one.
+#[test]
+fn two_friction_forces_that_fit_are_both_named() {
+    let short = "*CONNECTOR FRICTION, PREDEFINED\n0.5, ARM\n*FRICTION\n0.3\n";
+    let above = "*NODE\n3, 0., 0.3, 0.\n*MPC\nBEAM, 3, 2\n*INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 1.\n";
+    let deck =
+        rubbed(short, above, "8.", "1.").replace("201, 2\n", "201, 3\n").replace("202, 2\n", "202, 3\n");
+    let deck = deck.replace("1., 1., 1.", "0.1, 0.1, 0.1");
+    let scene = Scene::parse("deck.inp", &deck.replace("ARM", "0.1")).unwrap();
+    let why = solve::<f64>(&scene, &Options::default()).unwrap_err().why.to_string();
+    // T = 6 ± 1.8 (8 − T).
+    assert!(why.contains("7.285714;") && why.contains("10.5"), "{why}");
+    let solution: Solution<f64> = solved(&deck.replace("ARM", "0.2"), &Options::default());
+    let rubs = solution.frames[0].connectors[0].friction[0];
+    assert!((rubs - 13.2 / 1.9).abs() < 1e-13 && solution.lipschitz < 1.0, "{rubs} {}", solution.lipschitz);
+}
+
+/// The margin of a turn is by what the load exceeds what friction holds, that of rest by what it holds more, each of its own friction. Of two
 /// masses on rails, up to 5 N each, one stands under 4.9 N as the other comes to rest under 1 N. What is prescribed has none.
 #[test]
 fn margins_are_those_of_the_friction_itself() {

@@ -540,6 +540,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// How sure a friction sticks or slips in a mode: by which part of the larger its limit and its load differ, where it alone would stick.
+    /// None where other equations do not let it.
     fn sureness(
         &mut self,
         s: usize,
@@ -571,6 +572,7 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?
             .to_f64();
         self.solution.lipschitz = self.solution.lipschitz.max(kappa);
+        self.refuse_others(found, &layout, (&modes, solved))?;
         let time = self.state.time;
         for event in self.solution.events.iter_mut().rev() {
             if time.less(event.time) || event.time.less(time) {
@@ -583,6 +585,49 @@ impl<R: Number> Run<'_, R> {
         self.layout = layout;
         self.branch(solved);
         self.project()
+    }
+
+    /// Refuses a slip that other friction forces fit as well, where κ does not exclude that.
+    pub(crate) fn refuse_others(
+        &self,
+        found: &Assembled<R>,
+        layout: &Layout,
+        (modes, solved): (&Modes<R>, &Solved<R>),
+    ) -> Result<(), Refusal> {
+        if self.solution.lipschitz < 1.0 {
+            return Ok(());
+        }
+        let slipping: Vec<usize> =
+            (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
+        // What is at rest must begin to slip the way it does.
+        let speed = 1e-12 * self.speed();
+        let resting: Vec<usize> =
+            slipping.iter().copied().filter(|s| solved.slip_rates[*s].to_f64() <= speed).collect();
+        let others = found.others(&self.mechanism, layout, (modes, solved));
+        let fits = |other: &&Solved<R>| self.margin(found, (layout, other), modes, &resting) > 0.0;
+        let all: Vec<&Solved<R>> = std::iter::once(solved).chain(others.iter().filter(fits)).collect();
+        if all.len() < 2 {
+            return Ok(());
+        }
+        // Seven digits.
+        let rounded = |x: f64| format!("{x:.6e}").parse().unwrap_or(x);
+        let told = |of: &&Solved<R>| {
+            let each = slipping.iter().map(|s| {
+                let limit = of.limits.get(*s).map_or(0.0, |limit| limit.value.to_f64());
+                format!("{} slips with {}", self.title(*s), rounded(limit))
+            });
+            each.collect::<Vec<_>>().join(" and ")
+        };
+        Err(Refusal::of(
+            "friction",
+            &format!(
+                "{} friction forces fit at time {}: {}",
+                all.len(),
+                self.state.time.to_f64(),
+                all.iter().map(told).collect::<Vec<_>>().join("; ")
+            ),
+            "the motion is not unique from here: reduce the coefficient of friction",
+        ))
     }
 
     /// Fixes the branches of frictions to those of a solution.

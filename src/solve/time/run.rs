@@ -711,6 +711,7 @@ impl<'a, R: Number> Run<'a, R> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let solved =
             found.solve(&self.mechanism, &self.layout, &self.modes).map_err(|trouble| self.say(trouble))?;
+        self.refuse_others(&found, &self.layout, (&self.modes, &solved))?;
         for row in &found.rows {
             let scale = match row.owner {
                 Owner::Joint(_, k) if k >= 3 => 1.0,
