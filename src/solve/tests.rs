@@ -365,6 +365,11 @@ fn two_friction_forces_that_fit_are_both_named() {
     let why = solve::<f64>(&scene, &Options::default()).unwrap_err().why.to_string();
     // T = 6 ± 1.8 (8 − T).
     assert!(why.contains("7.285714;") && why.contains("10.5"), "{why}");
+    // From rest 10.5 would turn the slip back: it fits from then on.
+    let deck_at_rest = deck.replace("2, 1, 1.\n", "2, 1, 0.\n").replace("ARM", "0.1");
+    let ended =
+        solve::<f64>(&Scene::parse("deck.inp", &deck_at_rest).unwrap(), &Options::default()).unwrap_err();
+    assert!(ended.time > 0.0 && ended.time < 1e-3, "{}", ended.time);
     let solution: Solution<f64> = solved(&deck.replace("ARM", "0.2"), &Options::default());
     let rubs = solution.frames[0].connectors[0].friction[0];
     assert!((rubs - 13.2 / 1.9).abs() < 1e-13 && solution.lipschitz < 1.0, "{rubs} {}", solution.lipschitz);

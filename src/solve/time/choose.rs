@@ -603,6 +603,10 @@ impl<R: Number> Run<'_, R> {
         let speed = 1e-12 * self.speed();
         let resting: Vec<usize> =
             slipping.iter().copied().filter(|s| solved.slip_rates[*s].to_f64() <= speed).collect();
+        // Where it goes from rest follows from its own forces.
+        if resting.iter().any(|s| self.mechanism.sliders[*s].components.len() > 1) {
+            return Ok(());
+        }
         let others = found.others(&self.mechanism, layout, (modes, solved));
         let fits = |other: &&Solved<R>| self.margin(found, (layout, other), modes, &resting) > 0.0;
         let all: Vec<&Solved<R>> = std::iter::once(solved).chain(others.iter().filter(fits)).collect();

@@ -412,11 +412,17 @@ impl<'a, R: Number> Run<'a, R> {
                     "give its nodes *MASS and *ROTARY INERTIA; pintle audit names constraints that repeat each other",
                 )
             }
-            Trouble::Singular(NoPivotAt::Slider(_)) | Trouble::NotFound => Refusal::of(
-                "friction",
-                &format!("no friction forces were found at time {time} (κ = {:.3})", self.solution.lipschitz),
-                "a coefficient so large that the mechanism jams has no solution, or several",
-            ),
+            Trouble::Singular(NoPivotAt::Slider(_)) | Trouble::NotFound => {
+                let slipping =
+                    (0..self.modes.frictions.len()).filter(|s| !self.modes.frictions[*s].is_stuck());
+                let mut names: Vec<&str> = slipping.map(|s| self.title(s)).collect();
+                names.dedup();
+                Refusal::of(
+                    &if names.is_empty() { "friction".to_string() } else { names.join(", ") },
+                    &format!("no friction forces fit at time {time}"),
+                    "a coefficient so large that the mechanism jams has no solution, or several",
+                )
+            }
             Trouble::NotFinite => Refusal::of(
                 "the solution",
                 &format!("a number overflows at time {time}"),

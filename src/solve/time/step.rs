@@ -429,6 +429,10 @@ impl<R: Number> Run<'_, R> {
             if self.keep_branches(&solved) {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             }
+            if self.solution.lipschitz >= 1.0 {
+                let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+                self.refuse_others(&found, &self.layout, (&self.modes, &solved))?;
+            }
             if let Some(switch) = self.overdue(&slope.switches, &solved)? {
                 self.crosses(&switch)?;
                 continue;
