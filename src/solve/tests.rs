@@ -239,6 +239,175 @@ fn on_the_rail(amplitude: &str, length: &str, load: &str) -> ([Solution<f64>; 2]
     (both, apart)
 }
 
+/// The rail with another friction, and what comes before its step, under a load that stays.
+fn rubbed(friction: &str, before: &str, load: &str, length: &str) -> String {
+    let deck = RAIL.replace("*CONNECTOR FRICTION, PREDEFINED\n0.5, 0.2\n*FRICTION\n0.25\n", friction);
+    let deck = deck.replace("*AMPLITUDE, NAME=A, ITS LINES\n", before).replace(", AMPLITUDE=A", "");
+    deck.replace("PUSH", load).replace("LENGTH", length)
+}
+
+/// What presses is a derived component of 20 N, and 50 N inside or −50 N: μ |20 ± 50| brakes.
+#[test]
+fn an_internal_contact_force_presses_beside_a_derived_component() {
+    for (internal, force) in [(0.0, 20.0), (50.0, 70.0), (-50.0, 30.0)] {
+        let friction = format!(
+            "*CONNECTOR DERIVED COMPONENT, NAME=N\n2, 3\n1., 2.\n*CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=N\n, {internal}\n\
+             *FRICTION\n0.25\n"
+        );
+        let deck = rubbed(&friction, "*INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 9.\n", "0.", "0.5");
+        let solution: Solution<f64> = solved(&deck, &Options::default());
+        let last = solution.frames.last().unwrap();
+        let brakes = 0.25 * force;
+        assert!((last.connectors[0].friction[0] - brakes).abs() < 1e-13, "{:?}", last.connectors[0].friction);
+        let [x, v] = [last.nodes[1].displacement[0], last.nodes[1].velocity[0]];
+        assert!((v - (9.0 - brakes / 4.0)).abs() < 1e-13, "{v}");
+        assert!((x - (4.5 - brakes / 16.0)).abs() < 1e-13, "{x}");
+    }
+}
+
+/// A spring of 60 on the rail fails at 0.1 as friction slips, at cos ωt = 0.4; nothing rubs any more where its load turns, and in a static path.
+#[test]
+fn friction_is_gone_where_its_component_has_failed() {
+    let friction = "*CONNECTOR ELASTICITY, COMPONENT=1\n60.\n*CONNECTOR FAILURE, COMPONENT=1, RELEASE=1\n, 0.1\n\
+                    *CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=2000.\n0.5, 0.2\n*FRICTION\n0.1\n";
+    let turns = "*AMPLITUDE, NAME=A\n0., 1., .5, 1., .6, -1., 2., -1.\n";
+    let deck = rubbed(friction, turns, "12.", "2.").replace("*CLOAD", "*CLOAD, AMPLITUDE=A");
+    for (stick, method) in [
+        (Stick::Rigid, Method::Extrapolation),
+        (Stick::Rigid, Method::Collocation),
+        (Stick::Elastic, Method::Extrapolation),
+    ] {
+        let options = Options { stick, method, times: vec![0.3, 0.55, 1.0], ..Options::default() };
+        let solution: Solution<f64> = solved(&deck, &options);
+        let last = solution.events.last().unwrap();
+        assert_eq!(last.what, What::Fails);
+        let failed = last.time;
+        let frame = |time: f64| solution.frames.iter().rfind(|frame| frame.time <= time).unwrap();
+        let before = frame(failed).nodes[1].velocity[0];
+        if stick == Stick::Rigid {
+            let w = 30.0_f64.sqrt();
+            let by_hand = 0.4_f64.acos() / w;
+            assert!((failed - by_hand).abs() < 1e-14, "{failed} {by_hand}");
+            assert!((before - (w * by_hand).sin() * w / 6.0).abs() < 1e-13, "{before}");
+        }
+        let after = before + 6.0 * (0.5 - failed) - 6.0 * 1.4;
+        let speed = frame(2.0).nodes[1].velocity[0];
+        assert!((speed - after).abs() < 1e-12, "{speed} {after}");
+        let mut compared = 0;
+        for frame in solution.frames.iter().filter(|frame| frame.time >= failed) {
+            let rail = &frame.connectors[0];
+            assert!(rail.failed[0] && rail.friction[0] == 0.0 && rail.sticks == [false], "{rail:?}");
+            assert!(frame.energies.balance.abs() < 1e-12, "{:?}", frame.energies);
+            compared += 1;
+        }
+        assert!(compared >= 5);
+        // All that the spring of stick held is lost with it.
+        assert!(frame(2.0).energies.stored.abs() < 1e-12, "{:?}", frame(2.0).energies);
+    }
+    // A spring of 40 beside it, and all loads grow: 100 x = 21 t − 2 t up to 0.1, then 40 x = 21 t.
+    let ground = "*ELEMENT, TYPE=SPRING1, ELSET=G\n204, 2\n*SPRING, ELSET=G\n1\n40.\n";
+    let deck = rubbed(friction, ground, "21.", "1.")
+        .replace("*DYNAMIC", "*STATIC")
+        .replace("*CLOAD", "*CLOAD, AMPLITUDE=UP");
+    let deck = deck.replace("*STEP\n", "*AMPLITUDE, NAME=UP\n0., 0., 1., 1.\n*STEP\n");
+    let solution: Solution<f64> = solved(&deck, &Options::default());
+    let last = solution.frames.last().unwrap();
+    assert!((solution.events.last().unwrap().time - 10.0 / 19.0).abs() < 1e-12, "{:?}", solution.events);
+    assert!((last.nodes[1].displacement[0] - 21.0 / 40.0).abs() < 1e-12, "{:?}", last.nodes[1].displacement);
+}
+
+/// A pin that slips fails: nothing is hit, and nothing takes energy from there on: ½ 2.1 ω² + 2 g y stays.
+#[test]
+fn a_failure_is_no_impact() {
+    let deck = PENDULUM
+        .replace("ELSET=JOINT\nHINGE", "ELSET=JOINT, BEHAVIOR=DRY\nHINGE")
+        .replace("*MPC", "*CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR FRICTION, PREDEFINED\n0.02, 0.3, 0.5\n*FRICTION\n0.15\n\
+                          *CONNECTOR FAILURE, COMPONENT=4, RELEASE=4\n-1., \n*MPC")
+        .replace("*STEP\n", "*ELEMENT, TYPE=ROTARYI, ELSET=I\n202, 2\n*ROTARY INERTIA, ELSET=I\n0.1, 0.1, 0.1\n*STEP\n")
+        .replace("0.01, 4.", "0.01, 2.");
+    let solution: Solution<f64> = solved(&deck, &Options::default());
+    let fails = solution.events.last().unwrap();
+    assert_eq!(fails.what, What::Fails);
+    let bob = solution.nodes.iter().position(|node| node.to_string() == "2").unwrap();
+    let frame = |time: f64| solution.frames.iter().rfind(|frame| frame.time <= time).unwrap();
+    let [before, after] = [fails.time, 2.0].map(|time| {
+        let bob = &frame(time).nodes[bob];
+        1.05 * bob.velocity[5].powi(2) + 20.0 * bob.displacement[1]
+    });
+    assert!((before - after).abs() < 1e-12 && before < -0.05, "{before} {after}");
+    assert!(frame(2.0).energies.balance.abs() < 1e-12, "{:?}", frame(2.0).energies);
+}
+
+/// μ F_N is 5, but no more than 3 rubs: 2 a = −4 − 3 until it rests at 2/7, and 2 a = −4 + 3 back.
+#[test]
+fn a_largest_friction_force_holds_no_more() {
+    let friction = "*CONNECTOR FRICTION, PREDEFINED\n0.5, 0.2\n*FRICTION, TAUMAX=3.\n0.25\n";
+    let deck = rubbed(friction, "*INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 1.\n", "-4.", "1.");
+    let solution: Solution<f64> = solved(&deck, &Options::default());
+    let [turns] = solution.events.as_slice() else { panic!("{:?}", solution.events) };
+    assert_eq!(turns.what, What::Reverses);
+    assert!((turns.time - 2.0 / 7.0).abs() < 1e-14, "{}", turns.time);
+    assert!((turns.margin.unwrap() - 0.25).abs() < 1e-13, "{:?}", turns.margin);
+    let speed = solution.frames.last().unwrap().nodes[1].velocity[0];
+    assert!((speed + 0.5 * 5.0 / 7.0).abs() < 1e-13, "{speed}");
+}
+
+/// A mass 0.3 above a rail of length L, pushed along by 8: T = 0.3 (20 + 2 |M|/L) with M = 0.3 (8 − T). Where 0.18/L > 1 both signs of M give a
+/// root, below there is one.
+#[test]
+fn two_friction_forces_that_fit_are_both_named() {
+    let short = "*CONNECTOR FRICTION, PREDEFINED\n0.5, ARM\n*FRICTION\n0.3\n";
+    let above = "*NODE\n3, 0., 0.3, 0.\n*MPC\nBEAM, 3, 2\n*INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 1.\n";
+    let deck =
+        rubbed(short, above, "8.", "1.").replace("201, 2\n", "201, 3\n").replace("202, 2\n", "202, 3\n");
+    let deck = deck.replace("1., 1., 1.", "0.1, 0.1, 0.1");
+    let scene = Scene::parse("deck.inp", &deck.replace("ARM", "0.1")).unwrap();
+    let why = solve::<f64>(&scene, &Options::default()).unwrap_err().why.to_string();
+    // T = 6 ± 1.8 (8 − T).
+    assert!(why.contains("7.285714;") && why.contains("10.5"), "{why}");
+    // From rest 10.5 would turn the slip back: it fits from then on.
+    let deck_at_rest = deck.replace("2, 1, 1.\n", "2, 1, 0.\n").replace("ARM", "0.1");
+    let ended =
+        solve::<f64>(&Scene::parse("deck.inp", &deck_at_rest).unwrap(), &Options::default()).unwrap_err();
+    assert!(ended.time > 0.0 && ended.time < 1e-3, "{}", ended.time);
+    let solution: Solution<f64> = solved(&deck.replace("ARM", "0.2"), &Options::default());
+    let rubs = solution.frames[0].connectors[0].friction[0];
+    assert!((rubs - 13.2 / 1.9).abs() < 1e-13 && solution.lipschitz < 1.0, "{rubs} {}", solution.lipschitz);
+}
+
+/// The margin of a turn is by what the load exceeds what friction holds, that of rest by what it holds more, each of its own friction. Of two
+/// masses on rails, up to 5 N each, one stands under 4.9 N as the other comes to rest under 1 N. What is prescribed has none.
+#[test]
+fn margins_are_those_of_the_friction_itself() {
+    let dry = "*CONNECTOR FRICTION, PREDEFINED\n0.5, 0.2\n*FRICTION\n0.25\n";
+    let moves = "*INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 1.\n";
+    let margin = |deck: &str| {
+        let solution: Solution<f64> = solved(deck, &Options::default());
+        (solution.events[0].what, solution.events[0].margin)
+    };
+    for more in [1e-7, 1e-4, 2.0] {
+        let (what, margin) = margin(&rubbed(dry, moves, &format!("{}", -5.0 - more), "1."));
+        let wanted = more / (5.0 + more);
+        assert_eq!(what, What::Reverses);
+        assert!((margin.unwrap() / wanted - 1.0).abs() < 1e-6, "{margin:?} {wanted:e}");
+    }
+    let second = "*NODE\n11, 0., 0., 0.\n12, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=RAIL\n111, 11, 12\n\
+                  *ELEMENT, TYPE=MASS, ELSET=M\n211, 12\n*ELEMENT, TYPE=ROTARYI, ELSET=I\n212, 12\n*BOUNDARY\n11, 1, 6\n";
+    let deck = rubbed(dry, &format!("{second}{moves}"), "1.\n12, 1, 4.9", "1.");
+    let (what, own) = margin(&deck);
+    assert_eq!(what, What::Sticks);
+    assert!((own.unwrap() - 0.8).abs() < 1e-13, "{own:?}");
+    let driven = "*AMPLITUDE, NAME=D, DEFINITION=PERIODIC\n1, 5., 0., 0.\n0., 1.\n";
+    let deck = rubbed(dry, driven, "0.", "0.5")
+        .replace("*CLOAD", "*CONNECTOR MOTION, AMPLITUDE=D\nRAIL, 1, 0.3\n*CLOAD");
+    let solution: Solution<f64> = solved(&deck, &Options::default());
+    assert!(!solution.events.is_empty());
+    for event in &solution.events {
+        assert_eq!(event.what, What::Reverses);
+        assert!(event.margin.is_none_or(|margin| (1e-3..1e3).contains(&margin)), "{event:?}");
+    }
+}
+
 /// A load that oscillates above the bound for a moment, once in 2π, while nothing moves: each moment is met, by both methods.
 #[test]
 fn a_load_that_oscillates_is_seen_while_all_sticks() {
@@ -727,6 +896,54 @@ fn steps_go_on() {
     assert!((x - y).abs() < 1e-13, "{x} {y}");
     let told = |of: &Solution<f64>| of.events.iter().map(|event| event.what).collect::<Vec<_>>();
     assert_eq!(told(&whole), told(&parts));
+}
+
+/// Springs of stick go on from step to step: two of half the time are one.
+#[test]
+fn springs_of_stick_go_on() {
+    let friction = "*CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=200.\n0.5, 0.2\n*FRICTION\n0.25\n";
+    let options = Options { stick: Stick::Elastic, ..Options::default() };
+    let whole: Solution<f64> = solved(&rubbed(friction, "", "4.", "1."), &options);
+    let deck = rubbed(friction, "", "4.", "0.5")
+        .replace("*END STEP", "*END STEP\n*STEP\n*DYNAMIC\n0.01, 0.5\n*END STEP");
+    let parts: Solution<f64> = solved(&deck, &options);
+    let [one, two] = [&whole, &parts].map(|of| of.frames.last().unwrap().nodes[1].displacement[0]);
+    assert!((one - two).abs() < 1e-13, "{one} {two}");
+}
+
+/// A later state does not tell what a run has come to: how springs of stick are stretched, what has failed.
+#[test]
+fn what_a_state_does_not_tell_is_refused() {
+    let refused = |deck: &str, time: f64, stick: Stick| {
+        let scene = Scene::parse("deck.inp", deck).unwrap();
+        let from = pintle_scene::State { time: Some(time), ..pintle_scene::State::default() };
+        solve::<f64>(&scene, &Options { from: Some(from), stick, ..Options::default() })
+            .err()
+            .map(|ended| ended.why.to_string())
+    };
+    let plain = rubbed(
+        "*CONNECTOR FRICTION, PREDEFINED, STICK STIFFNESS=200.\n0.5, 0.2\n*FRICTION\n0.25\n",
+        "",
+        "4.",
+        "1.",
+    );
+    let fails = plain.replace(
+        "*CONNECTOR FRICTION",
+        "*CONNECTOR FAILURE, COMPONENT=1, RELEASE=1\n, 9.\n*CONNECTOR FRICTION",
+    );
+    let locks = fails.replace("FAILURE, COMPONENT=1, RELEASE=1", "LOCK, COMPONENT=1, LOCK=1");
+    for (deck, stick, why) in [
+        (&plain, Stick::Elastic, "how far the spring of its stick is stretched"),
+        (&fails, Stick::Rigid, "whether it has failed"),
+        (&locks, Stick::Rigid, "where it has locked"),
+        (&reference("belt_swing").to_string(), Stick::Rigid, "how far its belt has run"),
+    ] {
+        let told = refused(deck, 0.5, stick).unwrap();
+        assert!(told.contains(why), "{told}");
+    }
+    assert_eq!(refused(&plain, 0.5, Stick::Rigid), None);
+    assert_eq!(refused(&plain, 0.0, Stick::Elastic), None);
+    assert_eq!(refused(&fails, 0.0, Stick::Rigid), None);
 }
 
 /// Each fault of the solver is noticed by one of these references.

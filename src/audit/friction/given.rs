@@ -539,10 +539,7 @@ impl FrictionCase {
 
     /// F_C^int.
     fn internal(&self) -> f64 {
-        if let Internal::Constant(internal) = self.friction.criterion.internal {
-            return internal;
-        }
-        self.friction.criterion.contact_parts(&self.context()).map_or(0.0, |parts| parts.internal)
+        self.friction.criterion.internal_force(&self.context())
     }
 
     /// P, F_C, F_N and Φ, or their gradients, with another traction and another contact force; nothing of other quantities.

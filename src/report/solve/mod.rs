@@ -76,6 +76,21 @@ fn slides(event: &Event<impl Number>) -> String {
     names.join(" ")
 }
 
+/// The margin of an event as text: what is no tie does not read as one.
+fn margin(event: &Event<impl Number>) -> String {
+    /// Below this three digits after the point would be zeros.
+    const SMALL: f64 = 5e-4;
+    /// From this on they say nothing.
+    const LARGE: f64 = 1e6;
+    match event.margin {
+        None => "–".to_string(),
+        Some(margin) if margin != 0.0 && margin.abs() < SMALL || margin.abs() >= LARGE => {
+            format!("{margin:.0e}")
+        }
+        Some(margin) => format!("{margin:.3}"),
+    }
+}
+
 /// Writes a solution as text.
 ///
 /// # Errors
@@ -181,7 +196,7 @@ pub fn human<R: Number>(
                     number(event.time),
                     format!("{title} {}", slides(event)),
                     event.what.in_words().to_string(),
-                    event.margin.map_or_else(|| "–".to_string(), |margin| format!("{margin:.3}")),
+                    margin(event),
                     format!("{:.3}", event.lipschitz),
                 ]
             })

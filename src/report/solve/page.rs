@@ -224,7 +224,7 @@ pub fn html<R: Number>(
             event.time.digits(digits),
             format!("{title} {}", super::slides(event)),
             event.what.in_words().to_string(),
-            event.margin.map_or_else(|| "–".to_string(), |margin| format!("{margin:.3}")),
+            super::margin(event),
             format!("{:.3}", event.lipschitz),
         ]
     });

@@ -279,7 +279,8 @@ impl<R: Number> Mechanism<R> {
             let (Does::Stretches(slack), Some(stiffness)) = (&mode.does, self.stiffness.get(s)) else {
                 continue;
             };
-            for (k, radius) in slider.components.iter().filter(|_| slider.joint == index) {
+            let acts = |k: usize| slider.joint == index && !modes.has_failed(index, k);
+            for (k, radius) in slider.components.iter().filter(|(k, _)| acts(*k)) {
                 let radius = R::from_f64(*radius);
                 now.held[*k] = now.held[*k] + *stiffness * radius * radius * (now.position[*k] - slack[*k]);
             }

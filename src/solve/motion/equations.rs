@@ -3,7 +3,7 @@
 use crate::fault::{Fault, has};
 use crate::motion::linear::{NoPivot, System};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
-use crate::motion::mode::{Cause, Does, Mode, Modes, Side, Switch, Touch};
+use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::slide::{Limit, belt_limit, length, limit};
 use crate::motion::state::DOFS;
@@ -153,6 +153,55 @@ impl<R: Number> Assembled<R> {
         layout: &Layout,
         modes: &Modes<R>,
     ) -> Result<Solved<R>, Trouble> {
+        self.solve_from(mechanism, layout, modes, None)
+    }
+
+    /// Other friction forces that fit a mode than those of its solution: as far as Newton's method finds them from large ones.
+    pub(crate) fn others(
+        &self,
+        mechanism: &Mechanism<R>,
+        layout: &Layout,
+        (modes, solved): (&Modes<R>, &Solved<R>),
+    ) -> Vec<Solved<R>> {
+        /// The most frictions whose combinations of large forces are all tried.
+        const ALL: usize = 4;
+        /// Large forces are by so much beyond all that act.
+        const LARGE: f64 = 1e4;
+        /// Forces that differ by less than this part of the largest are the same.
+        const SAME: f64 = 1e-6;
+        let slipping: Vec<usize> =
+            (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
+        let value = |of: &Solved<R>, s: usize| of.limits.get(s).map_or(R::ZERO, |limit| limit.value);
+        let own: Vec<R> = slipping.iter().map(|s| value(solved, *s)).collect();
+        let size = largest(solved.forces.iter().chain(&own).copied());
+        let mut free = modes.clone();
+        slipping.iter().for_each(|s| free.frictions[*s].branches = Branches::none());
+        let mut found: Vec<Solved<R>> = Vec::new();
+        for number in 1..1_usize << slipping.len().min(ALL) {
+            let is_large = |i: usize| i < ALL && number >> i & 1 == 1;
+            let large = size * R::from_f64(LARGE);
+            let start: Vec<R> =
+                own.iter().enumerate().map(|(i, own)| if is_large(i) { large } else { *own }).collect();
+            let Ok(other) = self.solve_from(mechanism, layout, &free, Some(&start)) else { continue };
+            let is_same = |known: &Solved<R>| {
+                let apart = slipping.iter().map(|s| value(known, *s) - value(&other, *s));
+                !(size * R::from_f64(SAME)).less(largest(apart))
+            };
+            if !is_same(solved) && !found.iter().any(is_same) {
+                found.push(other);
+            }
+        }
+        found
+    }
+
+    /// Accelerations and forces in a mode, from friction forces that are near.
+    fn solve_from(
+        &self,
+        mechanism: &Mechanism<R>,
+        layout: &Layout,
+        modes: &Modes<R>,
+        start: Option<&[R]>,
+    ) -> Result<Solved<R>, Trouble> {
         let zero = R::ZERO;
         let (n, m) = (layout.columns.len(), layout.kept.len());
         let slipping: Vec<(usize, [R; 6])> = modes
@@ -229,8 +278,8 @@ impl<R: Number> Assembled<R> {
             }
             sum
         };
-        let mut forces = vec![zero; m];
-        let mut tensions = vec![zero; slipping.len()];
+        let mut forces = start.map_or_else(|| vec![zero; m], |start| with(start, n..n + m));
+        let mut tensions = start.map_or_else(|| vec![zero; slipping.len()], <[R]>::to_vec);
         for iteration in 0.. {
             let mut limits = System::new(slipping.len(), 1);
             for (i, (s, _)) in slipping.iter().enumerate() {
@@ -493,6 +542,11 @@ impl<R: Number> Assembled<R> {
         for (of, (table, span)) in mechanism.tables.iter().zip(&modes.spans).enumerate() {
             if let TableOf::Joint(joint, k) = table.of
                 && modes.has_failed(joint, k)
+            {
+                continue;
+            }
+            if let TableOf::Slip(s) = table.of
+                && mechanism.sliders.get(s).is_some_and(|slider| mechanism.is_gone(modes, slider))
             {
                 continue;
             }

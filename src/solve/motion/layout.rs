@@ -230,7 +230,9 @@ fn needed<R: Number>(
         ));
     }
     for (slider, mode) in mechanism.sliders.iter().zip(&modes.frictions) {
-        let Some(friction) = mechanism.friction(slider) else { continue };
+        let Some(friction) = mechanism.friction(slider).filter(|_| !mechanism.is_gone(modes, slider)) else {
+            continue;
+        };
         let presses = friction.criterion.pressing_components();
         let needs = |k: usize| {
             let slides = mode.is_stuck() && slider.components.iter().any(|(of, _)| *of == k);

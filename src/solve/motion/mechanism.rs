@@ -663,6 +663,11 @@ impl<R: Number> Mechanism<R> {
         slider.components.iter().all(|(k, _)| matches!(holds(*k), Hold::Failed | Hold::Locked(_)))
     }
 
+    /// Whether a friction is gone for good: what it acted on has failed.
+    pub(crate) fn is_gone(&self, modes: &Modes<R>, slider: &Slider) -> bool {
+        slider.components.iter().any(|(k, _)| modes.has_failed(slider.joint, *k))
+    }
+
     /// The frictions of several components, each with the places of its R_k v_k after the slips of all.
     pub(crate) fn turning(&self) -> impl Iterator<Item = (usize, Range<usize>)> + '_ {
         let several = self.sliders.iter().enumerate().filter(|(_, slider)| slider.components.len() > 1);

@@ -22,8 +22,8 @@ pub(crate) struct Branches<R> {
     pub(crate) magnitudes: Vec<Option<Vec<R>>>,
     /// The sign of F_C + F_C^int.
     pub(crate) normal: Option<R>,
-    /// Whether the limit is the largest friction force.
-    pub(crate) is_capped: bool,
+    /// Whether the limit is the largest friction force; none where it is not known yet.
+    pub(crate) is_capped: Option<bool>,
     /// Those that have turned since the last step, `None` is the sum: on the other side of zero they are by the error of the state.
     pub(crate) turned: Vec<Option<usize>>,
 }
@@ -172,6 +172,6 @@ impl<R: Number> Mode<R> {
 
 impl<R> Branches<R> {
     pub(crate) fn none() -> Self {
-        Self { magnitudes: Vec::new(), normal: None, is_capped: false, turned: Vec::new() }
+        Self { magnitudes: Vec::new(), normal: None, is_capped: None, turned: Vec::new() }
     }
 }

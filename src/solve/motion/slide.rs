@@ -55,16 +55,14 @@ pub(crate) fn limit<R: Number>(
     let context = Context { position, motion, accumulated_slip: slip, conditions };
     let parts = friction.criterion.contact_parts(&context);
     // Where all that presses passes zero together, what is left of it is rounding of the rest.
-    let constant = parts.as_ref().map_or(zero, |parts| parts.internal.magnitude());
-    let size = larger(larger(largest(*pressing), constant), R::from_f64(f64::MIN_POSITIVE));
+    let internal = friction.criterion.internal_force(&context);
+    let size = larger(larger(largest(*pressing), internal.magnitude()), R::from_f64(f64::MIN_POSITIVE));
     let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).powf(0.5));
     let mut branches = Branches::none();
     let mut turns = Vec::new();
     let (mut contact, mut gradient);
-    let internal;
     match &parts {
-        Some(ContactParts { linear, magnitudes, internal: constant }) => {
-            internal = *constant;
+        Some(ContactParts { linear, magnitudes, .. }) => {
             gradient = *linear;
             contact = dot(linear, pressing);
             for (i, (factor, rows)) in magnitudes.iter().enumerate() {
@@ -111,7 +109,6 @@ pub(crate) fn limit<R: Number>(
                 friction.criterion.at(&seeded, constant(R::integer(1)), None, &context.map(constant));
             contact = point.contact.real();
             gradient = point.contact.gradient();
-            internal = zero;
         }
     }
     let signed = contact + internal;
@@ -132,9 +129,9 @@ pub(crate) fn limit<R: Number>(
     let mut caps = None;
     if let Some(maximum) = friction.maximum.map(R::from_f64) {
         let below = maximum - value;
-        let is_capped = known.map_or(below.less(zero), |known| known.is_capped);
+        let is_capped = known.and_then(|known| known.is_capped).unwrap_or(below.less(zero));
         caps = Some([if is_capped { -below } else { below }, maximum]);
-        branches.is_capped = below.less(zero);
+        branches.is_capped = Some(below.less(zero));
         if is_capped {
             let none = vec![];
             return Limit { value: maximum, gradient: [zero; 6], turns, caps, branches, reach: none };

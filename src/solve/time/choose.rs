@@ -177,9 +177,10 @@ impl<R: Number> Run<'_, R> {
                 ));
             }
         };
-        let Some((modes, margin)) = consistent.into_iter().nth(chosen) else { return Ok(()) };
+        let Some((modes, _)) = consistent.into_iter().nth(chosen) else { return Ok(()) };
+        let (found, layout, solved) = self.instant(&modes)?;
         if !self.solution.frames.is_empty() {
-            for s in open {
+            for (i, s) in open.iter().enumerate() {
                 let was_stuck = before.frictions[*s].is_stuck();
                 let what = match (&modes.frictions[*s].does, was_stuck) {
                     (Does::Sticks(_) | Does::Stretches(_), true) => continue,
@@ -194,17 +195,23 @@ impl<R: Number> Run<'_, R> {
                         What::Reverses
                     }
                 };
-                self.event(*s, what, Some(margin));
+                let margin = match driven[i] {
+                    // What is prescribed decides.
+                    Some(_) => None,
+                    None => self.sureness(*s, (&found, &layout, &solved), &modes),
+                };
+                self.event(*s, what, margin);
             }
-            for (stop, _) in &touching {
+            for touching in &touching {
+                let (stop, _) = touching;
                 let [was, is] = [&before, &modes].map(|modes| matches!(modes.stops[*stop], Touch::Closed(_)));
                 if was != is {
                     let what = if is { What::Closes } else { What::Opens };
+                    let margin = self.margin_of_stops(&found, (&layout, &solved), &modes, &[*touching]);
                     self.event_of_stop(*stop, what, Some(margin));
                 }
             }
         }
-        let (found, layout, solved) = self.instant(&modes)?;
         self.settle(modes, &found, layout, &solved)
     }
 
@@ -532,6 +539,26 @@ impl<R: Number> Run<'_, R> {
         least
     }
 
+    /// How sure a friction sticks or slips in a mode: by which part of the larger its limit and its load differ, where it alone would stick.
+    /// None where other equations do not let it.
+    fn sureness(
+        &mut self,
+        s: usize,
+        (found, layout, solved): (&Assembled<R>, &Layout, &Solved<R>),
+        modes: &Modes<R>,
+    ) -> Option<f64> {
+        if modes.frictions[s].is_stuck() {
+            return Some(self.margin(found, (layout, solved), modes, &[s]));
+        }
+        let mut held = modes.clone();
+        held.frictions[s] = Mode::sticks(found.joints[self.mechanism.sliders[s].joint].position);
+        let (_, _, stuck) = self.instant(&held).ok()?;
+        let (limit, load) = (stuck.limits.get(s)?.value, *stuck.tangential.get(s)?);
+        let size = larger(limit, load);
+        let part = R::ZERO.less(size).then(|| ((load - limit) / size).to_f64().abs())?;
+        Some(if part <= TIE { 0.0 } else { part })
+    }
+
     /// Takes a mode, with the branches of its frictions and its certificate.
     pub(crate) fn settle(
         &mut self,
@@ -545,6 +572,7 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?
             .to_f64();
         self.solution.lipschitz = self.solution.lipschitz.max(kappa);
+        self.refuse_others(found, &layout, (&modes, solved))?;
         let time = self.state.time;
         for event in self.solution.events.iter_mut().rev() {
             if time.less(event.time) || event.time.less(time) {
@@ -557,6 +585,53 @@ impl<R: Number> Run<'_, R> {
         self.layout = layout;
         self.branch(solved);
         self.project()
+    }
+
+    /// Refuses a slip that other friction forces fit as well, where κ does not exclude that.
+    pub(crate) fn refuse_others(
+        &self,
+        found: &Assembled<R>,
+        layout: &Layout,
+        (modes, solved): (&Modes<R>, &Solved<R>),
+    ) -> Result<(), Refusal> {
+        if self.solution.lipschitz < 1.0 {
+            return Ok(());
+        }
+        let slipping: Vec<usize> =
+            (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
+        // What is at rest must begin to slip the way it does.
+        let speed = 1e-12 * self.speed();
+        let resting: Vec<usize> =
+            slipping.iter().copied().filter(|s| solved.slip_rates[*s].to_f64() <= speed).collect();
+        // Where it goes from rest follows from its own forces.
+        if resting.iter().any(|s| self.mechanism.sliders[*s].components.len() > 1) {
+            return Ok(());
+        }
+        let others = found.others(&self.mechanism, layout, (modes, solved));
+        let fits = |other: &&Solved<R>| self.margin(found, (layout, other), modes, &resting) > 0.0;
+        let all: Vec<&Solved<R>> = std::iter::once(solved).chain(others.iter().filter(fits)).collect();
+        if all.len() < 2 {
+            return Ok(());
+        }
+        // Seven digits.
+        let rounded = |x: f64| format!("{x:.6e}").parse().unwrap_or(x);
+        let told = |of: &&Solved<R>| {
+            let each = slipping.iter().map(|s| {
+                let limit = of.limits.get(*s).map_or(0.0, |limit| limit.value.to_f64());
+                format!("{} slips with {}", self.title(*s), rounded(limit))
+            });
+            each.collect::<Vec<_>>().join(" and ")
+        };
+        Err(Refusal::of(
+            "friction",
+            &format!(
+                "{} friction forces fit at time {}: {}",
+                all.len(),
+                self.state.time.to_f64(),
+                all.iter().map(told).collect::<Vec<_>>().join("; ")
+            ),
+            "the motion is not unique from here: reduce the coefficient of friction",
+        ))
     }
 
     /// Fixes the branches of frictions to those of a solution.

@@ -41,7 +41,8 @@ impl<R: Number> Run<'_, R> {
             }
             Cause::Caps => {
                 if let Some(mode) = self.modes.frictions.get_mut(of) {
-                    mode.branches.is_capped = !mode.branches.is_capped;
+                    let is_capped = &mut mode.branches.is_capped;
+                    *is_capped = is_capped.map(|is_capped| !is_capped);
                 }
                 Ok(())
             }
@@ -269,6 +270,7 @@ impl<R: Number> Run<'_, R> {
                     *touch = Touch::Open;
                 }
             }
+            self.let_go(joint, now.position);
         } else {
             for k in (0..6).filter(|k| affected[*k] && !self.modes.failed[joint][*k]) {
                 let at = &mut self.modes.locked[joint][k];
@@ -277,13 +279,39 @@ impl<R: Number> Run<'_, R> {
         }
         self.event_of((joint, vec![component]), what, None);
         if !self.is_still {
-            if !has(Fault::LockSlips) {
+            // What is released has no impact.
+            if !is_failure && !has(Fault::LockSlips) {
                 self.collide()?;
             }
             self.begin_modes()?;
         }
         // Before anything is kept the first state is still to come.
         if self.solution.frames.is_empty() { Ok(()) } else { self.record(true) }
+    }
+
+    /// The frictions of a connector whose components have failed are gone for good, and what their springs hold with them.
+    fn let_go(&mut self, joint: usize, position: [R; 6]) {
+        for s in 0..self.modes.frictions.len() {
+            let slider = &self.mechanism.sliders[s];
+            if slider.joint != joint || !self.mechanism.is_gone(&self.modes, slider) {
+                continue;
+            }
+            if let Some(stiffness) = self.mechanism.stiffness.get(s) {
+                let held = match &self.modes.frictions[s].does {
+                    Does::Stretches(slack) => slider.components.iter().fold(R::ZERO, |sum, (k, radius)| {
+                        let stretch = R::from_f64(*radius) * (position[*k] - slack[*k]);
+                        sum + *stiffness * stretch * stretch * R::ratio(1, 2)
+                    }),
+                    Does::Slips(_) => self.stretched[s],
+                    Does::Sticks(_) => R::ZERO,
+                };
+                self.state.sums[1] = self.state.sums[1] + held;
+                self.state.sums[2] = self.state.sums[2] - held;
+                self.stretched[s] = R::ZERO;
+            }
+            self.forget_onset(s);
+            self.modes.frictions[s] = Mode::sticks(position);
+        }
     }
 
     /// How far from a limit counts as at it: rounding.
@@ -390,7 +418,15 @@ impl<R: Number> Run<'_, R> {
     ) -> Result<(), Refusal> {
         let zero = R::ZERO;
         let size = largest(impulses.iter().copied()).to_f64();
-        for slider in &self.mechanism.sliders {
+        // Rates that fit but for rounding have no impact.
+        let lacks = layout.kept.iter().filter_map(|index| {
+            let row = &found.rows[*index];
+            Some((row.rate?.magnitude() / self.size_of(row.owner)).to_f64())
+        });
+        if lacks.fold(0.0, f64::max) <= 1e-12 * self.speed() {
+            return Ok(());
+        }
+        for slider in self.mechanism.sliders.iter().filter(|of| !self.mechanism.is_gone(&self.modes, of)) {
             let Some(friction) = self.mechanism.friction(slider) else { continue };
             let presses = friction.criterion.pressing_components();
             let pressing: [R; 6] = std::array::from_fn(|k| {
@@ -433,7 +469,8 @@ impl<R: Number> Run<'_, R> {
             // Springs go on through impacts, and so do slips until their plastic part has ended.
             for slider in self.mechanism.sliders.iter().skip(self.modes.frictions.len()) {
                 let slack = found.joints[slider.joint].position;
-                self.modes.frictions.push(Mode::stretches(slack));
+                let is_gone = self.mechanism.is_gone(&free, slider);
+                self.modes.frictions.push(if is_gone { Mode::sticks(slack) } else { Mode::stretches(slack) });
             }
             return self.choose(&[]);
         }

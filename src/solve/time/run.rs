@@ -316,9 +316,39 @@ impl<'a, R: Number> Run<'a, R> {
             keeping: None,
         };
         if options.from.is_some() {
+            run.refuse_forgotten()?;
             run.follow_given();
         }
         Ok(run)
+    }
+
+    /// Refuses to go on from a later state where what follows depends on more than a state tells.
+    fn refuse_forgotten(&self) -> Result<(), Refusal> {
+        if self.state.time.to_f64() <= 0.0 {
+            return Ok(());
+        }
+        let mechanism = &self.mechanism;
+        let remedy = "solve it from the beginning: --keep and --resume go on exactly";
+        let refused = |joint: usize, what: &str| {
+            let why = format!("a state does not tell {what}, on which what follows depends");
+            Err(Refusal::of(self.joint_title(joint), &why, remedy))
+        };
+        if let Some(criterion) = mechanism.criteria.first() {
+            let what = if criterion.is_failure { "whether it has failed" } else { "where it has locked" };
+            return refused(criterion.joint, what);
+        }
+        for slider in &mechanism.sliders {
+            if slider.ring.is_some() {
+                return refused(slider.joint, "how far its belt has run over the ring");
+            }
+            if self.options.stick == Stick::Elastic {
+                return refused(slider.joint, "how far the spring of its stick is stretched");
+            }
+            if mechanism.friction(slider).is_some_and(|of| of.criterion.depends_on_slip()) {
+                return refused(slider.joint, "how far it has slipped");
+            }
+        }
+        Ok(())
     }
 
     /// Takes the histories of connectors to a state that is given: the whole rotation is their increment.
@@ -382,11 +412,17 @@ impl<'a, R: Number> Run<'a, R> {
                     "give its nodes *MASS and *ROTARY INERTIA; pintle audit names constraints that repeat each other",
                 )
             }
-            Trouble::Singular(NoPivotAt::Slider(_)) | Trouble::NotFound => Refusal::of(
-                "friction",
-                &format!("no friction forces were found at time {time} (κ = {:.3})", self.solution.lipschitz),
-                "a coefficient so large that the mechanism jams has no solution, or several",
-            ),
+            Trouble::Singular(NoPivotAt::Slider(_)) | Trouble::NotFound => {
+                let slipping =
+                    (0..self.modes.frictions.len()).filter(|s| !self.modes.frictions[*s].is_stuck());
+                let mut names: Vec<&str> = slipping.map(|s| self.title(s)).collect();
+                names.dedup();
+                Refusal::of(
+                    &if names.is_empty() { "friction".to_string() } else { names.join(", ") },
+                    &format!("no friction forces fit at time {time}"),
+                    "a coefficient so large that the mechanism jams has no solution, or several",
+                )
+            }
             Trouble::NotFinite => Refusal::of(
                 "the solution",
                 &format!("a number overflows at time {time}"),
@@ -494,9 +530,12 @@ impl<'a, R: Number> Run<'a, R> {
         Ok(())
     }
 
-    /// The frictions that stick rigidly.
+    /// The frictions that stick rigidly, and have something to do.
     pub(crate) fn standing(&self) -> Vec<usize> {
-        let stands = |s: &usize| matches!(self.modes.frictions[*s].does, Does::Sticks(_));
+        let stands = |s: &usize| {
+            matches!(self.modes.frictions[*s].does, Does::Sticks(_))
+                && !self.mechanism.is_idle(&self.modes, &self.mechanism.sliders[*s])
+        };
         (0..self.modes.frictions.len()).filter(stands).collect()
     }
 
@@ -523,12 +562,18 @@ impl<'a, R: Number> Run<'a, R> {
     /// The beginning of a step: where things are, what sticks, rates that fit.
     pub(crate) fn begin(&mut self) -> Result<(), Refusal> {
         self.remember()?;
+        let before = std::mem::take(&mut self.modes.frictions);
+        let have_springs = !self.mechanism.stiffness.is_empty();
         self.prepare()?;
         if !std::mem::replace(&mut self.is_launched, true) {
             self.launch()?;
         }
         self.touch()?;
         self.stiffen()?;
+        if have_springs {
+            // Springs of stick go on from step to step.
+            self.modes.frictions = before;
+        }
         self.begin_modes()?;
         if self.solution.frames.is_empty() {
             let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
@@ -672,6 +717,7 @@ impl<'a, R: Number> Run<'a, R> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let solved =
             found.solve(&self.mechanism, &self.layout, &self.modes).map_err(|trouble| self.say(trouble))?;
+        self.refuse_others(&found, &self.layout, (&self.modes, &solved))?;
         for row in &found.rows {
             let scale = match row.owner {
                 Owner::Joint(_, k) if k >= 3 => 1.0,
@@ -736,7 +782,7 @@ impl<'a, R: Number> Run<'a, R> {
                 free: joint.free,
                 sticks: of
                     .filter(|(slider, _)| slider.joint == index)
-                    .map(|(_, mode)| mode.is_stuck())
+                    .map(|(slider, mode)| mode.is_stuck() && !self.mechanism.is_gone(&self.modes, slider))
                     .collect(),
                 limits: self
                     .mechanism
@@ -744,7 +790,10 @@ impl<'a, R: Number> Run<'a, R> {
                     .iter()
                     .zip(solved.tangential.iter().zip(&solved.limits))
                     .filter(|(slider, _)| slider.joint == index)
-                    .map(|(_, (tangential, limit))| [*tangential, limit.value])
+                    .map(|(slider, (tangential, limit))| {
+                        let is_gone = self.mechanism.is_gone(&self.modes, slider);
+                        if is_gone { [R::ZERO; 2] } else { [*tangential, limit.value] }
+                    })
                     .collect(),
                 held: [0, 1, 2, 3, 4, 5].map(held),
                 failed: self.modes.failed.get(index).copied().unwrap_or([false; 6]),

@@ -132,7 +132,8 @@ pub struct Event<R> {
     pub components: Vec<usize>,
     /// What.
     pub what: What,
-    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal the same without its sign, of a stop its push or its gap's growth. 0 is a tie.
+    /// How sure: of stick (μ F_N − P)/μ F_N, of reversal (P − μ F_N)/P, where the friction alone would stick; of a stop its push or its gap's
+    /// growth. 0 is a tie. None where what is prescribed decides, or where nothing presses yet.
     ///
     /// An onset of slip, a stop, a lock, a failure are met where a quantity passes zero. Their margin is its rate, in its size per duration of
     /// the run. A limit that is off by a part ε moves the event by ε/margin of the duration. Sizes: of a friction its limit, of a length that
@@ -267,7 +268,12 @@ impl<R: Number> Solution<R> {
     /// How far another solution with the same frames is from this one. `length` is the size of the model.
     pub fn difference(&self, other: &Self, length: f64) -> Difference {
         let mut found = Difference { same_events: true, ..Difference::default() };
-        let duration = self.frames.last().map_or(1.0, |frame| frame.time.to_f64()).max(f64::MIN_POSITIVE);
+        // What ends as it begins may have events beyond its last frame.
+        let ends = |of: &Self| {
+            let frame = of.frames.last().map_or(0.0, |frame| frame.time.to_f64());
+            of.events.last().map_or(frame, |event| frame.max(event.time.to_f64()))
+        };
+        let duration = Some(ends(self).max(ends(other))).filter(|end| *end > 0.0).unwrap_or(1.0);
         found.same_events =
             self.events.len() == other.events.len() && self.frames.len() == other.frames.len();
         for (one, two) in self.events.iter().zip(&other.events) {

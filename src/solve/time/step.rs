@@ -429,6 +429,10 @@ impl<R: Number> Run<'_, R> {
             if self.keep_branches(&solved) {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             }
+            if self.solution.lipschitz >= 1.0 {
+                let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+                self.refuse_others(&found, &self.layout, (&self.modes, &solved))?;
+            }
             if let Some(switch) = self.overdue(&slope.switches, &solved)? {
                 self.crosses(&switch)?;
                 continue;
@@ -812,10 +816,13 @@ impl<R: Number> Run<'_, R> {
         done
     }
 
-    /// How fast a quantity of this scale passes zero that changes by so much within h: in its scale per duration of the run.
+    /// How fast a quantity of this scale passes zero that changes by so much within h: in its scale per duration of the run. None where the scale
+    /// is rounding.
     pub(crate) fn sharpness(&self, change: R, h: R, scale: R) -> Option<f64> {
+        /// From this on the scale is rounding, as that of a friction that nothing presses yet.
+        const MOST: f64 = 1e9;
         let rate = ((change / scale).to_f64() * (self.duration() / h.to_f64())).abs();
-        rate.is_finite().then_some(rate)
+        (rate < MOST).then_some(rate)
     }
 
     /// From the beginning of the run to its end.

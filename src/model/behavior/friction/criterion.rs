@@ -766,7 +766,7 @@ impl Criterion {
         let mut parts = ContactParts {
             linear: [zero; 6],
             magnitudes: Vec::new(),
-            internal: self.internal.evaluate(context, &mut Flags::default()),
+            internal: self.internal_force(context),
         };
         match &self.pressing {
             Pressing::Nothing => {}
@@ -778,6 +778,16 @@ impl Criterion {
             }
         }
         Some(parts)
+    }
+
+    /// F_C^int, with the context's positions.
+    pub fn internal_force<R: Ordered>(&self, context: &Context<'_, R>) -> R {
+        self.internal.evaluate(context, &mut Flags::default())
+    }
+
+    /// Whether F_C^int changes with the accumulated slip.
+    pub fn depends_on_slip(&self) -> bool {
+        self.internal.slip_column().is_some()
     }
 
     /// F_C as a sum of norms, with the context's positions: the factor and the rows A of each |A f|. Of derived components where these are norms;
