@@ -265,6 +265,23 @@ fn an_internal_contact_force_presses_beside_a_derived_component() {
     }
 }
 
+/// Nothing presses as it begins: the weight swings on a spring, N = 20 (1 − cos 20 t), and the load grows as 100 t.
+#[test]
+fn a_slip_begins_where_nothing_presses_yet() {
+    let friction = "*CONNECTOR ELASTICITY, COMPONENT=2\n800.\n*CONNECTOR DERIVED COMPONENT, NAME=N\n2\n1.\n\
+                    *CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=N\n*FRICTION\n0.1\n";
+    let grows = "*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n*BOUNDARY\n2, 4, 6\n";
+    let deck = rubbed(friction, grows, "100.", "0.5")
+        .replace("*CLOAD", "*CLOAD, AMPLITUDE=A")
+        .replace("TRANSLATOR", "CARTESIAN");
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let solution: Solution<f64> = solved(&deck, &Options { method, ..Options::default() });
+        let speed = solution.frames.last().unwrap().nodes[1].velocity[0];
+        let by_hand = 25.0 * 0.25 - (0.5 - 10.0_f64.sin() / 20.0);
+        assert!((speed - by_hand).abs() < 1e-12, "{method:?}: {speed} {by_hand}");
+    }
+}
+
 /// A spring of 60 on the rail fails at 0.1 as friction slips, at cos ωt = 0.4; nothing rubs any more where its load turns, and in a static path.
 #[test]
 fn friction_is_gone_where_its_component_has_failed() {
@@ -404,7 +421,7 @@ fn margins_are_those_of_the_friction_itself() {
     assert!(!solution.events.is_empty());
     for event in &solution.events {
         assert_eq!(event.what, What::Reverses);
-        assert!(event.margin.is_none_or(|margin| (1e-3..1e3).contains(&margin)), "{event:?}");
+        assert_eq!(event.margin, None);
     }
 }
 

@@ -114,9 +114,11 @@ pub(crate) fn limit<R: Number>(
     let signed = contact + internal;
     let told = known.and_then(|known| known.normal);
     // A sum of magnitudes has no sign to change.
-    let may_turn = parts.as_ref().is_none_or(|parts| {
-        parts.internal.less(zero) || parts.linear.iter().any(|x| zero.less(x.magnitude()))
-    });
+    let may_turn = internal.less(zero)
+        || match &parts {
+            Some(parts) => parts.linear.iter().any(|x| zero.less(x.magnitude())),
+            None => friction.criterion.contact_norms(&context).is_empty(),
+        };
     let now = if may_turn && signed.less(zero) { R::integer(-1) } else { R::integer(1) };
     branches.normal = small.less(signed.magnitude()).then_some(now);
     let sign = told.unwrap_or(now);

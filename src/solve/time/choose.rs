@@ -180,6 +180,8 @@ impl<R: Number> Run<'_, R> {
         let Some((modes, _)) = consistent.into_iter().nth(chosen) else { return Ok(()) };
         let (found, layout, solved) = self.instant(&modes)?;
         if !self.solution.frames.is_empty() {
+            // What is decided here is as sure as it is consistent, however sharply its time is met.
+            self.crossing = None;
             for (i, s) in open.iter().enumerate() {
                 let was_stuck = before.frictions[*s].is_stuck();
                 let what = match (&modes.frictions[*s].does, was_stuck) {

@@ -133,7 +133,7 @@ pub struct Event<R> {
     /// What.
     pub what: What,
     /// How sure: of stick (μ F_N − P)/μ F_N, of reversal (P − μ F_N)/P, where the friction alone would stick; of a stop its push or its gap's
-    /// growth. 0 is a tie. None where what is prescribed decides, or where nothing presses yet.
+    /// growth. 0 is a tie. None where what is prescribed decides or what moves with it, or where nothing presses yet.
     ///
     /// An onset of slip, a stop, a lock, a failure are met where a quantity passes zero. Their margin is its rate, in its size per duration of
     /// the run. A limit that is off by a part ε moves the event by ε/margin of the duration. Sizes: of a friction its limit, of a length that
