@@ -66,7 +66,8 @@ impl Candidate<'_> {
         let mut all = given.0.entries(quantity).iter();
         Ok(all.any(|(k, i, x)| {
             let want = right.numbers.entries(quantity).get(k, i).filter(|_| self.components[k]);
-            want.is_some_and(|want| !((x - want).abs() <= right.bound.tolerance(quantity, k, i)))
+            let is_right = |want: f64| (x - want).abs() <= right.bound.tolerance(quantity, k, i);
+            want.is_some_and(|want| !is_right(want))
         }))
     }
 }
