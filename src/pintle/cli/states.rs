@@ -52,7 +52,7 @@ pub(crate) struct States {
     #[arg(long, value_name = "COUNT", num_args = 0..=1, default_value_t = 0, default_missing_value = "50", conflicts_with = "history")]
     near: u32,
     /// One history, whose states follow one another
-    #[arg(long, visible_alias = "histories")]
+    #[arg(long, alias = "histories")]
     history: bool,
     /// Ranges: x1, x2, x3 of b seen from a, along the axes of a; r1, r2, r3 of the rotation of b against a since the initial state (rad)
     #[arg(long, value_name = "x1=LOW:HIGH,…", conflicts_with_all = ["from", "history"], allow_hyphen_values = true)]
