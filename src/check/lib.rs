@@ -228,10 +228,17 @@ fn check_connector<D: Door>(
         }
         Ok(given)
     })?;
+    // Several oracles judge a quantity: its simplest state is looked for once.
+    let mut known: Vec<(Option<Quantity>, Option<String>)> = Vec::new();
     for check in report.subjects.iter_mut().flat_map(|subject| &mut subject.checks) {
         // Whose own states are asked is asked for no others.
         if simplest && at.is_empty() && check.verdict.is_mismatch() {
-            check.simplest = candidate.simplest(check, &mut |asked| session.ask(asked))?;
+            let told = known.iter().find(|(of, _)| *of == check.quantity).map(|(_, told)| told.clone());
+            check.simplest = match told {
+                Some(told) => told,
+                None => candidate.simplest(check, &mut |asked| session.ask(asked))?,
+            };
+            known.push((check.quantity, check.simplest.clone()));
         }
         // A counter-example would ask pintle again, not the routine.
         check.failing = None;

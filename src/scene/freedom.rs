@@ -158,3 +158,26 @@ pub(super) fn element_rotates(name: &str) -> bool {
     };
     FAMILIES.iter().any(|family| name.starts_with(family)) || numbered('U') || numbered('V') || numbered('Z')
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn element_types_belong_to_two_dimensions_or_three() {
+        let of = |names: &[&str], dimension| {
+            for name in names {
+                assert_eq!(element_dimension(name), dimension, "{name}");
+            }
+        };
+        of(
+            &["CPS4R", "CPE8RP", "CAX8", "SAX1", "RAX2", "B21", "T2D2", "R2D2", "PIPE21", "AC2D4"],
+            Some(Dimension::Two),
+        );
+        of(
+            &["C3D8R", "B31", "S4R", "R3D4", "T3D2", "CPEG4", "CGAX4", "SAXA12", "CAXA41", "DCOUP3D"],
+            Some(Dimension::Three),
+        );
+        of(&["SPRINGA", "DASHPOT2", "MASS", "GAPUNI", "U1", "Z42"], None);
+    }
+}

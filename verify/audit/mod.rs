@@ -460,8 +460,9 @@ fn the_atlas_tells_classes_apart() {
     assert_eq!(DOFS, 14);
 }
 
-/// Where only a formula fails, value, first and second derivatives continue, and are so at the point itself; the turns of a rotation
-/// vector, either end of a lock and both sets of a belt are approached one by one, and constraints as positions are.
+/// Where only a formula fails, value, first and second derivatives continue, and are so at the point itself.
+///
+/// The turns of a rotation vector, either end of a lock and both sets of a belt are approached one by one, constraints as positions are.
 #[test]
 fn removable_points_are_confirmed() {
     use pintle_kinematics::measure::SingularClass::{BranchCut, Kink, Removable, TrueSingularity};

@@ -1,5 +1,8 @@
-//! The two-dimensional forms (CONN2D2): the manual's 2D entries, transcribed; values, rows, second derivatives and rates by formulas
-//! of the plane, with sines and cosines of plane angles and no rotation matrix; and equality with the connector in space.
+//! The two-dimensional forms (CONN2D2), and constraints of two-dimensional models.
+//!
+//! - The manual's 2D entries are transcribed.
+//! - Values, rows, second derivatives and rates have formulas of the plane, with sines and cosines of plane angles and no rotation matrix.
+//! - A connector in the plane equals that in space; constraints have their own formulas of the plane.
 
 use crate::laws::{Check, Scales, functions};
 use crate::states::{Draw, definition, pair, types};
@@ -287,8 +290,8 @@ fn the_plane_by_its_own_formulas() {
     }
 }
 
-/// The connector in the plane is the connector in space, of which components 3, 4, 5 and degrees of freedom 3, 4, 5 are left out: to
-/// the last bit, in values, rows, second derivatives and rates.
+/// The connector in the plane is the connector in space without components and degrees of freedom 3, 4 and 5. Values, rows, second derivatives
+/// and rates are the same to the last bit.
 #[test]
 fn the_plane_is_part_of_space() {
     let same = |place: String, got: Option<f64>, want: Option<f64>| {
@@ -442,6 +445,85 @@ fn constraints_are_those_of_the_plane() {
         assert!(entries.next().is_none(), "{text}");
     }
     assert!(compared > 100, "{compared}");
+}
+
+/// Residuals by sines and cosines: δ of a BEAM along global axes, else along those that M carries; ρ3 an angle, of a mean that of a cloud.
+#[test]
+fn constraints_of_the_plane_in_closed_form() {
+    type At<'a> = &'a dyn Fn(u64) -> ([f64; 2], [f64; 2], f64);
+    /// x turned by an angle.
+    fn turned(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (sine, cosine) = angle.sin_cos();
+        [cosine * x - sine * y, sine * x + cosine * y]
+    }
+    let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+    let beam = |at: At<'_>| {
+        let ((xs, x0s, turn_s), (xm, x0m, turn_m)) = (at(5), at(4));
+        let delta = minus(minus(xs, xm), turned(turn_m, minus(x0s, x0m)));
+        vec![delta[0], delta[1], turn_s - turn_m]
+    };
+    let body = |at: At<'_>| {
+        let (xm, x0m, turn_m) = at(5);
+        let of = |slave: u64| {
+            let (xs, x0s, turn_s) = at(slave);
+            let delta = minus(turned(-turn_m, minus(xs, xm)), minus(x0s, x0m));
+            [delta[0], delta[1], turn_s - turn_m]
+        };
+        [1, 2, 3].into_iter().flat_map(of).collect()
+    };
+    let mean = |at: At<'_>| {
+        let ((xm, x0m, turn_m), one, two) = (at(5), at(1), at(2));
+        let middle = |a: [f64; 2], b: [f64; 2]| [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+        let (now, then) = (middle(one.0, two.0), middle(one.1, two.1));
+        let delta = minus(turned(-turn_m, minus(xm, now)), minus(x0m, then));
+        let [mut lag, mut square] = [0.0; 2];
+        for (x, x0, _) in [one, two] {
+            let (seen, arm) = (turned(-turn_m, minus(x, now)), minus(x0, then));
+            lag += seen[0] * arm[1] - seen[1] * arm[0];
+            square += arm[0] * arm[0] + arm[1] * arm[1];
+        }
+        vec![delta[0], delta[1], lag / square]
+    };
+    let cases: [(&str, &dyn Fn(At<'_>) -> Vec<f64>); 3] = [
+        ("*MPC\nBEAM, 5, 4\n", &beam),
+        ("*RIGID BODY, REF NODE=5, TIE NSET=CLOUD\n", &body),
+        ("*COUPLING, CONSTRAINT NAME=C, REF NODE=5, SURFACE=L\n*DISTRIBUTING\n", &mean),
+    ];
+    let mut compared = 0;
+    for (text, wanted) in cases {
+        let (scene, model) = flat(text);
+        let plan = Plan::compile(&model, &Selection::All, Request::everything(0)).unwrap();
+        let mut draw = Draw::new(text);
+        for _ in 0..20 {
+            let moved: BTreeMap<Label, [f64; 3]> = scene
+                .nodes
+                .keys()
+                .map(|label| {
+                    (*label, [draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(-1.5, 1.5)])
+                })
+                .collect();
+            let state = SceneState {
+                nodes: moved.iter().map(|(label, u)| (*label, plane_motion(*u))).collect(),
+                ..SceneState::default()
+            };
+            let result = Sequence::new(&model, &plan).step(&state);
+            let mpcs = result.mpcs.iter().flat_map(|of| of.evaluation.residual.into_iter().flatten());
+            let relations = result.relations.iter().flat_map(|of| of.rows.iter().map(|row| row.residual));
+            let got: Vec<f64> = mpcs.chain(relations).collect();
+            let want = wanted(&|label| {
+                let label = Label::from(label);
+                let [x, y, _] = scene.nodes[&label].coordinates;
+                let u = moved[&label];
+                ([x + u[0], y + u[1]], [x, y], u[2])
+            });
+            assert_eq!(got.len(), want.len(), "{text}");
+            for (got, want) in got.iter().zip(&want) {
+                assert!((got - want).abs() < 1e-14, "{text}: {got}, not {want}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 20 * (3 + 9 + 3));
 }
 
 /// The motion of a node in the plane.

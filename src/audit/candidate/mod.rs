@@ -391,23 +391,11 @@ impl<'a> Candidate<'a> {
                     coverage.add(self.definition, &step.state, asked.case.length);
                 }
                 let Some(given) = answers.next().flatten() else { continue };
-                let given = self.read(given, &self.offers, asked);
-                // Principal angles may be far from those before.
-                let before = (!self.is_principal).then_some(&asked.values_before);
-                if sheet::is_another(&asked.case, &given, before) {
-                    elsewhere += 1;
-                    continue;
-                }
                 let is_wide = wide.contains(&asked.number);
-                if let Some(values) = sheet::mostly_another(&asked.case, &given, before) {
-                    let of_values = Self { offers: vec![Quantity::Value], ..self.clone() };
-                    checks_of(
-                        &mut found,
-                        of_values.judge(asked, &values, &mut routine, is_wide, &mut of_element)?,
-                    );
-                    continue;
+                match self.judge_on_sheet(asked, given, &mut routine, is_wide, &mut of_element)? {
+                    Some(checks) => checks_of(&mut found, checks),
+                    None => elsewhere += 1,
                 }
-                checks_of(&mut found, self.judge(asked, &given, &mut routine, is_wide, &mut of_element)?);
             }
         }
         element::explain(&mut found, &of_element);
@@ -506,6 +494,31 @@ impl<'a> Candidate<'a> {
             given.continue_angles(&asked.case);
         }
         given
+    }
+
+    /// What the routine gives at a state, judged; `None` where it continues angles on another sheet.
+    fn judge_on_sheet<E>(
+        &self,
+        asked: &Asked,
+        given: Given,
+        routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
+        is_wide: bool,
+        of_element: &mut Vec<WrongTable>,
+    ) -> Result<Option<Vec<Check>>, E> {
+        let given = self.read(given, &self.offers, asked);
+        // Principal angles may be far from those before.
+        let before = (!self.is_principal).then_some(&asked.values_before);
+        if sheet::is_another(&asked.case, &given, before) {
+            return Ok(None);
+        }
+        let checks = match sheet::mostly_another(&asked.case, &given, before) {
+            Some(values) => {
+                let of_values = Self { offers: vec![Quantity::Value], ..self.clone() };
+                of_values.judge(asked, &values, routine, is_wide, of_element)?
+            }
+            None => self.judge(asked, &given, routine, is_wide, of_element)?,
+        };
+        Ok(Some(checks))
     }
 
     fn judge<E>(

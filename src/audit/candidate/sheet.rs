@@ -26,6 +26,11 @@ fn is_turn(by: f64) -> bool {
     (by - TAU * (by / TAU).round()).abs() < SAME
 }
 
+/// Whether other numbers stand for the same rotation.
+fn has_sheets(measure: &Measure) -> bool {
+    measure.winds() || is_of_vector(measure)
+}
+
 /// Angles of a connector at a state: those given, and those of the product.
 struct Angles {
     components: Vec<usize>,
@@ -39,7 +44,6 @@ impl Angles {
     /// None where there are none, or not all are given as numbers.
     fn of(case: &Case, given: &Given) -> Option<Self> {
         let connector = case.connector();
-        let has_sheets = |measure: &Measure| measure.winds() || is_of_vector(measure);
         let kinds = (0..6).filter_map(|k| Some((k, connector.differentiated(k).filter(has_sheets)?)));
         let (components, measures): (Vec<usize>, Vec<Measure>) = kinds.unzip();
         let value = |k: &usize| given.0.entries(Quantity::Value).get(*k, 0).filter(|x| x.is_finite());
@@ -64,10 +68,7 @@ impl Angles {
 /// Whether what is given continues the angles on another sheet: no farther from the state before, where its values are given.
 pub(super) fn is_another(case: &Case, given: &Given, before: Option<&Components<f64>>) -> bool {
     let connector = case.connector();
-    let has_angles = (0..6).any(|k| {
-        connector.differentiated(k).is_some_and(|measure| measure.winds() || is_of_vector(&measure))
-    });
-    if !has_angles {
+    if !(0..6).any(|k| connector.differentiated(k).is_some_and(|measure| has_sheets(&measure))) {
         return is_projected_otherwise(case, given);
     }
     let Some(angles) = Angles::of(case, given) else { return false };

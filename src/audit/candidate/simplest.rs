@@ -1,7 +1,6 @@
 //! The simplest state at which a routine is wrong.
 
-use super::{Asked, Candidate, sheet};
-use crate::candidate::{Given, Question, Right};
+use crate::candidate::{Asked, Candidate, Given, Question};
 use crate::case::Case;
 use crate::case::failing::Failing;
 use crate::case::quantity::Quantity;
@@ -12,7 +11,7 @@ use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Vector, product, transpose};
 use std::cell::RefCell;
 
-/// So often is a routine asked, for each answer is judged on 237 bits.
+/// So often is a routine asked.
 const TRIALS: usize = 300;
 
 impl Candidate<'_> {
@@ -57,18 +56,9 @@ impl Candidate<'_> {
         let is_in = case.last().is_some_and(|step| self.domain.holds(self.definition, &step.state.pair));
         let (true, Some(question)) = (is_in, asked.question(&self.offers)) else { return Ok(false) };
         let Some(given) = routine(&[question])?.into_iter().next().flatten() else { return Ok(false) };
-        let given = self.read(given, &self.offers, &asked);
-        let before = (!self.is_principal).then_some(&asked.values_before);
-        let Some(right) = Right::of(case).filter(|right| right.nearness > 0.0) else { return Ok(false) };
-        if sheet::is_another(case, &given, before) {
-            return Ok(false);
-        }
-        let mut all = given.0.entries(quantity).iter();
-        Ok(all.any(|(k, i, x)| {
-            let want = right.numbers.entries(quantity).get(k, i).filter(|_| self.components[k]);
-            let is_right = |want: f64| (x - want).abs() <= right.bound.tolerance(quantity, k, i);
-            want.is_some_and(|want| !is_right(want))
-        }))
+        let checks = self.judge_on_sheet(&asked, given, routine, false, &mut Vec::new())?;
+        let is_wrong = |check: &Check| check.quantity == Some(quantity) && check.verdict.is_mismatch();
+        Ok(checks.is_some_and(|checks| checks.iter().any(is_wrong)))
     }
 }
 

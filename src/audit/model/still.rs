@@ -6,7 +6,7 @@
 use pintle_assembly::Role;
 use pintle_assembly::prescribed::{Prescribed, differing};
 use pintle_assembly::system::request;
-use pintle_kinematics::catalog::PLANE;
+use pintle_kinematics::catalog::{PLANE, in_plane};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::mpc::Translation;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
@@ -194,9 +194,4 @@ impl<'a> Known<'a> {
         }
         found
     }
-}
-
-/// Whether a degree of freedom is none that leads out of the plane.
-fn in_plane(number: u8) -> bool {
-    PLANE.get(usize::from(number).wrapping_sub(1)).is_none_or(|is| *is)
 }

@@ -694,8 +694,8 @@ mod tests {
         }
     }
 
-    /// A turn of everything is in the kernel of a BEAM and of ρ where they hold; of nodes of a PIN that are apart it is not, for their
-    /// displacements are equal and not their positions.
+    /// A turn of everything is in the kernel of a BEAM and of ρ where they hold. Of nodes of a PIN that are apart it is not: their displacements are
+    /// equal, not their positions.
     #[test]
     fn what_turns_with_everything() {
         let along = |kind: Kind, region: usize| {

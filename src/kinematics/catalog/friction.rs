@@ -229,6 +229,11 @@ pub const SPATIAL: [bool; 6] = [true; 6];
 /// The forces f1, f2 and m3 in two-dimensional and axisymmetric analysis (CONN2D2).
 pub const PLANE: [bool; 6] = [true, true, false, false, false, true];
 
+/// Whether a degree of freedom, 1 to 6 or 10 (flow), is one of two-dimensional and axisymmetric analysis.
+pub const fn in_plane(number: u8) -> bool {
+    matches!(number, 1 | 2 | 6 | 10)
+}
+
 impl FrictionCriterion {
     /// P as a formula of the forces that are present ([`SPATIAL`], [`PLANE`]): `√(f1² + (m1/R)²)`.
     ///

@@ -13,7 +13,7 @@ mod table;
 
 pub use friction::{
     Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion,
-    FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction,
+    FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction, in_plane,
 };
 pub use rules::{Breach, Facts, Procedure, Rule};
 pub use table::TABLE;

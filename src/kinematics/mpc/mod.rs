@@ -54,6 +54,7 @@ pub use evaluate::Evaluation;
 pub use kind::{Entry, Kind, TABLE, Translation};
 pub(crate) use residual::turned;
 
+use crate::catalog::{PLANE, in_plane};
 use crate::scalar::{Duals, Real};
 use crate::vector;
 use crate::vector::{Matrix, Vector, cross, dot, sub};
@@ -258,14 +259,13 @@ impl<R: Duals> Constraint<R> {
     /// The equations that it has.
     pub fn rows(&self) -> [bool; ROWS] {
         let rows = self.kind.rows(self.flow);
-        std::array::from_fn(|row| rows[row] && (matches!(row, 0 | 1 | 5 | FLOW) || !self.planar))
+        std::array::from_fn(|row| rows[row] && (!self.planar || PLANE.get(row).is_none_or(|is| *is)))
     }
 
     /// The degrees of freedom that enter it.
     pub fn columns(&self) -> [bool; DOFS] {
         let columns = self.kind.columns(self.flow);
-        let in_plane = |j: usize| j >= PHI || matches!(j % XM, 0 | 1 | 5 | 6);
-        std::array::from_fn(|j| columns[j] && (in_plane(j) || !self.planar))
+        std::array::from_fn(|j| columns[j] && (!self.planar || in_plane(Kind::column_dof(j).1)))
     }
 
     /// The angle between the axes of two hinges in the initial geometry, in [0, π] (rad).

@@ -1,6 +1,7 @@
 //! Relations from what a deck says.
 
-use crate::relation::{Form, Quantity, Relation, Share, Term, is_in_plane};
+use crate::catalog::in_plane;
+use crate::relation::{Form, Quantity, Relation, Share, Term};
 use crate::scalar::Real;
 use crate::vector;
 use crate::vector::{Vector, cross, dot, scale, sub};
@@ -48,7 +49,8 @@ impl<R: Real> Relation<R> {
     }
 
     /// The same in a two-dimensional model, whose nodes have the degrees of freedom 1, 2, 6 and 10: without δ3, ρ1 and ρ2, and the columns by
-    /// x3, θ1 and θ2. Where the rotation about 3 is fixed, ρ3 is the angle; nodes on one line fix that of a mean, too.
+    /// x3, θ1 and θ2. Where the rotation about 3 is fixed, ρ3 is the angle θ_S − θ_M (rad, positive from 1 to 2). Of a mean
+    /// ρ3 = Σ ŵ_n ((C_Mᵀ r_n) × R_n)_3 / Σ ŵ_n |R_n|², so that nodes on one line fix it, too.
     ///
     /// ```
     /// use pintle_kinematics::relation::Relation;
@@ -73,7 +75,7 @@ impl<R: Real> Relation<R> {
             }
         }
         let mut planar = Self { planar: true, ..Self::of(form) };
-        planar.columns.retain(|(_, number)| is_in_plane(*number));
+        planar.columns.retain(|(_, number)| in_plane(*number));
         planar
     }
 

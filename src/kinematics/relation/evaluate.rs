@@ -1,8 +1,9 @@
 //! What one relation gives at one state.
 
+use crate::catalog::in_plane;
 use crate::connector::{Output, Request, Tally};
 use crate::mpc::turned;
-use crate::relation::{Form, Point, Quantity, Relation, Share, Term, is_in_plane, place_of};
+use crate::relation::{Form, Point, Quantity, Relation, Share, Term, place_of};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Duals, Scalar, Seeded};
 use crate::so3;
@@ -264,7 +265,7 @@ impl<R: Duals> Relation<R> {
                     }
                     if self.planar {
                         let all = (1..=6).chain((0..shares.len()).flat_map(|_| 1..=3));
-                        let kept = gradient.into_iter().zip(all).filter(|(_, number)| is_in_plane(*number));
+                        let kept = gradient.into_iter().zip(all).filter(|(_, number)| in_plane(*number));
                         gradient = kept.map(|(entry, _)| entry).collect();
                     }
                     row.gradient = gradient;
@@ -286,8 +287,11 @@ impl<R: Duals> Relation<R> {
 }
 
 impl Relation<f64> {
-    /// The size of what each residual is formed from: rounding of the nodes makes some part of it. Of a length it is the largest of the lengths;
-    /// of an angle 1 rad, of a mean rotation more where displacements exceed the arms; of an equation Σ |A q| with q of the whole node.
+    /// The size of what each residual is formed from: rounding of the nodes makes some part of it.
+    ///
+    /// - Of a length it is the largest of the lengths.
+    /// - Of an angle it is 1 rad; of a mean rotation more where displacements exceed the arms.
+    /// - Of an equation it is Σ |A q| with q of the whole node.
     pub fn sizes(&self, nodes: &[Point<f64>]) -> Vec<f64> {
         let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let moved = nodes.iter().fold(0.0, |most, node| largest(&node.displacement).max(most));

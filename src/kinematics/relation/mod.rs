@@ -39,6 +39,7 @@ mod evaluate;
 
 pub use evaluate::Row;
 
+use crate::catalog::PLANE;
 use crate::measure::Unit;
 use crate::scalar::Real;
 use crate::vector;
@@ -117,11 +118,6 @@ pub struct Relation<R> {
     planar: bool,
     /// The degrees of freedom that enter it, by the place of the node, ascending.
     columns: Vec<(usize, u8)>,
-}
-
-/// Whether a degree of freedom is one of a two-dimensional model.
-const fn is_in_plane(number: u8) -> bool {
-    matches!(number, 1 | 2 | 6 | 10)
 }
 
 /// A node at one instant.
@@ -237,7 +233,7 @@ impl<R> Relation<R> {
             Form::Carried { fixed, .. } => (self.planar, *fixed),
             _ => (self.planar, [false; 6]),
         };
-        (0..6).filter(move |i| fixed[*i] && (!planar || is_in_plane(1 + *i as u8)))
+        (0..6).filter(move |i| fixed[*i] && (!planar || PLANE[*i]))
     }
 
     /// Which of δ1 … δ3 and Σ of each g are equations of a mean.

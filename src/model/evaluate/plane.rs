@@ -6,6 +6,7 @@
 //! In an axisymmetric model 1 is the radius r, 2 the axis, and degree of freedom 6 the rotation from r to the axis: the same formulas,
 //! with r ≥ 0. Forces are those of the whole circumference.
 
+use pintle_kinematics::catalog::in_plane;
 use pintle_kinematics::vector::{Matrix, Vector, column};
 use pintle_scene::{Code, ConnectorElement, ConnectorSection, Diagnostic, Dimension, Label, Scene, Spanned};
 
@@ -13,6 +14,13 @@ use pintle_scene::{Code, ConnectorElement, ConnectorSection, Diagnostic, Dimensi
 const ROUNDING: f64 = 1e-12;
 
 const SOURCE: &str = "by the connector element library, CONN2D2";
+
+const INTO_PLANE: &str = "give points a and b of the plane z = 0, so that e3 is the global z";
+
+/// Whether a direction is ±z.
+fn is_third([x, y, _]: Vector<f64>) -> bool {
+    x.abs() <= ROUNDING && y.abs() <= ROUNDING
+}
 
 /// The nodes of a two-dimensional element that lie out of the plane; in an axisymmetric model, those with a negative radius.
 pub(super) fn nodes(scene: &Scene, label: Label, element: &ConnectorElement) -> Vec<Diagnostic> {
@@ -47,17 +55,15 @@ pub(super) fn nodes(scene: &Scene, label: Label, element: &ConnectorElement) -> 
 /// # Errors
 /// Where e3 is not ±z.
 pub(super) fn axes(scene: &Scene, name: &Spanned<String>, axes: &[Vector<f64>; 3]) -> Result<(), Diagnostic> {
-    let [x, y, _] = axes[2];
-    if x.abs() <= ROUNDING && y.abs() <= ROUNDING {
+    if is_third(axes[2]) {
         return Ok(());
     }
     let message = format!(
         "e1 and e2 of orientation {} do not lie in the 1-2 plane of a two-dimensional model",
         name.value
     );
-    let remedy = "give points a and b of the plane z = 0, so that e3 is the global z";
     Err(Diagnostic::error(Code::OutOfPlane, name.span, message, "as for CONN2D2")
-        .help(remedy)
+        .help(INTO_PLANE)
         .in_scene(scene))
 }
 
@@ -68,7 +74,7 @@ pub(super) fn terms(scene: &Scene, warnings: &mut Vec<Diagnostic>) {
     }
     let all =
         scene.equations.iter().flat_map(|equation| equation.terms.iter().map(move |term| (equation, term)));
-    for (equation, term) in all.filter(|(_, term)| matches!(term.degree_of_freedom, 3..=5)) {
+    for (equation, term) in all.filter(|(_, term)| !in_plane(term.degree_of_freedom)) {
         let (node, number) = (term.node, term.degree_of_freedom);
         let message = format!(
             "an equation has degree of freedom {number} of node {node}, and the model is two-dimensional: the term is dropped"
@@ -99,16 +105,16 @@ pub(super) fn orientations(
     let (mut along, mut is_in_plane) = ([None; 2], true);
     for (end, (name, triad)) in names.into_iter().zip(triads).enumerate() {
         let (Some(name), Some(triad)) = (name, triad) else { continue };
-        let [x, y, z] = column(triad, 2);
-        if x.abs() > ROUNDING || y.abs() > ROUNDING {
+        let e3 = column(triad, 2);
+        if !is_third(e3) {
             let message = format!(
                 "element {label}: e1 and e2 of orientation {} do not lie in the 1-2 plane",
                 name.value
             );
-            fail(name, message, "give points a and b of the plane z = 0, so that e3 is the global z");
+            fail(name, message, INTO_PLANE);
             is_in_plane = false;
         }
-        along[end] = Some(z);
+        along[end] = Some(e3[2]);
     }
     // Without an orientation at a its directions are the global ones.
     if let ([of_a, Some(of_b)], Some(name)) = (along, names[1])

@@ -1,11 +1,12 @@
 //! The relations of a scene: equations, rigid bodies, couplings and ties, resolved once, evaluated at a state.
 //!
-//! A rigid body and a kinematic coupling are a relation for each of their nodes, a tie one for each degree of freedom of a pair, so that what
-//! they cost grows with the number of nodes.
+//! A rigid body and a kinematic coupling are a relation for each of their nodes, a tie one for each degree of freedom of a pair. So what they
+//! cost grows with the number of nodes.
 
 use crate::evaluate::mpc::MpcElement;
 use crate::evaluate::plane;
 use crate::evaluate::sequence::nodes::Moved;
+use pintle_kinematics::catalog::in_plane;
 use pintle_kinematics::connector::{Flag, Holding, Output, Request, Tally};
 use pintle_kinematics::measure::SingularClass;
 use pintle_kinematics::relation::{Form, Point, Quantity, Relation, Row};
@@ -165,7 +166,7 @@ impl Builder<'_> {
         const TOLD: usize = 6;
         let mut nodes: Vec<Label> = Vec::new();
         let mut given = Vec::with_capacity(terms.len());
-        let has = |number: u8| !self.scene.two_dimensional || !matches!(number, 3..=5);
+        let has = |number: u8| !self.scene.two_dimensional || in_plane(number);
         for (node, number, factor) in terms.iter().filter(|term| has(term.1)) {
             let place = nodes.iter().position(|known| known == node).unwrap_or_else(|| {
                 nodes.push(*node);

@@ -988,36 +988,7 @@ pub(super) fn is_curve(name: &str) -> bool {
 
 /// Keywords of the documentation that look like misspelt ones of ours.
 pub(super) fn is_unrelated(name: &str) -> bool {
-    is_procedure(name)
-        || is_curve(name)
-        || [
-            "CONNECTOR UNIAXIAL BEHAVIOR",
-            "BOUNDARYF",
-            "DISTRIBUTION",
-            "DISTRIBUTION TABLE",
-            "DSLOAD",
-            "FILE OUTPUT",
-            "POST OUTPUT",
-            "SLOAD",
-            "TRANSFORMF",
-            "DASHPOT1",
-            "SPRING1",
-            "MODEL OUTPUT",
-            "RADIATION OUTPUT",
-            "SURFACE OUTPUT",
-            "INTEGRATED OUTPUT",
-            "MODAL OUTPUT",
-            "NODE FILE",
-            "NODE PRINT",
-            "TRANSPORT",
-            "POTENTIAL",
-            "PLASTIC",
-            "ELASTIC",
-            "DAMPING",
-            "DAMAGE INITIATION",
-            "DAMAGE EVOLUTION",
-        ]
-        .contains(&name)
+    is_procedure(name) || is_curve(name) || beginnings::is_other(name)
 }
 
 impl Rule {

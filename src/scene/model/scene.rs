@@ -128,9 +128,10 @@ impl Scene {
         nodes.filter_map(|node| self.nodes.get(&node)).map(|node| node.coordinates).collect()
     }
 
-    /// The directions in which displacements, rotations, forces and moments of a node are expressed in boundary conditions,
-    /// loads and nodal output: those of its `*TRANSFORM` at the initial position of the node, or the global ones. Connectors
-    /// do not know them: what they measure and their own forces are as without.
+    /// The directions of displacements, rotations, forces and moments of a node in boundary conditions, loads and nodal output.
+    ///
+    /// They are those of its `*TRANSFORM` at the initial position of the node, or the global ones. Connectors do not know them: what they measure
+    /// and their own forces are as without.
     ///
     /// # Errors
     /// [`Code::DegenerateOrientation`](crate::Code::DegenerateOrientation) where the points of the transform define no

@@ -6,7 +6,7 @@ use crate::motion::slide::length;
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
-use pintle_kinematics::catalog::{COMPONENT, component_index};
+use pintle_kinematics::catalog::{COMPONENT, PLANE, component_index};
 use pintle_kinematics::connector::{Connector, Mask};
 use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::node::Pair;
@@ -271,10 +271,10 @@ impl<R: Number> Mechanism<R> {
             })
         });
         let bodies = bodies.collect::<Result<Vec<_>, Refusal>>()?;
+        // In two dimensions nodes stay in the plane.
+        let is_out = |k: usize| scene.two_dimensional && PLANE.get(k).is_some_and(|is| !is);
         let mut mechanism = Self {
-            held: (0..DOFS * bodies.len())
-                .map(|dof| scene.two_dimensional && (2..5).contains(&(dof % DOFS)))
-                .collect(),
+            held: (0..DOFS * bodies.len()).map(|dof| is_out(dof % DOFS)).collect(),
             is_still: schedule.span(step).is_some_and(|(_, is_dynamic)| !is_dynamic),
             bodies,
             joints: Vec::new(),

@@ -141,17 +141,17 @@ impl<R: Number> Run<'_, R> {
                     touching.iter().map(|(stop, _)| self.joint_title(self.mechanism.stops[*stop].joint)),
                 );
                 names.dedup();
+                let time = self.state.time.to_f64();
                 let (what, remedy) = match has_directions {
                     true => (
-                        "neither stick nor slip is consistent at time {}: a jam",
+                        format!("neither stick nor slip is consistent at time {time}: a jam"),
                         "reduce the coefficient of friction, or the offset of the load",
                     ),
                     false => (
-                        "the direction in which it begins to slip at time {} is not found",
+                        format!("the direction in which it begins to slip at time {time} is not found"),
                         "begin a moment later, or let what is prescribed begin more steeply",
                     ),
                 };
-                let what = what.replace("{}", &self.state.time.to_f64().to_string());
                 return Err(Refusal::of(&names.join(", "), &what, remedy));
             }
             // The one that there is: nothing presses what slips.

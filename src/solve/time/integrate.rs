@@ -125,6 +125,23 @@ fn excess<R: Number>(of: impl Iterator<Item = R>, allowed: &[R]) -> f64 {
     parts.fold(0.0, |most, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
 }
 
+/// The limit of numbers for a step h that is halved from each to the next (Richardson, Neville). Their errors are a series in h² where `ratio` is 4,
+/// in h where it is 2.
+pub(crate) fn at_zero<R: Number>(all: Vec<Vec<R>>, ratio: i32) -> Vec<R> {
+    let mut table: Vec<Vec<R>> = Vec::new();
+    for mut row in all {
+        let mut power = 1;
+        for known in &mut table {
+            power *= ratio;
+            let pairs = row.iter().zip(known.iter());
+            let next = pairs.map(|(new, old)| *new + (*new - *old) / R::integer(power - 1)).collect();
+            *known = std::mem::replace(&mut row, next);
+        }
+        table.push(row);
+    }
+    table.pop().unwrap_or_default()
+}
+
 fn extrapolate<R: Number>(
     flow: &mut Flow<'_, R>,
     (t, y, slope): (R, &[R], &Slope<R>),

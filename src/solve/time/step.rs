@@ -10,7 +10,7 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Newton, Slope, Tried};
+use crate::time::integrate::{Newton, Slope, Tried, at_zero};
 use crate::time::onset::{Onset, decay};
 use crate::time::run::Run;
 use crate::time::stiff;
@@ -139,7 +139,7 @@ impl<R: Number> Run<'_, R> {
         }
         // Central differences along the motion, extrapolated twice.
         let step = R::from_f64(self.h.max(1e-300) * DIFFERENCE * (R::ROUNDING / f64::ROUNDING).powf(0.15));
-        let mut table: Vec<Vec<R>> = Vec::new();
+        let mut slopes = Vec::new();
         for level in 0..3 {
             let h = step / R::integer(1 << level);
             let limits = |by: R| -> Result<Vec<R>, Trouble> {
@@ -148,17 +148,9 @@ impl<R: Number> Run<'_, R> {
                 Ok(solved.limits.iter().map(|limit| limit.value).collect())
             };
             let [above, below] = [limits(h)?, limits(-h)?];
-            let mut row: Vec<R> = above.iter().zip(&below).map(|(x, y)| (*x - *y) / (h + h)).collect();
-            let mut power = 1;
-            for known in &mut table {
-                power *= 4;
-                let pairs = row.iter().zip(known.iter());
-                let next = pairs.map(|(new, old)| *new + (*new - *old) / R::integer(power - 1)).collect();
-                *known = std::mem::replace(&mut row, next);
-            }
-            table.push(row);
+            slopes.push(above.iter().zip(&below).map(|(x, y)| (*x - *y) / (h + h)).collect());
         }
-        let changes = table.pop().unwrap_or_default();
+        let changes = at_zero(slopes, 4);
         for switch in slope.switches.iter_mut().filter(|switch| switch.cause == Cause::Stops) {
             if let (Some(change), Some(stiffness)) =
                 (changes.get(switch.of), self.mechanism.stiffness.get(switch.of))
@@ -945,7 +937,8 @@ impl<R: Number> Run<'_, R> {
     }
 }
 
-fn along_of<R: Number>(one: &[R], other: &[R]) -> R {
+/// Σ x y.
+pub(crate) fn along_of<R: Number>(one: &[R], other: &[R]) -> R {
     one.iter().zip(other).fold(R::ZERO, |sum, (x, y)| sum + *x * *y)
 }
 

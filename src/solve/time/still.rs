@@ -17,10 +17,10 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, State, WORKS};
 use crate::number::{Number, is_finite, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::integrate::Method;
+use crate::time::integrate::{Method, at_zero};
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
-use crate::time::step::{Crossing, PARTS, crossing, shortest_period};
+use crate::time::step::{Crossing, PARTS, along_of, crossing, shortest_period};
 use pintle_kinematics::vector::Vector;
 
 /// A state, its equations and their solution.
@@ -49,11 +49,6 @@ const NEAR: f64 = 1e-3;
 
 /// A slip of several components that leaves its direction by more than this part of it turns.
 const STRAIGHT: f64 = 1e-9;
-
-/// Σ n x.
-fn along_of<R: Number>(along: &[R; 6], moved: &[R; 6]) -> R {
-    along.iter().zip(moved).fold(R::ZERO, |sum, (n, x)| sum + *n * *x)
-}
 
 impl<R: Number> Assembled<R> {
     /// At rest: unit masses where something acts, and no accelerations that are prescribed.
@@ -446,8 +441,8 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             // What passes its end and returns within the step is looked at more closely.
-            if let Some(part) = self.dip(&now, &found, length)?
-                && (most * R::from_f64(1e-6)).less(length)
+            if (most * R::from_f64(1e-6)).less(length)
+                && let Some(part) = self.dip(&now, &found, length)?
             {
                 h = length * R::from_f64(part);
                 continue;
@@ -631,23 +626,16 @@ impl<R: Number> Run<'_, R> {
         let sign = if is_central || at.less(length - at) { R::integer(1) } else { R::integer(-1) };
         let d = if is_central { d.lesser(room) } else { d } * sign;
         let here = if is_central { zero } else { self.slip_at(start + at, s)? };
-        let mut table: Vec<R> = Vec::new();
+        let mut slopes = Vec::new();
         for level in 0..levels {
             let h = d / R::integer(1 << level);
             let above = self.slip_at(start + at + h, s)?;
-            let mut row = match is_central {
-                true => (above - self.slip_at(start + at - h, s)?) / (h + h),
-                false => (above - here) / h,
-            };
-            let mut power = 1;
-            for known in &mut table {
-                power *= if is_central { 4 } else { 2 };
-                let next = row + (row - *known) / R::integer(power - 1);
-                *known = std::mem::replace(&mut row, next);
-            }
-            table.push(row);
+            slopes.push(match is_central {
+                true => vec![(above - self.slip_at(start + at - h, s)?) / (h + h)],
+                false => vec![(above - here) / h],
+            });
         }
-        Ok(table.last().copied().unwrap_or(zero))
+        Ok(at_zero(slopes, if is_central { 4 } else { 2 }).first().copied().unwrap_or(zero))
     }
 
     /// How far a friction has slipped at a time.
@@ -663,11 +651,12 @@ impl<R: Number> Run<'_, R> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let position = found.joints[self.mechanism.sliders[s].joint].position;
         let before = std::mem::replace(&mut self.modes.frictions[s], Mode::sticks(position));
-        // What moves as prescribed cannot stick: it slips the other way.
         self.relay()?;
+        // What moves as prescribed cannot stick: it slips the other way.
         let is_turned = self.is_carried(s);
         if let (true, Does::Slips(along)) = (is_turned, before.does) {
             self.modes.frictions[s] = Mode::slips(along.map(|x| -x));
+            self.relay()?;
         }
         let time = self.state.time;
         let joint = self.mechanism.sliders[s].joint;
@@ -683,7 +672,6 @@ impl<R: Number> Run<'_, R> {
             None if is_turned => self.event(s, What::Reverses, None),
             None => self.event(s, What::Sticks, None),
         }
-        self.relay()?;
         self.record(true)
     }
 

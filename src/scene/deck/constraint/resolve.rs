@@ -344,8 +344,10 @@ fn shares_of(near: &[&Face], x: [f64; 3], reach: f64) -> Option<Vec<(Label, f64)
     (apart <= reach).then(|| shares.filter(|(_, share)| share.abs() > ROUNDED).collect())
 }
 
-/// The equations of nodes of the dependent surface of a tie that lie on faces of solids: u_s·e_i = Σ N_i u_i·e_i along each axis e_i of the node, with
-/// the shape functions N_i of the face there. None where one lies off them, or a face is of another kind.
+/// The equations of nodes of the dependent surface of a tie that lie on faces of solids.
+///
+/// Along each axis e_j of the node u_s·e_j = Σ N_i u_i·e_j, with the shape functions N_i of the face there. None where a node lies off the faces, or a
+/// face is of another kind.
 fn within_faces(deck: &Deck<'_>, tie: &Tie, master: &RawSurface) -> Option<Vec<Equation>> {
     /// Of the size of a face, how far off it a node is tied where nothing else is said.
     const SHARE: f64 = 0.05;

@@ -41,6 +41,8 @@ const OTHERS: &[&str] = &[
     "TRACER PARTICLE", "TRANSPORT VELOCITY", "TRANSVERSE SHEAR STIFFNESS", "TRIAXIAL TEST DATA", "TRS", "UEL PROPERTY", "UNIAXIAL",
     "UNLOADING DATA", "USER ELEMENT", "USER MATERIAL", "USER OUTPUT VARIABLES", "VARIABLE MASS SCALING", "VISCO", "VISCOELASTIC", "VISCOUS",
     "WAVE", "WIND",
+    // Of CalculiX and others.
+    "BOUNDARYF", "TRANSFORMF", "DASHPOT1", "SPRING1", "MODEL OUTPUT", "MODAL OUTPUT", "TRANSPORT",
 ];
 
 /// What a name that is no keyword of its own may begin.
@@ -60,27 +62,29 @@ pub(in crate::deck) enum Begun {
 /// *BOUN  BOUNDARY        *ELEM  ELEMENT        *RIGID  RIGID BODY, or RIGID SURFACE        *FILM  (a keyword of its own)
 /// ```
 pub(in crate::deck) fn begun(name: &str) -> Begun {
-    let begins = |known: &str, with: &str| {
-        let mut letters = known.bytes().filter(|byte| *byte != b' ');
-        with.bytes()
-            .filter(|byte| *byte != b' ')
-            .all(|byte| letters.next() == Some(byte))
-            .then(|| letters.next().is_none())
-    };
+    let bare = |name: &str| name.replace(' ', "");
+    let given = bare(name);
     let read = || RULES.iter().map(|rule| rule.name);
     let all: Vec<&'static str> =
-        read().chain(OTHERS.iter().copied()).filter(|known| begins(known, name).is_some()).collect();
-    if name.trim().is_empty() || all.iter().any(|known| begins(known, name) == Some(true)) {
+        read().chain(OTHERS.iter().copied()).filter(|known| bare(known).starts_with(&given)).collect();
+    let Some(shortest) = all.iter().min_by_key(|known| bare(known).len()).filter(|_| !given.is_empty())
+    else {
+        return Begun::None;
+    };
+    let is_read = |known: &&'static str| read().any(|own| own == *known);
+    if bare(shortest) == given {
         return Begun::None;
     }
-    let Some(shortest) = all.iter().min_by_key(|known| known.len()) else { return Begun::None };
-    let is_read = |known: &str| read().any(|own| own == known);
-    if all.iter().all(|known| begins(known, shortest).is_some()) {
+    if all.iter().all(|known| bare(known).starts_with(&bare(shortest))) {
         return if is_read(shortest) { Begun::One(shortest) } else { Begun::None };
     }
-    let mut of_ours: Vec<&'static str> = all.into_iter().filter(|known| is_read(known)).collect();
-    of_ours.dedup();
+    let of_ours: Vec<&'static str> = all.into_iter().filter(is_read).collect();
     if of_ours.is_empty() { Begun::None } else { Begun::Several(of_ours) }
+}
+
+/// Whether it is a keyword that is not read.
+pub(super) fn is_other(name: &str) -> bool {
+    OTHERS.contains(&name)
 }
 
 #[cfg(test)]
