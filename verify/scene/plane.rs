@@ -451,6 +451,7 @@ fn constraints_are_those_of_the_plane() {
 #[test]
 fn constraints_of_the_plane_in_closed_form() {
     type At<'a> = &'a dyn Fn(u64) -> ([f64; 2], [f64; 2], f64);
+    type Equations<'e> = dyn Fn(At<'_>) -> Vec<f64> + 'e;
     /// x turned by an angle.
     fn turned(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
         let (sine, cosine) = angle.sin_cos();
@@ -484,7 +485,7 @@ fn constraints_of_the_plane_in_closed_form() {
         }
         vec![delta[0], delta[1], lag / square]
     };
-    let cases: [(&str, &dyn Fn(At<'_>) -> Vec<f64>); 3] = [
+    let cases: [(&str, &Equations<'_>); 3] = [
         ("*MPC\nBEAM, 5, 4\n", &beam),
         ("*RIGID BODY, REF NODE=5, TIE NSET=CLOUD\n", &body),
         ("*COUPLING, CONSTRAINT NAME=C, REF NODE=5, SURFACE=L\n*DISTRIBUTING\n", &mean),
