@@ -65,10 +65,10 @@ pub(crate) struct Rule<R> {
 
 /// The points c and the matrix a of stages, the weights, and the weights without the last stage.
 #[derive(Clone, Debug)]
-struct Tableau<R> {
-    points: Vec<R>,
-    matrix: Vec<Vec<R>>,
-    weights: Vec<R>,
+pub(crate) struct Tableau<R> {
+    pub(crate) points: Vec<R>,
+    pub(crate) matrix: Vec<Vec<R>>,
+    pub(crate) weights: Vec<R>,
     fewer: Vec<R>,
     /// Of the matrix, for Newton's method.
     spectrum: Option<Spectrum>,
@@ -101,7 +101,7 @@ impl<R: Number> Rule<R> {
         }
         let stages = 6 + self.digits / 4;
         let tableau = self.tableau.get_or_init(|| match self.method {
-            Method::Extrapolation => Tableau::new(radau(stages)),
+            Method::Extrapolation => Tableau::radau(stages),
             Method::Collocation => Tableau::new(gauss(stages)),
         });
         collocate(flow, start, h, allowed, tableau, newton)
@@ -313,6 +313,11 @@ fn collocate<R: Number>(
 }
 
 impl<R: Number> Tableau<R> {
+    /// Those of Radau IIA, the end of the step first.
+    pub(crate) fn radau(stages: usize) -> Self {
+        Self::new(radau(stages))
+    }
+
     /// Collocation at these points of a step (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.7).
     fn new(points: Vec<R>) -> Self {
         let one = R::integer(1);

@@ -8,12 +8,14 @@
 //! | `happen` | what changes at an event, and which impulses? |
 //! | `choose` | what sticks and what slips after an event? |
 //! | `still` | the path of a static step |
+//! | `curve` | … where frictions of several components slip |
 //! | `work` | and the work along it |
 //! | `run` | from the first time to the last |
 //! | `keep` | where does a run go on? |
 //! | `solution` | what is kept |
 
 pub(crate) mod choose;
+pub(crate) mod curve;
 pub(crate) mod happen;
 pub(crate) mod integrate;
 pub(crate) mod keep;

@@ -8,7 +8,7 @@ use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Own
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Method, Rule};
+use crate::time::integrate::{Method, Rule, Tableau};
 use crate::time::keep::{Keeping, Kept};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
 use crate::time::step::Quiet;
@@ -86,6 +86,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) model: &'a Model,
     pub(crate) options: &'a Options,
     pub(crate) rule: Rule<R>,
+    /// That of static slips along curves.
+    pub(crate) radau: Option<Tableau<R>>,
     pub(crate) mechanism: Mechanism<R>,
     pub(crate) beginnings: Beginnings,
     pub(crate) step: usize,
@@ -295,6 +297,7 @@ impl<'a, R: Number> Run<'a, R> {
             model,
             options,
             rule,
+            radau: None,
             beginnings: Beginnings::default(),
             step: 0,
             modes: Modes::none(),

@@ -17,6 +17,7 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, State, WORKS};
 use crate::number::{Number, is_finite, larger, largest};
 use crate::refusal::Refusal;
+use crate::time::curve::{Curve, Slip};
 use crate::time::integrate::{Method, at_zero};
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
@@ -32,9 +33,19 @@ pub(crate) struct Found<R: Number> {
     pub(crate) state: State<R>,
     pub(crate) solved: Solved<R>,
     /// The positions of the connector of each friction.
-    positions: Vec<[R; 6]>,
+    pub(crate) positions: Vec<[R; 6]>,
+    /// By what the degrees of freedom have changed.
+    pub(crate) by: Vec<R>,
+    /// Where frictions slip along curves: their step.
+    pub(crate) curve: Option<Curve<R>>,
     /// The sign of the determinant of Newton's matrix, at the beginning of the iterations.
     sign: f64,
+}
+
+/// Where frictions are before a slip, and how far those have slipped of which that is known.
+struct Before<'a, R> {
+    positions: Vec<[R; 6]>,
+    slips: &'a [(usize, R)],
 }
 
 /// How many roundings a slip may be off: that of each of two positions, which come from two triads, a difference of points and a
@@ -46,9 +57,6 @@ const REST: f64 = 1e-6;
 
 /// The part of a step by which the rate is found of what passes zero.
 const NEAR: f64 = 1e-3;
-
-/// A slip of several components that leaves its direction by more than this part of it turns.
-const STRAIGHT: f64 = 1e-9;
 
 impl<R: Number> Assembled<R> {
     /// At rest: unit masses where something acts, and no accelerations that are prescribed.
@@ -161,7 +169,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The state after δ, and what holds there.
-    fn moved(&self, time: R, by: &[R]) -> Result<Moved<R>, Trouble> {
+    fn moved(&self, time: R, by: &[R], before: &Before<'_, R>) -> Result<Moved<R>, Trouble> {
         let base = &self.state;
         let mut y = by.to_vec();
         y.resize(2 * by.len(), R::ZERO);
@@ -171,13 +179,25 @@ impl<R: Number> Run<'_, R> {
         let mut found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
         found.rest(&self.mechanism);
         next.branches = found.joints.iter().map(|now| now.branch).collect();
+        let frictions = self.mechanism.sliders.iter().zip(&self.modes.frictions).zip(&before.positions);
+        for (s, ((slider, mode), then)) in frictions.enumerate() {
+            let Does::Slips(along) = &mode.does else { continue };
+            let (Some(sum), Some(slip)) = (next.sums.get_mut(WORKS + s), found.slips.get_mut(s)) else {
+                continue;
+            };
+            *sum = match before.slips.iter().find(|(of, _)| *of == s) {
+                Some((_, known)) => *known,
+                None => *sum + along_of(along, &slider.moved(then, &found.joints[slider.joint].position)),
+            };
+            *slip = *sum;
+        }
         let solved = found.solve(&self.mechanism, &self.layout, &self.modes)?;
         Ok((next, found, solved))
     }
 
     /// a + c.
-    fn unbalance(&self, time: R, by: &[R]) -> Result<Vec<R>, Trouble> {
-        let (_, found, solved) = self.moved(time, by)?;
+    fn unbalance(&self, time: R, by: &[R], before: &Before<'_, R>) -> Result<Vec<R>, Trouble> {
+        let (_, found, solved) = self.moved(time, by, before)?;
         if let Some(row) = self.layout.kept.iter().find(|row| found.rows[**row].residual.is_none()) {
             return Err(Trouble::Unknown(
                 self.mechanism.named(found.rows[*row].owner),
@@ -191,6 +211,20 @@ impl<R: Number> Run<'_, R> {
 
     /// The equilibrium at a time, next to this state.
     pub(crate) fn balance(&mut self, time: R) -> Result<Found<R>, Refusal> {
+        let curving = self.curving();
+        if curving.is_empty() || !self.state.time.less(time) {
+            return self.equilibrium(time, &[], &[]);
+        }
+        self.along_curves(time, &curving)
+    }
+
+    /// The same where frictions slip along the direction that each has, from degrees of freedom that are near. `slips` are known of some.
+    pub(crate) fn equilibrium(
+        &mut self,
+        time: R,
+        near: &[R],
+        slips: &[(usize, R)],
+    ) -> Result<Found<R>, Refusal> {
         const ITERATIONS: usize = 40;
         let zero = R::ZERO;
         let n = self.layout.columns.len();
@@ -208,11 +242,12 @@ impl<R: Number> Run<'_, R> {
         };
         let step = R::from_f64(R::ROUNDING.powf(1.0 / 3.0));
         let (half, small) = (R::ratio(1, 2), R::from_f64(8.0 * R::ROUNDING));
-        let mut by = vec![zero; n];
+        let mut by = if near.len() == n { near.to_vec() } else { vec![zero; n] };
+        let beginning = self.beginning(slips).map_err(|trouble| self.say(trouble))?;
         let mut sign = 0.0;
         let mut before = f64::INFINITY;
         for iteration in 0..ITERATIONS {
-            let residual = self.unbalance(time, &by).map_err(|trouble| self.say(trouble))?;
+            let residual = self.unbalance(time, &by, &beginning).map_err(|trouble| self.say(trouble))?;
             if n == 0 {
                 break;
             }
@@ -223,7 +258,7 @@ impl<R: Number> Run<'_, R> {
                 let at = |sign: R| {
                     let mut other = by.clone();
                     other[j] = other[j] + sign * h;
-                    self.unbalance(time, &other)
+                    self.unbalance(time, &other, &beginning)
                 };
                 let [above, below] = [R::integer(1), R::integer(-1)].map(at);
                 let (above, below) = (
@@ -269,34 +304,24 @@ impl<R: Number> Run<'_, R> {
             }
         }
         self.solution.steps += 1;
-        let (mut state, found, mut solved) = self.moved(time, &by).map_err(|trouble| self.say(trouble))?;
-        // Slips, along the direction that each has.
-        let before = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        for (s, (slider, mode)) in self.mechanism.sliders.iter().zip(&self.modes.frictions).enumerate() {
-            let Does::Slips(along) = &mode.does else { continue };
-            let places = [&before, &found].map(|found| found.joints[slider.joint].position);
-            let moved = slider.moved(&places[0], &places[1]);
-            let slip = along_of(along, &moved);
-            let aside: [R; 6] = std::array::from_fn(|k| moved[k] - slip * along[k]);
-            let straight = length(&moved) * R::from_f64(STRAIGHT) + self.slip_noise(&found, s);
-            if straight.less(length(&aside)) {
-                return Err(Refusal::of(
-                    &self.mechanism.joints[slider.joint].title,
-                    &format!(
-                        "a slip of several components turns at time {}, and a static step follows one along a line alone",
-                        self.state.time.to_f64()
-                    ),
-                    "use *DYNAMIC, slowly, or load in proportion",
-                ));
-            }
-            if let Some(sum) = state.sums.get_mut(WORKS + s) {
-                *sum = *sum + slip;
-            }
-        }
+        let (state, found, mut solved) =
+            self.moved(time, &by, &beginning).map_err(|trouble| self.say(trouble))?;
         solved.switches.retain(|switch| switch.cause != Cause::Stops);
         let positions =
             self.mechanism.sliders.iter().map(|slider| found.joints[slider.joint].position).collect();
-        Ok(Found { state, solved, positions, sign })
+        Ok(Found { state, solved, positions, by, curve: None, sign })
+    }
+
+    /// Where frictions are now.
+    fn beginning<'a>(&self, slips: &'a [(usize, R)]) -> Result<Before<'a, R>, Trouble> {
+        let positions = match self.modes.frictions.iter().any(|mode| !mode.is_stuck()) {
+            true => {
+                let now = self.assembled(&self.modes)?;
+                self.mechanism.sliders.iter().map(|slider| now.joints[slider.joint].position).collect()
+            }
+            false => Vec::new(),
+        };
+        Ok(Before { positions, slips })
     }
 
     /// A friction that stands, of which others prescribe how it moves, and that has moved: the direction, by component times radius.
@@ -328,7 +353,7 @@ impl<R: Number> Run<'_, R> {
     /// What rounding leaves of a slip between two states (length, or rad by the radius of a component).
     ///
     /// It is [`SLIP_ROUNDINGS`] of the positions or of the unit that they are solved in, and of the sum that the slip is added to.
-    fn slip_noise(&self, at: &Assembled<R>, s: usize) -> R {
+    pub(crate) fn slip_noise(&self, at: &Assembled<R>, s: usize) -> R {
         let slider = &self.mechanism.sliders[s];
         let position = &at.joints[slider.joint].position;
         let moved = slider.components.iter().fold(R::ZERO, |sum, (k, radius)| {
@@ -367,9 +392,7 @@ impl<R: Number> Run<'_, R> {
                     continue;
                 }
             };
-            let (_, known, first) = self
-                .moved(self.state.time, &vec![zero; self.layout.columns.len()])
-                .map_err(|t| self.say(t))?;
+            let (_, known, first) = self.here().map_err(|trouble| self.say(trouble))?;
             self.depart(&known);
             // Where all that presses passes zero, what friction carries is rounding of the other forces.
             let forces =
@@ -387,8 +410,12 @@ impl<R: Number> Run<'_, R> {
                 events_here += 1;
                 self.bounded(events_here)?;
                 self.modes.frictions[s] = Mode::slips(moved);
-                self.event(s, What::Slips, None);
                 self.relay()?;
+                // Along a curve it begins along its tangent.
+                if let Some(slip) = self.curved(time, s)? {
+                    self.modes.frictions[s] = Mode::slips(slip.along[0]);
+                }
+                self.event(s, What::Slips, None);
                 self.record(true)?;
                 last_sign = None;
                 continue;
@@ -469,6 +496,11 @@ impl<R: Number> Run<'_, R> {
         Ok(())
     }
 
+    /// What holds now.
+    fn here(&self) -> Result<Moved<R>, Trouble> {
+        self.moved(self.state.time, &vec![R::ZERO; self.layout.columns.len()], &self.beginning(&[])?)
+    }
+
     /// What has left its stop is open: at rest nothing else tells.
     fn depart(&mut self, known: &Assembled<R>) {
         /// So near to its limit a component is there (rad, or lengths of the model).
@@ -485,10 +517,11 @@ impl<R: Number> Run<'_, R> {
 
     /// Where within a step a quantity comes so near to the end of its mode that it may have passed and returned.
     fn dip(&mut self, now: &[Switch<R>], found: &Found<R>, length: R) -> Result<Option<f64>, Refusal> {
-        let mut inner = Vec::new();
-        for part in [0.25, 0.5, 0.75] {
-            let between = self.balance(self.state.time + length * R::from_f64(part))?;
-            inner.push((part, between.solved.switches));
+        let mut inner = found.curve.as_ref().map_or_else(Vec::new, |curve| curve.inner.clone());
+        let parts: &[f64] = if inner.is_empty() { &[0.25, 0.5, 0.75] } else { &[] };
+        for part in parts {
+            let between = self.balance(self.state.time + length * R::from_f64(*part))?;
+            inner.push((*part, between.solved.switches));
         }
         Ok(match crossing(now, &inner, &found.solved.switches) {
             Some(Crossing::Inside(part)) => Some(part),
@@ -619,6 +652,10 @@ impl<R: Number> Run<'_, R> {
     /// at an end of it one-sided ones.
     fn slip_rate(&mut self, at: R, s: usize, length: R) -> Result<R, Refusal> {
         let (zero, start) = (R::ZERO, self.state.time);
+        let until = if zero.less(at) { at } else { length };
+        if let Some(slip) = self.curved(start + until, s)? {
+            return Ok(slip.rates[usize::from(zero.less(at))]);
+        }
         let levels = if R::ROUNDING < 1e-20 { 9 } else { 3 };
         let d = self.difference(length);
         let room = at.lesser(length - at);
@@ -636,6 +673,15 @@ impl<R: Number> Run<'_, R> {
             });
         }
         Ok(at_zero(slopes, if is_central { 4 } else { 2 }).first().copied().unwrap_or(zero))
+    }
+
+    /// The slip of a friction along a curve until a time.
+    fn curved(&mut self, time: R, s: usize) -> Result<Option<Slip<R>>, Refusal> {
+        if !self.curving().contains(&s) {
+            return Ok(None);
+        }
+        let slips = self.balance(time)?.curve.map_or_else(Vec::new, |curve| curve.slips);
+        Ok(slips.into_iter().find(|slip| slip.of == s))
     }
 
     /// How far a friction has slipped at a time.

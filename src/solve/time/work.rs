@@ -3,6 +3,7 @@
 //! Between two equilibria each force does the work of its mean along the way from one to the other. That sum is symmetrical, so that its error
 //! has even powers of the way alone, and what halving leaves is extrapolated (Romberg).
 
+use crate::motion::mode::Does;
 use crate::motion::rows::{Instant, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, largest};
@@ -27,8 +28,14 @@ fn way<R: Number>(from: &Pose<R>, to: &Pose<R>) -> [R; DOFS] {
 impl<R: Number> Run<'_, R> {
     /// Goes on to an equilibrium, and counts the work on the way.
     pub(crate) fn advance(&mut self, found: Found<R>) -> Result<(), Refusal> {
-        let works = self.works_to(&found)?;
+        let works = match &found.curve {
+            Some(curve) => curve.works,
+            None => self.works_to(&found)?,
+        };
         self.state = found.state;
+        for slip in found.curve.into_iter().flat_map(|curve| curve.slips) {
+            self.modes.frictions[slip.of].does = Does::Slips(slip.along[1]);
+        }
         for (sum, work) in self.state.sums.iter_mut().zip(works) {
             *sum = *sum + work;
         }
@@ -97,7 +104,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The powers of loads and of what is prescribed, of friction, and into springs, if nodes had these rates.
-    fn powers(&self, at: &Found<R>, rates: &[[R; DOFS]]) -> Result<[R; WORKS], Trouble> {
+    pub(crate) fn powers(&self, at: &Found<R>, rates: &[[R; DOFS]]) -> Result<[R; WORKS], Trouble> {
         let zero = R::ZERO;
         let still = vec![[zero; 3]; rates.len()];
         let state = State { rates: rates.to_vec(), ..at.state.clone() };
