@@ -244,7 +244,10 @@ fn state<R: Number>(
                 known(of.displacement[k], if k < 3 { length } else { 1.0 }),
                 known(of.velocity[k], scales.velocity[k / 3]),
                 if of.open[k] { "open".to_string() } else { known(of.total[k], scales.force[k / 3]) },
-                known(of.friction[k], scales.force[k / 3]),
+                match of.open_friction[k] {
+                    true => "open".to_string(),
+                    false => known(of.friction[k], scales.force[k / 3]),
+                },
             ]);
         }
     }
@@ -318,11 +321,14 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
                 .map(|((label, _), of)| {
                     let force = |k: usize| if of.open[k] { Value::Null } else { number(of.total[k]) };
                     let forces: Vec<Value> = (0..6).map(force).collect();
+                    let rubs =
+                        |k: usize| if of.open_friction[k] { Value::Null } else { number(of.friction[k]) };
+                    let rubbing: Vec<Value> = (0..6).map(rubs).collect();
                     let value = json!({
                         "CU": list(&of.displacement),
                         "CV": list(&of.velocity),
                         "CTF": forces,
-                        "CSF": list(&of.friction),
+                        "CSF": rubbing,
                         "sticks": of.sticks,
                         "CSLST": of.held,
                         "CFAILST": of.failed,

@@ -170,7 +170,7 @@ impl<R: Number> Assembled<R> {
         /// Forces that differ by less than this part of the largest are the same.
         const SAME: f64 = 1e-6;
         let slipping: Vec<usize> =
-            (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
+            (0..modes.frictions.len()).filter(|s| modes.frictions[*s].along().is_some()).collect();
         let value = |of: &Solved<R>, s: usize| of.limits.get(s).map_or(R::ZERO, |limit| limit.value);
         let own: Vec<R> = slipping.iter().map(|s| value(solved, *s)).collect();
         let size = largest(solved.forces.iter().chain(&own).copied());
@@ -204,15 +204,8 @@ impl<R: Number> Assembled<R> {
     ) -> Result<Solved<R>, Trouble> {
         let zero = R::ZERO;
         let (n, m) = (layout.columns.len(), layout.kept.len());
-        let slipping: Vec<(usize, [R; 6])> = modes
-            .frictions
-            .iter()
-            .enumerate()
-            .filter_map(|(s, mode)| match &mode.does {
-                Does::Slips(along) => Some((s, *along)),
-                Does::Sticks(_) | Does::Stretches(_) => None,
-            })
-            .collect();
+        let slipping: Vec<(usize, [R; 6])> =
+            modes.frictions.iter().enumerate().filter_map(|(s, mode)| Some((s, *mode.along()?))).collect();
         let moving: Vec<[R; 6]> =
             slipping.iter().map(|(s, _)| self.slip_velocity(mechanism, modes, *s)).collect();
         let directions: Vec<[R; 6]> = slipping
@@ -380,14 +373,16 @@ impl<R: Number> Assembled<R> {
                 .collect();
             let tangential = length(&tractions);
             let mut push = |cause, value, scale| solved.switches.push(Switch { of: s, cause, value, scale });
-            match mode.is_stuck() {
-                true if mechanism.is_idle(modes, slider) => {}
-                true => {
+            match &mode.does {
+                Does::Sticks(_) | Does::Stretches(_) if mechanism.is_idle(modes, slider) => {}
+                Does::Sticks(_) | Does::Stretches(_) => {
                     let late = if has(Fault::OnsetLate) { R::from_f64(1e-6) * found.value } else { zero };
                     push(Cause::Breaks, found.value - tangential + late, larger(found.value, tangential));
                 }
-                false => {
-                    push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
+                Does::Slips(_) | Does::Stands(_) => {
+                    if !mode.is_stuck() {
+                        push(Cause::Stops, rate, larger(rate.magnitude(), R::integer(1)));
+                    }
                     for (part, [value, scale]) in found.turns.iter().filter(|_| !has(Fault::KinkPassed)) {
                         push(Cause::Turns(*part), *value, *scale);
                     }
@@ -577,14 +572,14 @@ impl<R: Number> Assembled<R> {
         let zero = R::ZERO;
         let (n, m) = (layout.columns.len(), layout.kept.len());
         let acting: Vec<usize> =
-            (0..modes.frictions.len()).filter(|s| !modes.frictions[*s].is_stuck()).collect();
+            (0..modes.frictions.len()).filter(|s| modes.frictions[*s].along().is_some()).collect();
         if acting.is_empty() {
             return Ok(zero);
         }
         let mut matrix = self.matrix(layout, acting.len());
         for (i, s) in acting.iter().enumerate() {
             let slider = &mechanism.sliders[*s];
-            let Does::Slips(along) = &modes.frictions[*s].does else { continue };
+            let Some(along) = modes.frictions[*s].along() else { continue };
             let moving = self.slip_velocity(mechanism, modes, *s);
             let direction = direction(slider, &modes.frictions[*s], along, &moving);
             self.push(&mut matrix, layout, n + m + i, (slider, &direction));
@@ -665,7 +660,7 @@ fn radius(matrix: &[Vec<f64>]) -> f64 {
 
 /// n of a slipping friction: the direction of its R_k v_k; of one component, and where it is at rest, the one it has.
 fn direction<R: Number>(slider: &Slider, mode: &Mode<R>, along: &[R; 6], moving: &[R; 6]) -> [R; 6] {
-    if slider.components.len() == 1 {
+    if slider.components.len() == 1 || mode.is_held_by_others() {
         return *along;
     }
     let size = length(moving);

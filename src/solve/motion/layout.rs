@@ -35,9 +35,21 @@ impl Layout {
             place[*dof] = Some(i);
         }
         let mut layout = Self { columns, place, ..Self::default() };
-        layout.keep(mechanism, assembled, modes)?;
+        layout.keep(mechanism, assembled, modes, false)?;
         layout.determine(mechanism, assembled);
         Ok(layout)
+    }
+
+    /// The equations whose forces others leave open, friction or not.
+    pub(crate) fn undetermined<R: Number>(
+        &self,
+        mechanism: &Mechanism<R>,
+        assembled: &Assembled<R>,
+        modes: &Modes<R>,
+    ) -> Result<Vec<usize>, Refusal> {
+        let mut layout = Self { columns: self.columns.clone(), place: self.place.clone(), ..Self::default() };
+        layout.keep(mechanism, assembled, modes, true)?;
+        Ok(layout.open)
     }
 
     /// Finds the order of elimination, where equations have more entries than ever.
@@ -55,6 +67,7 @@ impl Layout {
         mechanism: &Mechanism<R>,
         assembled: &Assembled<R>,
         modes: &Modes<R>,
+        may_be_open: bool,
     ) -> Result<(), Refusal> {
         let n = self.columns.len();
         // Rows with an unknown of their own follow from no others, and no others from them.
@@ -114,7 +127,9 @@ impl Layout {
                 self.carried.push((joint, k));
                 continue;
             }
-            needed(mechanism, assembled, modes, &involved)?;
+            if !may_be_open {
+                needed(mechanism, assembled, modes, &involved)?;
+            }
             self.open.extend(involved);
         }
         self.kept = chosen;

@@ -13,6 +13,8 @@ pub(crate) enum Does<R> {
     Stretches([R; 6]),
     /// It slips along n, Σ n_k² = 1 over its components; one component keeps the sign of its n.
     Slips([R; 6]),
+    /// It stands because others hold it, so that its force is open: taken as its limit against n, or, with n zero, as none.
+    Stands([R; 6]),
 }
 
 /// The branches of a friction's magnitudes, which stay as they are within a step so that its formulas are smooth there.
@@ -167,6 +169,24 @@ impl<R: Number> Mode<R> {
 
     pub(crate) fn is_stuck(&self) -> bool {
         !matches!(self.does, Does::Slips(_))
+    }
+
+    /// n, where the force is the limit against it.
+    pub(crate) fn along(&self) -> Option<&[R; 6]> {
+        match &self.does {
+            Does::Slips(along) | Does::Stands(along) => Some(along),
+            Does::Sticks(_) | Does::Stretches(_) => None,
+        }
+    }
+
+    /// Where others hold it.
+    pub(crate) fn stands(along: [R; 6]) -> Self {
+        Self { does: Does::Stands(along), branches: Branches::none(), in_onset: false }
+    }
+
+    /// Whether others hold it.
+    pub(crate) fn is_held_by_others(&self) -> bool {
+        matches!(self.does, Does::Stands(_))
     }
 }
 

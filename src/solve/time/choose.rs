@@ -128,6 +128,13 @@ impl<R: Number> Run<'_, R> {
                 consistent.push((modes, margin));
             }
         }
+        // Where more stand than hold, how they share what they hold is open.
+        if stuck.is_none()
+            && !consistent.iter().any(|(_, margin)| *margin > TIE)
+            && let Some(shared) = self.shared(&all_held, open, &directions)
+        {
+            consistent = vec![shared];
+        }
         // A tie between stick and slip is one motion, not two.
         let real: Vec<usize> = (0..consistent.len()).filter(|i| consistent[*i].1 > TIE).collect();
         let chosen = match (real.as_slice(), consistent.len()) {
@@ -185,8 +192,8 @@ impl<R: Number> Run<'_, R> {
             for (i, s) in open.iter().enumerate() {
                 let was_stuck = before.frictions[*s].is_stuck();
                 let what = match (&modes.frictions[*s].does, was_stuck) {
-                    (Does::Sticks(_) | Does::Stretches(_), true) => continue,
-                    (Does::Sticks(_) | Does::Stretches(_), false) => What::Sticks,
+                    (Does::Sticks(_) | Does::Stretches(_) | Does::Stands(_), true) => continue,
+                    (Does::Sticks(_) | Does::Stretches(_) | Does::Stands(_), false) => What::Sticks,
                     (Does::Slips(_), true) => What::Slips,
                     (Does::Slips(along), false) => {
                         let Does::Slips(old) = &before.frictions[*s].does else { continue };
@@ -215,6 +222,51 @@ impl<R: Number> Run<'_, R> {
             }
         }
         self.settle(modes, &found, layout, &solved)
+    }
+
+    /// A mode in which all these frictions stand, though fewer hold what there is: as many stick as are independent, the others have no force, or
+    /// their limit against where it would go without friction. The one that is surest of those first found; none where none is consistent.
+    pub(crate) fn shared(
+        &mut self,
+        all_held: &Modes<R>,
+        open: &[usize],
+        directions: &[[R; 6]],
+    ) -> Option<(Modes<R>, f64)> {
+        let no_belt = |s: &usize| self.mechanism.sliders[*s].ring.is_none();
+        if open.len() < 2 || !self.mechanism.stiffness.is_empty() || !open.iter().all(no_belt) {
+            return None;
+        }
+        let found = self.assembled(all_held).ok()?;
+        let mut best: Option<(Modes<R>, f64)> = None;
+        for first in 0..open.len() {
+            let order: Vec<usize> = (0..open.len()).map(|i| (first + i) % open.len()).collect();
+            let mut modes = all_held.clone();
+            open.iter().for_each(|s| modes.frictions[*s] = Mode::stands([R::ZERO; 6]));
+            let mut others = Vec::new();
+            for i in order {
+                let s = open[i];
+                modes.frictions[s] = Mode::sticks(found.joints[self.mechanism.sliders[s].joint].position);
+                let now = self.assembled(&modes).ok()?;
+                if Layout::new(&self.mechanism, &now, &modes).is_err() {
+                    modes.frictions[s] = Mode::stands([R::ZERO; 6]);
+                    others.push(i);
+                }
+            }
+            for limited in 0..=others.len() {
+                if let Some(i) = limited.checked_sub(1).and_then(|last| others.get(last)) {
+                    modes.frictions[open[*i]] = Mode::stands(directions[*i]);
+                }
+                let Ok((found, layout, solved)) = self.instant(&modes) else { continue };
+                let margin = self.margin(&found, (&layout, &solved), &modes, open);
+                if margin >= 0.0 && best.as_ref().is_none_or(|(_, known)| *known < margin) {
+                    best = Some((modes.clone(), margin));
+                    if margin > TIE {
+                        return best;
+                    }
+                }
+            }
+        }
+        best
     }
 
     /// Of the frictions named those that what is prescribed moves from now on, though all of them stick. Each has the direction in which it slips
@@ -328,7 +380,11 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The direction of R_k times the acceleration of each component of a friction; zero where none accelerates.
-    fn accelerating(&self, slider: &Slider, (found, solved): (&Assembled<R>, &Solved<R>)) -> [R; 6] {
+    pub(crate) fn accelerating(
+        &self,
+        slider: &Slider,
+        (found, solved): (&Assembled<R>, &Solved<R>),
+    ) -> [R; 6] {
         let mut along = [R::ZERO; 6];
         for ((k, _), x) in
             slider.components.iter().zip(found.slip_acceleration(slider, &solved.accelerations))
@@ -405,7 +461,7 @@ impl<R: Number> Run<'_, R> {
 
     fn told(&self, modes: &Modes<R>, open: &[usize], touching: &[(usize, Side)]) -> String {
         let each = open.iter().map(|s| match &modes.frictions[*s].does {
-            Does::Sticks(_) | Does::Stretches(_) => format!("{} sticks", self.title(*s)),
+            Does::Sticks(_) | Does::Stretches(_) | Does::Stands(_) => format!("{} sticks", self.title(*s)),
             Does::Slips(along) => {
                 let sum: f64 = along.iter().map(|x| x.to_f64()).sum();
                 format!("{} slips {}", self.title(*s), if sum < 0.0 { "backwards" } else { "forwards" })
@@ -500,7 +556,7 @@ impl<R: Number> Run<'_, R> {
                 return -1.0;
             };
             let margin = match &modes.frictions[*s].does {
-                Does::Sticks(_)
+                Does::Sticks(_) | Does::Stands(_)
                     if slider.components.iter().any(|(k, _)| {
                         // What others move does not stick; what is prescribed and moves is known.
                         if self.mechanism.is_given(slider.joint, *k, self.step) {
@@ -512,6 +568,7 @@ impl<R: Number> Run<'_, R> {
                 {
                     -1.0
                 }
+                Does::Stands(_) => 1.0,
                 Does::Sticks(_) | Does::Stretches(_) => {
                     let size = larger(limit.value, *tangential);
                     match R::ZERO.less(size) {
@@ -639,7 +696,7 @@ impl<R: Number> Run<'_, R> {
     /// Fixes the branches of frictions to those of a solution.
     fn branch(&mut self, solved: &Solved<R>) {
         for (mode, limit) in self.modes.frictions.iter_mut().zip(&solved.limits) {
-            mode.branches = if mode.is_stuck() { Branches::none() } else { limit.branches.clone() };
+            mode.branches = if mode.along().is_none() { Branches::none() } else { limit.branches.clone() };
         }
     }
 }

@@ -84,13 +84,8 @@ impl<R: Number> Run<'_, R> {
         let places: Vec<[R; 6]> =
             self.mechanism.sliders.iter().map(|slider| before.joints[slider.joint].position).collect();
         let begun: Vec<R> = curving.iter().map(|s| self.state.sums[WORKS + s]).collect();
-        let along: Vec<[R; 6]> = curving
-            .iter()
-            .map(|s| match &self.modes.frictions[*s].does {
-                Does::Slips(along) => *along,
-                Does::Sticks(_) | Does::Stretches(_) => [zero; 6],
-            })
-            .collect();
+        let along: Vec<[R; 6]> =
+            curving.iter().map(|s| self.modes.frictions[*s].along().copied().unwrap_or([zero; 6])).collect();
         let lost = |run: &Self| {
             Refusal::of(
                 "the static path",

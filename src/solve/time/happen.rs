@@ -5,9 +5,10 @@
 //! presses a friction that moves, the rule does not decide what friction takes, and the impact is refused.
 
 use crate::fault::{Fault, has};
+use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
 use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
-use crate::motion::rows::{Assembled, Layout, Owner};
+use crate::motion::rows::{Assembled, Layout, Owner, Row};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, WORKS};
 use crate::number::{Number, largest};
@@ -64,16 +65,21 @@ impl<R: Number> Run<'_, R> {
     /// Stick ends: others that reach their limit at the same time go with it.
     fn breaks_loose(&mut self, slider: usize) -> Result<(), Refusal> {
         let mut modes = self.modes.clone();
-        let (_, _, solved) = self.instant(&modes)?;
+        let (found, layout, solved) = self.instant(&modes)?;
         let also = solved.switches.iter().filter(|switch| {
             switch.cause == Cause::Breaks
                 && switch.of != slider
                 && switch.value.to_f64() <= switch.scale.to_f64() * TIE
         });
         let going: Vec<usize> = std::iter::once(slider).chain(also.map(|switch| switch.of)).collect();
-        for s in going {
+        let others = self.goes_along(&going, (&found, &layout, &solved))?;
+        if !others.is_empty() && self.takes_over(&going)? {
+            return Ok(());
+        }
+        let going = going.into_iter().map(|s| (s, None)).chain(others.into_iter().map(|(s, n)| (s, Some(n))));
+        for (s, known) in going {
             let of = &self.mechanism.sliders[s];
-            let mut along = of.against(&solved.friction[of.joint]);
+            let mut along = known.unwrap_or_else(|| of.against(&solved.friction[of.joint]));
             if has(Fault::SlipReversed) {
                 along = along.map(|x| -x);
             }
@@ -109,6 +115,62 @@ impl<R: Number> Run<'_, R> {
         self.record(true)
     }
 
+    /// The frictions that others hold and that go along where some begin to slip, with the directions in which they do.
+    fn goes_along(
+        &self,
+        going: &[usize],
+        (found, layout, solved): (&Assembled<R>, &Layout, &Solved<R>),
+    ) -> Result<Vec<(usize, [R; 6])>, Refusal> {
+        let held = |s: &usize| self.modes.frictions[*s].is_held_by_others();
+        let held: Vec<usize> = (0..self.modes.frictions.len()).filter(held).collect();
+        if held.is_empty() {
+            return Ok(Vec::new());
+        }
+        let rate = |row: &Row<R>| match row.owner {
+            Owner::Joint(joint, k) if self.mechanism.is_stuck(&self.modes, joint, k) => going
+                .iter()
+                .map(|s| &self.mechanism.sliders[*s])
+                .find(|of| of.joint == joint)
+                .map(|of| -of.against(&solved.friction[joint])[k]),
+            _ => None,
+        };
+        let (change, _) = found.correction(layout, rate).map_err(|trouble| self.say(trouble))?;
+        let moves = |s: usize| {
+            let slider = &self.mechanism.sliders[s];
+            let rows = &found.joints[slider.joint].rows;
+            let rates: [R; 6] = std::array::from_fn(|k| {
+                rows[k].iter().fold(R::ZERO, |sum, (dof, entry)| sum + *entry * change[*dof])
+            });
+            let along = slider.rates(&rates);
+            let size = length(&along);
+            (TIE * TIE < size.to_f64()).then(|| (s, along.map(|x| x / size)))
+        };
+        Ok(held.into_iter().filter_map(moves).collect())
+    }
+
+    /// Whether others that stand can take over what those hold that have come to their limits: then nothing slips.
+    fn takes_over(&mut self, going: &[usize]) -> Result<bool, Refusal> {
+        let held = (0..self.modes.frictions.len()).filter(|s| self.modes.frictions[*s].is_held_by_others());
+        let open: Vec<usize> = going.iter().copied().chain(held).collect();
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let mut all_held = self.modes.clone();
+        for s in &open {
+            let position = found.joints[self.mechanism.sliders[*s].joint].position;
+            all_held.frictions[*s] = Mode::sticks(position);
+        }
+        let (found, _, solved) = self.instant(&all_held.without_friction())?;
+        let directions: Vec<[R; 6]> =
+            open.iter().map(|s| self.accelerating(&self.mechanism.sliders[*s], (&found, &solved))).collect();
+        match self.shared(&all_held, &open, &directions) {
+            Some((modes, margin)) if margin > TIE => {
+                let (found, layout, solved) = self.instant(&modes)?;
+                self.settle(modes, &found, layout, &solved)?;
+                Ok(true)
+            }
+            _ => Ok(false),
+        }
+    }
+
     /// Slip ends: at rest exactly, by the equations of stick; then all that stands is decided anew.
     fn rests(&mut self, slider: usize) -> Result<(), Refusal> {
         if let Some(stiffness) = self.mechanism.stiffness.get(slider).copied() {
@@ -116,21 +178,25 @@ impl<R: Number> Run<'_, R> {
         }
         let before = self.modes.clone();
         let (found, _, solved) = self.instant(&before)?;
-        // Others that end at the same time are decided with it.
-        let others = self.ending(&solved.switches, &solved)?.into_iter().filter(|s| *s != slider);
-        for s in std::iter::once(slider).chain(others) {
-            self.forget_onset(s);
-            let position = found.joints[self.mechanism.sliders[s].joint].position;
-            if let Some(mode) = self.modes.frictions.get_mut(s) {
-                *mode = Mode::sticks(position);
-            }
-        }
-        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let ending = self.ending(&solved.switches, &solved)?;
+        self.stands(slider, &found);
         // What is driven cannot stick.
-        if let Ok(layout) = Layout::new(&self.mechanism, &found, &self.modes) {
+        let now = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        if let Ok(layout) = Layout::new(&self.mechanism, &now, &self.modes) {
             self.layout = layout;
             self.project()?;
         }
+        // Others that end at the same time, as in a closed chain, are decided with it.
+        let now = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let speed = 1e-12 * self.speed();
+        let is_brought_to_rest = |s: &usize| {
+            let of = &self.mechanism.sliders[*s];
+            let rate = length(&of.rates(&now.joints[of.joint].velocity)).to_f64();
+            !self.modes.frictions[*s].is_stuck()
+                && (ending.contains(s) || rate <= speed && self.slows(*s, &found, &solved))
+        };
+        let others: Vec<usize> = (0..self.modes.frictions.len()).filter(is_brought_to_rest).collect();
+        others.into_iter().for_each(|s| self.stands(s, &found));
         if has(Fault::SticksAlways) {
             self.event(slider, What::Sticks, None);
             return self.record(true);
@@ -146,6 +212,14 @@ impl<R: Number> Run<'_, R> {
         }
         self.choose(&open)?;
         self.record(true)
+    }
+
+    fn stands(&mut self, slider: usize, found: &Assembled<R>) {
+        self.forget_onset(slider);
+        let position = found.joints[self.mechanism.sliders[slider].joint].position;
+        if let Some(mode) = self.modes.frictions.get_mut(slider) {
+            *mode = Mode::sticks(position);
+        }
     }
 
     /// What slips from here begins from rest, whatever way it slipped before.
@@ -303,7 +377,7 @@ impl<R: Number> Run<'_, R> {
                         sum + *stiffness * stretch * stretch * R::ratio(1, 2)
                     }),
                     Does::Slips(_) => self.stretched[s],
-                    Does::Sticks(_) => R::ZERO,
+                    Does::Sticks(_) | Does::Stands(_) => R::ZERO,
                 };
                 self.state.sums[1] = self.state.sums[1] + held;
                 self.state.sums[2] = self.state.sums[2] - held;
@@ -494,7 +568,7 @@ impl<R: Number> Run<'_, R> {
             }
             let along = along.map(|x| x / size);
             match before.get(s).map(|mode| &mode.does) {
-                Some(Does::Sticks(_) | Does::Stretches(_)) => events.push((s, What::Slips)),
+                Some(Does::Sticks(_) | Does::Stretches(_) | Does::Stands(_)) => events.push((s, What::Slips)),
                 Some(Does::Slips(old)) => {
                     let same = along.iter().zip(old).fold(R::ZERO, |sum, (x, y)| sum + *x * *y);
                     if same.less(R::ZERO) {

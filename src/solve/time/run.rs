@@ -536,7 +536,7 @@ impl<'a, R: Number> Run<'a, R> {
     /// The frictions that stick rigidly, and have something to do.
     pub(crate) fn standing(&self) -> Vec<usize> {
         let stands = |s: &usize| {
-            matches!(self.modes.frictions[*s].does, Does::Sticks(_))
+            matches!(self.modes.frictions[*s].does, Does::Sticks(_) | Does::Stands(_))
                 && !self.mechanism.is_idle(&self.modes, &self.mechanism.sliders[*s])
         };
         (0..self.modes.frictions.len()).filter(stands).collect()
@@ -715,6 +715,25 @@ impl<'a, R: Number> Run<'a, R> {
         Ok((found, layout, solved))
     }
 
+    /// Whose forces are open. Where more frictions stand than hold, theirs are with all that they hold.
+    fn undetermined(&self, found: &Assembled<R>) -> Result<Vec<Owner>, Refusal> {
+        let owners = |found: &Assembled<R>, open: &[usize]| -> Vec<Owner> {
+            open.iter().filter_map(|row| found.rows.get(*row)).map(|row| row.owner).collect()
+        };
+        if !self.modes.frictions.iter().any(Mode::is_held_by_others) {
+            return Ok(owners(found, &self.layout.open));
+        }
+        let mut modes = self.modes.clone();
+        for (slider, mode) in self.mechanism.sliders.iter().zip(&mut modes.frictions) {
+            if mode.is_held_by_others() {
+                *mode = Mode::sticks(found.joints[slider.joint].position);
+            }
+        }
+        let found = self.assembled(&modes).map_err(|trouble| self.say(trouble))?;
+        let open = self.layout.undetermined(&self.mechanism, &found, &modes)?;
+        Ok(owners(&found, &open))
+    }
+
     /// Keeps this state as a frame.
     pub(crate) fn record(&mut self, is_event: bool) -> Result<(), Refusal> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
@@ -736,7 +755,12 @@ impl<'a, R: Number> Run<'a, R> {
             false => solved.accelerations.clone(),
         };
         let reactions = found.reactions(&self.layout, &solved, &accelerations);
-        let held = found.supported(&self.mechanism, &self.layout);
+        let mut held = found.supported(&self.mechanism, &self.layout);
+        let open = self.undetermined(&found)?;
+        let is_undecided = self.modes.frictions.iter().any(Mode::is_held_by_others);
+        for node in open.iter().filter(|_| is_undecided).flat_map(|owner| self.mechanism.nodes_of(*owner)) {
+            held[DOFS * node..DOFS * (node + 1)].fill(false);
+        }
         let nodes = self.state.poses.iter().enumerate().map(|(node, pose)| NodeFrame {
             displacement: pose.displacement,
             rotation: pose.vector,
@@ -750,8 +774,6 @@ impl<'a, R: Number> Run<'a, R> {
         });
         let still = vec![[R::ZERO; 3]; self.state.poses.len()];
         let instant = Instant::of(&self.state, self.step, &still);
-        let open: Vec<Owner> =
-            self.layout.open.iter().filter_map(|row| found.rows.get(*row)).map(|row| row.owner).collect();
         let connectors = self.mechanism.joints.iter().enumerate().map(|(index, joint)| {
             let now = &found.joints[index];
             let of = self.mechanism.sliders.iter().zip(&self.modes.frictions);
@@ -780,6 +802,11 @@ impl<'a, R: Number> Run<'a, R> {
                 velocity,
                 total: solved.total[index],
                 open: [0, 1, 2, 3, 4, 5].map(|k| open.contains(&Owner::Joint(index, k))),
+                open_friction: [0, 1, 2, 3, 4, 5].map(|k| {
+                    let mut of = self.mechanism.sliders.iter().filter(|slider| slider.joint == index);
+                    let rubs = of.any(|slider| slider.components.iter().any(|(of, _)| *of == k));
+                    rubs && open.contains(&Owner::Joint(index, k))
+                }),
                 friction: solved.friction[index],
                 wanted: joint.wanted,
                 free: joint.free,

@@ -41,6 +41,9 @@ pub struct ConnectorFrame<R> {
     pub open: Mask,
     /// CSF.
     pub friction: [R; 6],
+    /// Whose CSF is one of many: more frictions stand than hold.
+    #[serde(default)]
+    pub open_friction: Mask,
     /// Which components have a motion or force that matters to the solution.
     pub wanted: [bool; 6],
     /// Which others have a motion, but nothing that depends on it.

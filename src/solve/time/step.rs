@@ -565,7 +565,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// Whether what slips in one direction goes ever less that way: not by rounding, as where a slip begins.
-    fn slows(&self, slider: usize, found: &Assembled<R>, solved: &Solved<R>) -> bool {
+    pub(crate) fn slows(&self, slider: usize, found: &Assembled<R>, solved: &Solved<R>) -> bool {
         /// Of the acceleration to the usual speed within the step of the scene.
         const LEAST: f64 = 1e-6;
         let of = &self.mechanism.sliders[slider];
@@ -636,7 +636,7 @@ impl<R: Number> Run<'_, R> {
         let mut changed = false;
         let zero = R::ZERO;
         for (s, (mode, limit)) in self.modes.frictions.iter_mut().zip(&solved.limits).enumerate() {
-            if mode.is_stuck() {
+            if mode.along().is_none() {
                 continue;
             }
             if mode.branches.magnitudes.len() != limit.branches.magnitudes.len() {
