@@ -513,7 +513,11 @@ impl<R: Number> Assembled<R> {
                 // What goes away from a limit has rounding on either side of it, and so has what something else holds there.
                 let leaves = *touch == Touch::Leaves(side)
                     || self.row_force(layout, &solved.forces, joint, k).is_some();
-                let gap = if leaves { gap + scale * R::from_f64(LEAVING * R::ROUNDING) } else { gap };
+                let gap = match modes.left(of).filter(|_| *touch == Touch::Leaves(side)) {
+                    Some([_, beyond]) => gap + beyond,
+                    None if leaves => gap + scale * R::from_f64(LEAVING * R::ROUNDING),
+                    None => gap,
+                };
                 push(Cause::Closes(side), gap, scale);
             }
         }

@@ -91,6 +91,9 @@ pub(crate) struct Modes<R> {
     pub(crate) failed: Vec<Mask>,
     /// Between which rows each table is: the number of rows below.
     pub(crate) spans: Vec<usize>,
+    /// Of each stop that has been left with a rate: when, and by how much it was beyond its limit then, which is rounding.
+    #[serde(default = "Vec::new")]
+    pub(crate) left: Vec<Option<[R; 2]>>,
 }
 
 impl<R: Number> Modes<R> {
@@ -102,7 +105,13 @@ impl<R: Number> Modes<R> {
             locked: Vec::new(),
             failed: Vec::new(),
             spans: Vec::new(),
+            left: Vec::new(),
         }
+    }
+
+    /// When a stop was left, and by how much it was beyond its limit then.
+    pub(crate) fn left(&self, stop: usize) -> Option<[R; 2]> {
+        self.left.get(stop).copied().flatten()
     }
 
     /// The same with no friction at all.

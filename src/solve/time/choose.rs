@@ -93,6 +93,9 @@ impl<R: Number> Run<'_, R> {
             for (stop, side) in touching.iter().take(ALL) {
                 modes.stops[*stop] =
                     if rest.is_multiple_of(2) { Touch::Closed(*side) } else { Touch::Leaves(*side) };
+                if let Some(left) = modes.left.get_mut(*stop) {
+                    *left = None;
+                }
                 rest /= 2;
             }
             // What stops hold does not slip.
@@ -606,6 +609,9 @@ impl<R: Number> Run<'_, R> {
         (found, layout, solved): (&Assembled<R>, &Layout, &Solved<R>),
         modes: &Modes<R>,
     ) -> Option<f64> {
+        if modes.frictions[s].is_held_by_others() {
+            return None;
+        }
         if modes.frictions[s].is_stuck() {
             return Some(self.margin(found, (layout, solved), modes, &[s]));
         }

@@ -11,13 +11,16 @@ use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner, Row};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, WORKS};
-use crate::number::{Number, largest};
+use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::choose::TIE;
 use crate::time::run::Run;
 use crate::time::solution::What;
 use pintle_model::behavior::friction::{ContactParts, Context};
 use pintle_model::behavior::{Conditions, Motion};
+
+/// What rises by less than a quarter of this part of the slack of a stop bounces no more.
+const BOUNCE: f64 = 1e-3;
 
 impl<R: Number> Run<'_, R> {
     /// An event at this state.
@@ -266,8 +269,18 @@ impl<R: Number> Run<'_, R> {
                 closing.extend(Side::BOTH.iter().find(|side| meets(side)).map(|side| (of, *side)));
             }
         }
+        let mut slow = R::ZERO;
         for (of, side) in closing {
             let Stop { joint, component: k, .. } = self.mechanism.stops[of];
+            let rate = side.sign::<R>() * found.joints[joint].velocity[k];
+            if let Some([since, _]) = self.modes.left(of)
+                && (rate * (self.state.time - since)).less(self.slack(k) * R::from_f64(BOUNCE))
+            {
+                slow = larger(slow, rate);
+            }
+            if let Some(left) = self.modes.left.get_mut(of) {
+                *left = None;
+            }
             if self.mechanism.is_given(joint, k, self.step) {
                 return Err(Refusal::of(
                     self.joint_title(joint),
@@ -283,8 +296,38 @@ impl<R: Number> Run<'_, R> {
             self.event_of_stop(of, What::Closes, None);
         }
         self.collide()?;
+        self.end_bouncing(slow)?;
         self.begin_modes()?;
         self.record(true)
+    }
+
+    /// Impacts that accumulate, as of a bar that rocks from one end to the other, end where what rises is rounding: then all stops that are
+    /// left that slowly hold.
+    fn end_bouncing(&mut self, slow: R) -> Result<(), Refusal> {
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let is_slow = |(of, touch): (usize, &Touch)| {
+            let Touch::Leaves(side) = touch else { return None };
+            let Stop { joint, component: k, .. } = self.mechanism.stops[of];
+            let away = -side.sign::<R>() * found.joints[joint].velocity[k];
+            (R::ZERO.less(away) && !slow.less(away)).then_some((of, *side))
+        };
+        let slow: Vec<(usize, Side)> = self.modes.stops.iter().enumerate().filter_map(is_slow).collect();
+        if slow.is_empty() {
+            return Ok(());
+        }
+        let before = found.kinetic();
+        let frictions = std::mem::take(&mut self.modes.frictions);
+        for (of, side) in slow {
+            self.modes.stops[of] = Touch::Closed(side);
+            self.event_of_stop(of, What::Closes, None);
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+        self.project()?;
+        let after = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?.kinetic();
+        self.state.sums[1] = self.state.sums[1] + (before - after);
+        self.modes.frictions = frictions;
+        Ok(())
     }
 
     /// The force of a stop has come to zero: it grows no gap yet, so that nothing jumps.
@@ -295,6 +338,9 @@ impl<R: Number> Run<'_, R> {
             && let Some(side) = touch.side()
         {
             *touch = Touch::Leaves(side);
+            if let Some(left) = modes.left.get_mut(stop) {
+                *left = None;
+            }
             // A friction that stands at the limit holds on from here.
             let limit = self.mechanism.stops[stop].limit(side);
             for (slider, mode) in self.mechanism.sliders.iter().zip(&mut modes.frictions) {
@@ -416,6 +462,9 @@ impl<R: Number> Run<'_, R> {
             for (i, (stop, side)) in touching.iter().enumerate() {
                 let is_closed = combination >> i & 1 == 0;
                 modes.stops[*stop] = if is_closed { Touch::Closed(*side) } else { Touch::Leaves(*side) };
+                if let Some(left) = modes.left.get_mut(*stop) {
+                    *left = None;
+                }
             }
             let found = self.assembled(&modes).map_err(|trouble| self.say(trouble))?;
             let layout = match Layout::new(&self.mechanism, &found, &modes) {
@@ -471,6 +520,7 @@ impl<R: Number> Run<'_, R> {
                 }
             }
             self.modes.stops = modes.stops;
+            self.modes.left = modes.left;
             return Ok(());
         }
         let named = touching.first().map_or(0, |(stop, _)| self.mechanism.stops[*stop].joint);

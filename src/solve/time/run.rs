@@ -3,11 +3,12 @@
 use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
-use crate::motion::mode::{Does, Mode, Modes, Side, Touch};
+use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
+use crate::time::choose::TIE;
 use crate::time::integrate::{Method, Rule, Tableau};
 use crate::time::keep::{Keeping, Kept};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
@@ -711,7 +712,22 @@ impl<'a, R: Number> Run<'a, R> {
         self.solution.evaluations += 1;
         let found = self.assembled(modes).map_err(|trouble| self.say(trouble))?;
         let layout = Layout::new(&self.mechanism, &found, modes)?;
-        let solved = found.solve(&self.mechanism, &layout, modes).map_err(|trouble| self.say(trouble))?;
+        let mut solved =
+            found.solve(&self.mechanism, &layout, modes).map_err(|trouble| self.say(trouble))?;
+        // Where forces have jumped, what presses may be on the other side of zero, or of the largest friction force.
+        let mut free = modes.clone();
+        for _ in 0..modes.frictions.len() {
+            let has_jumped = |switch: &&Switch<R>| {
+                matches!(switch.cause, Cause::Turns(_) | Cause::Caps)
+                    && switch.value.less(-switch.scale * R::from_f64(TIE))
+            };
+            let jumped: Vec<usize> = solved.switches.iter().filter(has_jumped).map(|one| one.of).collect();
+            if jumped.is_empty() {
+                break;
+            }
+            jumped.into_iter().for_each(|s| free.frictions[s].branches = Branches::none());
+            solved = found.solve(&self.mechanism, &layout, &free).map_err(|trouble| self.say(trouble))?;
+        }
         Ok((found, layout, solved))
     }
 

@@ -425,6 +425,9 @@ impl<R: Number> Run<'_, R> {
                 let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
                 self.refuse_others(&found, &self.layout, (&self.modes, &solved))?;
             }
+            if self.leaves(&slope.switches)? {
+                continue;
+            }
             if let Some(switch) = self.overdue(&slope.switches, &solved)? {
                 self.crosses(&switch)?;
                 continue;
@@ -519,6 +522,38 @@ impl<R: Number> Run<'_, R> {
         }
         self.state.time = end;
         Ok(())
+    }
+
+    /// Whether stops have been left with rates: from there on their gaps are exact.
+    fn leaves(&mut self, switches: &[Switch<R>]) -> Result<bool, Refusal> {
+        /// Of the usual speed: what goes away more slowly may be pushed back by rounding.
+        const CLEAR: f64 = 1e-10;
+        let is_new = |(of, touch): &(usize, &Touch)| {
+            matches!(touch, Touch::Leaves(_)) && self.modes.left(*of).is_none()
+        };
+        let new: Vec<(usize, Touch)> =
+            self.modes.stops.iter().enumerate().filter(is_new).map(|(of, touch)| (of, *touch)).collect();
+        if self.is_still || new.is_empty() {
+            return Ok(false);
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        let least = CLEAR * self.usual_speed();
+        let mut any = false;
+        for (of, touch) in new {
+            let (Some(side), stop) = (touch.side(), &self.mechanism.stops[of]) else { continue };
+            let now = &found.joints[stop.joint];
+            let unit = if stop.component < 3 { self.mechanism.length } else { 1.0 };
+            let rate = -side.sign::<R>() * now.velocity[stop.component];
+            let Some(gap) = stop.gap(side, now.position[stop.component]) else { continue };
+            let is_watched =
+                switches.iter().any(|switch| switch.of == of && switch.cause == Cause::Closes(side));
+            if is_watched && least * unit < rate.to_f64() {
+                self.modes.left.resize(self.mechanism.stops.len(), None);
+                self.modes.left[of] = Some([self.state.time, larger(-gap, R::ZERO)]);
+                any = true;
+            }
+        }
+        Ok(any)
     }
 
     /// What has passed its end as a step begins: a stop that another has made close, a limit that a force has jumped over, a table left by
@@ -692,11 +727,16 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// Finds the first event within h, by whole steps: the state goes on to it. Switches at both ends are known.
-    pub(crate) fn locate(&mut self, h: R, first: &[Switch<R>], last: &[Switch<R>]) -> Result<(), Refusal> {
+    pub(crate) fn locate(
+        &mut self,
+        h: R,
+        first: &[Switch<R>],
+        last_switches: &[Switch<R>],
+    ) -> Result<(), Refusal> {
         let zero = R::ZERO;
         let mut low = (zero, first.to_vec());
         let mut high = h;
-        let known = earliest(first, last);
+        let known = earliest(first, last_switches);
         let mut which: Option<usize> = known.map(|(index, _)| index);
         let mut weight = R::integer(1);
         let mut high_value: Option<R> = known.map(|(_, switch)| switch.value);
@@ -706,6 +746,19 @@ impl<R: Number> Run<'_, R> {
         let mut shorter: Option<R> = None;
         let start = self.state.time;
         let resolution = larger(start.magnitude(), h) * R::from_f64(4.0 * R::ROUNDING);
+        // A gap is as exact as the way that it goes: what has just been left comes back from there.
+        let ways: Vec<R> =
+            first.iter().zip(last_switches).map(|(one, two)| largest([one.value, two.value])).collect();
+        let rounded = |index: usize, now: &Switch<R>| {
+            let scale = match now.cause {
+                Cause::Closes(_) => ways.get(index).map_or(now.scale, |way| way.lesser(now.scale)),
+                _ => now.scale,
+            };
+            scale * R::from_f64(16.0 * R::ROUNDING)
+        };
+        let mut was_away = known.is_none_or(|(index, _)| {
+            first.get(index).is_none_or(|now| !matches!(now.cause, Cause::Closes(_)) || zero.less(now.value))
+        });
         for iteration in 0..400 {
             let base = self.state.clone();
             let y = self.packed();
@@ -739,7 +792,7 @@ impl<R: Number> Run<'_, R> {
                 (Some(index), Some(below)) if iteration % 4 != 3 => {
                     let above = low.1.get(index).map_or(zero, |switch| switch.value);
                     let span = above - below * weight;
-                    let part = if zero.less(span) { above / span } else { R::ratio(1, 2) };
+                    let part = if was_away && zero.less(span) { above / span } else { R::ratio(1, 2) };
                     ahead * part
                 }
                 (None, _) => ahead,
@@ -762,10 +815,12 @@ impl<R: Number> Run<'_, R> {
                     self.commit(&base, base.time + guess, &tried.end)?;
                     low = (base.time + guess - start, ended.clone());
                     weight = R::ratio(1, 2);
-                    let vanishes = which.and_then(|index| ended.get(index)).is_some_and(|now| {
-                        let rounded = now.scale * R::from_f64(16.0 * R::ROUNDING);
-                        now.cause != Cause::Stops && !rounded.less(now.value.magnitude())
-                    });
+                    let now = which.and_then(|index| Some((index, ended.get(index)?)));
+                    let is_zero = |(index, now): (usize, &Switch<R>)| {
+                        now.cause != Cause::Stops && !rounded(index, now).less(now.value.magnitude())
+                    };
+                    let vanishes = was_away && now.is_some_and(is_zero);
+                    was_away |= now.is_some_and(|now| !is_zero(now));
                     if vanishes || !(resolution).less(high - low.0) {
                         let Some(switch) = which.and_then(|index| ended.get(index)) else { return Ok(()) };
                         return self.crosses(switch);
