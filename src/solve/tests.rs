@@ -1372,6 +1372,113 @@ fn what_is_led_along_a_circle_rubs_along_its_tangent() {
     }
 }
 
+/// A mass that sets out from its stop against gravity comes back after 2 v/g, however slow it is.
+#[test]
+fn a_stop_just_left_closes_when_it_is_met() {
+    for (v, g) in [("1e-2", 10.0), ("1e-4", 10.0), ("1e-6", 10.0), ("1e-9", 10.0), ("1e-11", 1e-10)] {
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=L\n12, , 1\n*CONNECTOR SECTION, ELSET=L, BEHAVIOR=B\nCARTESIAN\n\
+             *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=2\n0.,\n*ELEMENT, TYPE=MASS, ELSET=M\n21, 1\n*MASS, ELSET=M\n1.\n\
+             *BOUNDARY\n1, 1, 1\n1, 3, 3\n*INITIAL CONDITIONS, TYPE=VELOCITY\n1, 2, {v}\n*STEP\n*DYNAMIC\n0.01, 1.\n*DLOAD\n\
+             M, GRAV, {g}, 0., -1., 0.\n*END STEP\n"
+        );
+        let solution: Solution<f64> = solved(&deck, &Options::default());
+        let wanted = 2.0 * v.parse::<f64>().unwrap() / g;
+        let told: Vec<(What, f64)> = solution.events.iter().map(|event| (event.what, event.time)).collect();
+        let [(What::Closes, time)] = told[..] else { panic!("{v}: {told:?}") };
+        assert!((time - wanted).abs() < 1e-11 * wanted, "{v}: {time:e} for {wanted:e}");
+    }
+}
+
+/// A bar on two stops rocks from one end to the other, each time with a third of the rate (Housner: (I − m l²)/(I + m l²)): it rests after 0.09.
+#[test]
+fn impacts_that_accumulate_end() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, -1., 0., 0.\n3, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=L\n12, , 2\n13, , 3\n\
+        *CONNECTOR SECTION, ELSET=L, BEHAVIOR=B\nCARTESIAN\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR STOP, COMPONENT=2\n0.,\n*MPC\n\
+        BEAM, 2, 1\nBEAM, 3, 1\n*ELEMENT, TYPE=MASS, ELSET=M\n21, 1\n*MASS, ELSET=M\n1.\n*ELEMENT, TYPE=ROTARYI, ELSET=I\n22, 1\n\
+        *ROTARY INERTIA, ELSET=I\n2., 2., 2.\n*BOUNDARY\n1, 1, 1\n1, 3, 5\n*INITIAL CONDITIONS, TYPE=VELOCITY\n1, 2, 0.1\n1, 6, 0.1\n\
+        *STEP\n*DYNAMIC\n0.01, 1.\n*DLOAD\nM, GRAV, 10., 0., -1., 0.\n*END STEP\n";
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let solution: Solution<f64> = solved(deck, &Options { method, ..Options::default() });
+        let times: Vec<f64> = solution.events.iter().map(|event| event.time).collect();
+        assert!(times.len() >= 12, "{method:?}: {times:?}");
+        // Until the bar has turned: the arm of its weight is not quite 1.
+        for (time, wanted) in times.iter().zip([0.06, 0.08, 0.26 / 3.0, 0.8 / 9.0]) {
+            assert!((time - wanted).abs() < 1e-7, "{method:?}: {time} for {wanted}");
+        }
+        assert!(times.iter().all(|time| *time < 0.0900001), "{method:?}: {times:?}");
+        let last = solution.frames.last().unwrap();
+        for of in &last.connectors {
+            assert!((of.total[1] + 5.0).abs() < 1e-12 && of.velocity == [0.0; 6], "{method:?}: {of:?}");
+        }
+        assert!((last.energies.dissipated - 0.015).abs() < 1e-12, "{method:?}: {:?}", last.energies);
+    }
+}
+
+/// Boxes on a floor, joined by rods: how they share a load that does not move them is open. They slip together as it exceeds all limits, μ g Σ m.
+#[test]
+fn boxes_on_rods_share_a_load() {
+    for masses in [vec![1.0, 1.0], vec![1.0, 1.5, 2.0, 2.5], vec![3.0, 0.5, 0.5]] {
+        let n = masses.len();
+        let lines = |of: &dyn Fn(usize) -> String| (0..n).map(of).collect::<String>();
+        let rods: String = (1..n).map(|i| format!("{}, {i}, {}\n", 20 + i, i + 1)).collect();
+        let weights = lines(&|i| {
+            let (set, element, node) = (i, 30 + i, i + 1);
+            format!(
+                "*ELEMENT, TYPE=MASS, ELSET=M{set}\n{element}, {node}\n*MASS, ELSET=M{set}\n{}\n",
+                masses[i]
+            )
+        });
+        let deck = format!(
+            "*NODE\n{}*ELEMENT, TYPE=CONN3D2, ELSET=C\n{}*ELEMENT, TYPE=CONN3D2, ELSET=ROD\n{rods}*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+             *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR SECTION, ELSET=ROD\nLINK\n*CONNECTOR BEHAVIOR, NAME=B\n\
+             *CONNECTOR FRICTION, PREDEFINED\n\n*FRICTION\n0.2\n{weights}*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n*STEP\n*DYNAMIC\n0.01, 1.\n\
+             *DLOAD\n{}*CLOAD, AMPLITUDE=A\n1, 1, 40.\n*END STEP\n",
+            lines(&|i| format!("{}, {i}., 0., 0.\n", i + 1)),
+            lines(&|i| format!("{}, , {}\n", 10 + i, i + 1)),
+            lines(&|i| format!("M{i}, GRAV, 10., 0., -1., 0.\n")),
+        );
+        let options = Options { times: vec![0.1], ..Options::default() };
+        let solution: Solution<f64> = solved(&deck, &options);
+        let all: f64 = masses.iter().sum();
+        let (limit, load) = (2.0 * all, 40.0);
+        let onset = limit / load;
+        let slips: Vec<f64> = solution.events.iter().map(|event| event.time).collect();
+        assert_eq!(slips.len(), n, "{masses:?}: {:?}", solution.events);
+        assert!(slips.iter().all(|time| (time - onset).abs() < 1e-13), "{masses:?}: {slips:?} for {onset}");
+        let resting = solution.frames.iter().find(|frame| frame.time == 0.1).unwrap();
+        for of in &resting.connectors {
+            assert!(of.open[0] && of.velocity == [0.0; 6], "{masses:?}: {of:?}");
+            assert!(of.sticks.iter().all(|sticks| *sticks), "{masses:?}: {of:?}");
+        }
+        let last = solution.frames.last().unwrap();
+        let speed = load * (1.0 - onset).powi(2) / 2.0 / all;
+        for of in last.connectors.iter().filter(|of| !of.sticks.is_empty()) {
+            assert!((of.velocity[0] - speed).abs() < 1e-13 && !of.open[0], "{masses:?}: {of:?} for {speed}");
+        }
+    }
+}
+
+/// Two masses on rails at right angles, joined by a rod, coast to rest: nothing acts there, so that neither friction need hold anything.
+#[test]
+fn what_coasts_to_rest_without_a_load_is_no_jam() {
+    let deck = "*NODE\n1, 1., 0., 0.\n2, 0., 1., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=H\n12, , 1\n*ELEMENT, TYPE=CONN3D2, ELSET=S\n13, , 2\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=ROD\n14, 1, 2\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*ORIENTATION, NAME=A\n0., 1., 0., -1., 0., 0.\n\
+        *CONNECTOR SECTION, ELSET=H, BEHAVIOR=B\nSLOT\nO,\n*CONNECTOR SECTION, ELSET=S, BEHAVIOR=D\nSLOT\nA,\n*CONNECTOR SECTION, ELSET=ROD\n\
+        LINK\n*CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR FRICTION, PREDEFINED\n0.5\n*FRICTION\n0.3\n*CONNECTOR BEHAVIOR, NAME=D\n\
+        *CONNECTOR FRICTION, PREDEFINED\n0.5\n*FRICTION\n1.1\n*ELEMENT, TYPE=MASS, ELSET=M\n21, 1\n22, 2\n*MASS, ELSET=M\n1.\n\
+        *INITIAL CONDITIONS, TYPE=VELOCITY\n1, 1, -0.2\n*STEP\n*DYNAMIC\n0.01, 9.\n*END STEP\n";
+    let solution: Solution<f64> = solved(deck, &Options::default());
+    let last = solution.frames.last().unwrap();
+    assert_eq!((last.time, last.energies.kinetic), (9.0, 0.0), "{:?}", solution.events);
+    assert!((last.energies.dissipated - 0.04).abs() < 1e-12, "{:?}", last.energies);
+    for (of, rubs) in last.connectors.iter().zip([true, true, false]) {
+        assert!(of.open[0] && of.open_friction[0] == rubs, "{of:?}");
+    }
+    let told: Vec<What> = solution.events.iter().map(|event| event.what).collect();
+    assert_eq!(told, [What::Sticks, What::Sticks]);
+}
+
 /// A block on a rail with spring, friction and stops, in statics, under loads that are straight between points in time.
 ///
 /// u stays where it is between (f − μ|N|)/k and (f + μ|N|)/k, each within the stops, and goes with that which it meets. Between points all three

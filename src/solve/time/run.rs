@@ -623,12 +623,8 @@ impl<'a, R: Number> Run<'a, R> {
         let mut found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let zero = R::ZERO;
         for (given, (node, k, amount)) in self.mechanism.velocities.iter().enumerate() {
-            let axis = self.mechanism.bodies[*node].axes[*k % 3];
-            let entries = (0..3).map(|i| (DOFS * node + k / 3 * 3 + i, axis[i]));
-            let coefficients: Vec<(usize, R)> =
-                entries.filter(|(_, entry)| zero.less(entry.magnitude())).collect();
-            let rates = &self.state.rates[*node];
-            let now = coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof % DOFS]);
+            let coefficients = vec![(DOFS * node + k, R::integer(1))];
+            let now = self.state.rates[*node][*k];
             found.rows.push(Row {
                 owner: Owner::Given(given),
                 force: None,
@@ -712,8 +708,7 @@ impl<'a, R: Number> Run<'a, R> {
         self.solution.evaluations += 1;
         let found = self.assembled(modes).map_err(|trouble| self.say(trouble))?;
         let layout = Layout::new(&self.mechanism, &found, modes)?;
-        let mut solved =
-            found.solve(&self.mechanism, &layout, modes).map_err(|trouble| self.say(trouble))?;
+        let mut solved = found.solve(&self.mechanism, &layout, modes).map_err(|trouble| self.say(trouble))?;
         // Where forces have jumped, what presses may be on the other side of zero, or of the largest friction force.
         let mut free = modes.clone();
         for _ in 0..modes.frictions.len() {
