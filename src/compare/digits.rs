@@ -373,6 +373,7 @@ impl Places {
                     Output::CV => of.velocity[*k],
                     Output::CTF if of.open[*k] => return None,
                     Output::CTF => of.total[*k],
+                    Output::CSF if of.open_friction[*k] => return None,
                     Output::CSF => of.friction[*k],
                     _ => return None,
                 }

@@ -156,7 +156,11 @@ pub fn human<R: Number>(
         say(
             "open",
             &format!(
-                "{open} CTF: constraints repeat each other, so that many forces fit; pintle audit names them"
+                "{open} CTF: {}, so that many forces fit",
+                match last.iter().any(|last| last.connectors.iter().any(|of| of.open_friction.contains(&true))) {
+                    true => "more frictions stand than hold",
+                    false => "constraints repeat each other (pintle audit names them)",
+                }
             ),
         )?;
     }

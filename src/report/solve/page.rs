@@ -116,7 +116,8 @@ impl<'a, R: Number> Drawn<'a, R> {
                 let total = range.clone().filter(|k| !open(k)).map(|k| {
                     self.curve(format!("CTF {}", COMPONENT[k]), |frame| frame.connectors[c].total[k])
                 });
-                let friction = range.clone().map(|k| {
+                let rubs_open = |k: &usize| frames.iter().any(|frame| frame.connectors[c].open_friction[*k]);
+                let friction = range.clone().filter(|k| !rubs_open(k)).map(|k| {
                     self.curve(format!("CSF {}", COMPONENT[k]), |frame| frame.connectors[c].friction[k])
                 });
                 plots.extend(self.plot(format!("{title} ({unit})"), total.chain(friction), Some(c)));

@@ -24,9 +24,13 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         vec![of.kinetic, of.stored, of.dissipated, of.external]
     });
     let count = frames.len();
-    let force = |of: &ConnectorFrame<R>, k: usize| if of.open[k] { f64::NAN } else { of.total[k].to_f64() };
-    let forces = frames.iter().flat_map(|frame| &frame.connectors);
-    let forces = forces.flat_map(|of| (0..6).map(|k| force(of, k))).collect();
+    // What is open is no number.
+    let forces = |of: &dyn Fn(&ConnectorFrame<R>, usize) -> (bool, R)| -> Vec<f64> {
+        let all = frames.iter().flat_map(|frame| &frame.connectors).flat_map(|one| (0..6).map(|k| of(one, k)));
+        all.map(|(is_open, force)| if is_open { f64::NAN } else { force.to_f64() }).collect()
+    };
+    let total = forces(&|of, k| (of.open[k], of.total[k]));
+    let friction = forces(&|of, k| (of.open_friction[k], of.friction[k]));
     vec![
         Array::numbers("time", vec![count], each(&|frame| vec![frame.time])),
         Array::words("node", nodes.iter().map(ToString::to_string).collect()),
@@ -39,8 +43,8 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         Array::words("element", connectors.iter().map(|(label, _)| label.to_string()).collect()),
         of_connectors("CU", &|of| of.displacement),
         of_connectors("CV", &|of| of.velocity),
-        Array::numbers("CTF", vec![count, connectors.len(), 6], forces),
-        of_connectors("CSF", &|of| of.friction),
+        Array::numbers("CTF", vec![count, connectors.len(), 6], total),
+        Array::numbers("CSF", vec![count, connectors.len(), 6], friction),
         Array::numbers("sticks", vec![count, connectors.len()], frames.iter().flat_map(sticks).collect()),
         Array::numbers("energies", vec![count, 4], energies),
         Array::numbers(
