@@ -1,6 +1,7 @@
 //! What the states of a chunk give: values and rows of all, and what 237 bits say of a share.
 
 use crate::SweepError;
+use crate::generator::Generator;
 use crate::plan::{Plan, sha256};
 use crate::ranges::{Ranges, checked};
 use crate::routine::{Due, Routines};
@@ -234,7 +235,18 @@ impl Sweep {
     pub fn case(&self, index: u64) -> Option<Case> {
         let ready = self.connector_of(index)?;
         let name = self.plan.subjects.get(ready.subject)?.name.as_str();
-        Some(ready.source.case(name, index, &ready.source.state(self.key, index)))
+        Some(ready.source.case(name, index, &self.state(ready, index)))
+    }
+
+    /// The state of an index. A Sobol sequence is one of each connector by itself, whose states are counted without the others.
+    fn state(&self, ready: &Ready, index: u64) -> Drawn {
+        let count = self.connectors.len() as u64;
+        let (block, at) = (index / BLOCK, index % BLOCK);
+        let (key, index) = match self.plan.generator {
+            Generator::Philox => (self.key, index),
+            Generator::Sobol => (self.key ^ splitmix64(block % count), block / count * BLOCK + at),
+        };
+        ready.source.state(self.plan.generator, key, index)
     }
 
     fn connector_of(&self, index: u64) -> Option<&Ready> {
@@ -351,7 +363,7 @@ impl Sweep {
         const FOUR: u64 = LANES as u64;
         let whole = range.start / FOUR * FOUR..range.end.div_ceil(FOUR) * FOUR;
         room.drawn.clear();
-        room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
+        room.drawn.extend(whole.clone().map(|index| self.state(ready, index)));
         room.follow(ready);
         whole
     }
