@@ -167,6 +167,18 @@ mod tests {
         assert!(most < 1e-15, "{most:e}");
     }
 
+    /// Of a Sobol sequence all coordinates of point 0 are zero, and those of others related: each has a scramble of its own.
+    #[test]
+    fn every_coordinate_is_scrambled_by_itself() {
+        for generator in Generator::ALL {
+            let stream = &mut Stream::new(generator, 7, 0);
+            let mut point: Vec<u64> = (0..DIMENSIONS).map(|_| stream.bits() >> 32).collect();
+            point.sort_unstable();
+            point.dedup();
+            assert_eq!(point.len(), DIMENSIONS, "{generator:?}");
+        }
+    }
+
     /// Means over the whole cube, of every generator: a Sobol sequence comes nearer by more than a factor of ten.
     #[test]
     fn numbers_are_spread() {

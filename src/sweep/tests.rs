@@ -157,7 +157,8 @@ fn generators_do_not_mix() {
 #[test]
 fn states_of_a_sobol_sequence_lie_evenly() {
     const STATES: u64 = 1 << 13;
-    let definition = Subject::catalogue().swap_remove(0).connectors(true).unwrap().swap_remove(0);
+    let hinge = Subject::catalogue().into_iter().find(|subject| subject.name == "HINGE").unwrap();
+    let definition = hinge.connectors(true).unwrap().swap_remove(0);
     let source = Source::new(&definition, &Connector::<f64>::new(&definition));
     let [random, sobol] = Generator::ALL.map(|generator| {
         let (mut places, mut parts) = ([0_u64; 5], [[0_u64; 64]; 3]);
@@ -177,6 +178,19 @@ fn states_of_a_sobol_sequence_lie_evenly() {
     assert!(sobol.0 == shares && random.0 != shares, "{sobol:?} {random:?}");
     // Of random ones 189 are expected, by 63 degrees of freedom of each coordinate.
     assert!((120.0..280.0).contains(&random.1) && sobol.1 < 20.0, "{sobol:?} {random:?}");
+}
+
+/// Each connector has its own points one after the other: of 256 of its states each place has its share, whatever states of others lie between.
+#[test]
+fn every_connector_has_a_sequence_of_its_own() {
+    let sweep = sweep_by(Generator::Sobol, 0.0);
+    let connectors = 8 * Subject::catalogue().len() as u64;
+    let found = run(&sweep, 0, 256 * connectors);
+    for of in &found.subjects {
+        let counts = [Place::Little, Place::Turns, Place::RightAngles].map(|place| of.places[&place]);
+        assert_eq!((of.states(), counts), (2048, [128, 128, 32]), "{}", of.name);
+        assert_eq!(of.wrong, 0, "{of:?}");
+    }
 }
 
 /// No state takes more numbers than a point of the Sobol sequence has.
