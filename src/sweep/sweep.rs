@@ -14,7 +14,7 @@ use pintle_audit::{
 use pintle_kinematics::batch::{
     Batch, COLUMNS, Four, Fours, HessianRow, History, LANES, Row, Section, Tile, vector_unit,
 };
-use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, Tally};
+use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, Tally, Turns};
 use pintle_kinematics::draw::splitmix64;
 use pintle_kinematics::measure::{Margin, Measure, SingularClass};
 use pintle_kinematics::node::{DOFS, PSI_A, PSI_B};
@@ -22,7 +22,7 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Real, U};
 use pintle_kinematics::vector::{Matrix, Vector, apply, dot, product, sub};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Consecutive states that one connector has. Tiles of four begin at multiples of four, whatever the chunk.
@@ -584,10 +584,16 @@ impl Ready {
     }
 
     /// The value of component k as the audit has it: from where it counts, with its turns.
+    ///
+    /// At half a turn the sign of a zero decides between π and −π, and rounding decides that sign: the side that the history took counts.
     fn counted(&self, k: usize, value: f64, branch: &Branch<f64>) -> f64 {
-        let value = value - self.connector.origin(k).unwrap_or(0.0);
-        let winds = self.connector.differentiated(k).is_some_and(|measure| measure.winds());
-        if winds { f64::with_turns(value, branch.turns[k].turns) } else { value }
+        let counted = value - self.connector.origin(k).unwrap_or(0.0);
+        if !self.connector.differentiated(k).is_some_and(|measure| measure.winds()) {
+            return counted;
+        }
+        let Turns { turns, principal } = branch.turns[k];
+        let crossed = if value.abs() <= PI { ((principal - value) / TAU).round() } else { 0.0 };
+        f64::with_turns(counted, turns + crossed)
     }
 
     /// How far a state is from the nearest singular set, or from one that cannot be removed, as far as doubles can tell.

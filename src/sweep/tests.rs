@@ -57,6 +57,19 @@ fn nothing_is_wrong() {
     assert!(laws > 50 && framed > 24, "{laws} {framed}");
 }
 
+/// A FLEXION-TORSION at half a turn, exactly: rounding decides the sign of a zero, and so between π and −π, otherwise in a batch than in the history.
+#[test]
+fn half_a_turn_has_one_side() {
+    let found = run(&sweep(1.0), 24_028_648, 8);
+    let of = found.subjects.iter().find(|of| of.name == "FLEXION-TORSION").unwrap();
+    assert_eq!(
+        (of.judged, of.places.get(&Place::RightAngles)),
+        (8, Some(&1)),
+        "another state is needed: {of:?}"
+    );
+    assert_eq!(of.wrong, 0, "{:?}", of.value.worst);
+}
+
 /// Each check fails where it should: a column 16 roundings off, a number that is none, an entry that is judged, axes exchanged.
 #[test]
 fn what_is_wrong_is_found() {
