@@ -123,6 +123,7 @@ def sweep(
     threads: int = 1,
     chunk_states: int | float = 1_000_000,
     oracle_share: float = 1e-3,
+    generator: Literal["philox", "sobol"] = "philox",
     seed: str = "pintle",
     progress: Callable[[int, int], object] | None = None,
 ) -> Sweep: ...

@@ -109,6 +109,7 @@ def sweep(
     threads=1,
     chunk_states=10**6,
     oracle_share=1e-3,
+    generator="philox",
     seed="pintle",
     progress=None,
 ):
@@ -116,6 +117,7 @@ def sweep(
 
     `of` are connection types, scenes, or connectors of scenes; without any, all types. `engine` is None for this
     process, "joblib", "dask" or "ray"; a client of Dask, or a cluster of Ray, that there is already is used.
+    `generator` is "philox" for random states, or "sobol" for states that lie more evenly.
 
     With `out` each chunk is kept in that folder, which all workers must see. The same call again computes what is
     not there: whatever is killed, nothing that was written is lost. `progress(done, all)` is told of each chunk.
@@ -129,7 +131,7 @@ def sweep(
     if not 0 <= oracle_share <= 1:
         raise ValueError(f"oracle_share is {oracle_share!r}, and no share between 0 and 1")
     out = None if out is None else str(out)
-    plan = _pintle.sweep_plan([str(one) for one in of], seed, oracle_share)
+    plan = _pintle.sweep_plan([str(one) for one in of], generator, seed, oracle_share)
     parts = _pintle.sweep_left(plan, int(states), int(chunk_states), out)
     texts = []
     for done, text in enumerate(ENGINES[engine](plan, parts, out, threads, workers), 1):

@@ -1,6 +1,6 @@
 //! Chunks of a sweep: texts and numbers in, texts out, so that any engine can carry them.
 
-use pintle::sweep::{Folder, Ranges, Summary, Sweep, SweepError};
+use pintle::sweep::{Folder, Generator, Ranges, Summary, Sweep, SweepError};
 use pintle_sweep::ranges::checked;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -18,8 +18,18 @@ fn raised(error: SweepError) -> PyErr {
 /// # Errors
 /// ValueError, where there is nothing of that name.
 #[pyfunction]
-pub(crate) fn sweep_plan(py: Python<'_>, of: Vec<String>, seed: &str, share: f64) -> PyResult<String> {
-    py.detach(|| pintle::sweep::plan(&of, seed, share)).map_err(PyValueError::new_err)
+pub(crate) fn sweep_plan(
+    py: Python<'_>,
+    of: Vec<String>,
+    generator: &str,
+    seed: &str,
+    share: f64,
+) -> PyResult<String> {
+    let generator = Generator::named(generator).ok_or_else(|| {
+        let known = Generator::ALL.map(|one| format!("'{}'", one.name())).join(", ");
+        PyValueError::new_err(format!("there is no generator '{generator}': choose {known}"))
+    })?;
+    py.detach(|| pintle::sweep::plan(&of, generator, seed, share)).map_err(PyValueError::new_err)
 }
 
 /// The chunks that are left of `states`, as first index and count: of all where there is no folder.

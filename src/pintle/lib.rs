@@ -157,7 +157,7 @@ pub mod check {
 #[cfg(feature = "cli")]
 pub mod sweep {
     pub use crate::cli::sweep::plan;
-    pub use pintle_sweep::{Folder, Plan, Ranges, Subject, Summary, Sweep, SweepError};
+    pub use pintle_sweep::{Folder, Generator, Plan, Ranges, Subject, Summary, Sweep, SweepError};
 }
 
 #[cfg(doctest)]

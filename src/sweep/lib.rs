@@ -1,13 +1,14 @@
 //! Very many states, in any partition: what a billion of them give fits into some kilobytes, and is the same however they are shared out.
 //!
-//! A state is its index: [`philox`] gives its numbers from that, so that nothing travels and nothing is stored. A [`Plan`] is the text of
+//! A state is its index: a [`generator`] gives its numbers from that, so that nothing travels and nothing is stored. A [`Plan`] is the text of
 //! what is swept; a chunk is a plan, a first index and a count; [`Sweep::run`] makes a [`Summary`] of it. Summaries merge exactly: they
 //! hold counts, extrema with their indices, and a sum of integers over all bits of all numbers, but no sum of floating-point numbers. The
 //! merge is associative and commutative, and so any partition, order and number of threads give one [`Summary::digest`].
 //!
 //! | module | question |
 //! |---|---|
-//! | [`philox`] | which numbers belong to an index? |
+//! | [`generator`] | which numbers belong to an index? |
+//! | [`philox`], [`sobol`] | random ones; ones that lie more evenly |
 //! | [`plan`] | what is swept? |
 //! | [`states`] | which state has an index? |
 //! | [`routine`] | whose numbers are they, if not our own? |
@@ -18,10 +19,12 @@
 
 pub mod bins;
 pub mod folder;
+pub mod generator;
 pub mod philox;
 pub mod plan;
 pub mod ranges;
 pub mod routine;
+pub mod sobol;
 pub mod states;
 pub mod summary;
 pub mod sweep;
@@ -30,6 +33,7 @@ mod tests;
 pub mod whole;
 
 pub use folder::Folder;
+pub use generator::Generator;
 pub use plan::{Plan, Subject};
 pub use ranges::Ranges;
 pub use routine::{Routine, Routines};

@@ -1,6 +1,7 @@
 //! What is swept, as a text: connectors with all that defines them, a seed, and the share that is judged.
 
 use crate::SweepError;
+use crate::generator::Generator;
 use crate::summary::hex;
 use pintle_audit::sampling::{aligned, definition, pair};
 use pintle_kinematics::VERSION;
@@ -14,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// The form of the text, and of everything that decides which state an index has.
-pub const SCHEMA: &str = "pintle-sweep-plan/2";
+pub const SCHEMA: &str = "pintle-sweep-plan/3";
 
 /// How many connectors of a type are swept: initial orientations that satisfy what the type constrains, and others.
 const OF_A_TYPE: usize = 8;
@@ -27,6 +28,8 @@ pub struct Plan {
     pub schema: String,
     /// The version of the program, by which types are drawn.
     pub version: String,
+    /// By what the states are drawn.
+    pub generator: Generator,
     /// What the states are drawn from.
     pub seed: String,
     /// The share of the states that is judged on 237 bits.
@@ -105,6 +108,7 @@ impl Plan {
     /// # Errors
     /// A type that there is not.
     pub fn new(
+        generator: Generator,
         seed: &str,
         share: f64,
         subjects: Vec<Subject>,
@@ -113,6 +117,7 @@ impl Plan {
         let mut plan = Self {
             schema: SCHEMA.into(),
             version: VERSION.into(),
+            generator,
             seed: seed.into(),
             share,
             definitions: String::new(),
@@ -139,6 +144,13 @@ impl Plan {
         let mut found = Vec::new();
         if self.version != other.version {
             found.push(format!("pintle {} in place of {}", other.version, self.version));
+        }
+        if self.generator != other.generator {
+            found.push(format!(
+                "the generator {} in place of {}",
+                other.generator.name(),
+                self.generator.name()
+            ));
         }
         if self.seed != other.seed {
             found.push(format!("the seed {:?} in place of {:?}", other.seed, self.seed));

@@ -9,9 +9,10 @@
 //! | 4 | in one of the 24 orientations of a cube each: exact right angles |
 //!
 //! A node that cannot turn, or cannot do so about any axis, leaves nothing of a line: its states count as turned uniformly.
-//! But for the second line only sums, products, quotients and roots are computed, which every machine rounds alike.
+//! States of the second line are drawn as the audit draws them, whatever the generator. Of the others only sums, products, quotients and roots are
+//! computed, which every machine rounds alike.
 
-use crate::philox::Stream;
+use crate::generator::{Generator, Stream};
 use crate::plan::length_of;
 use pintle_audit::sampling::cube_orientations;
 use pintle_audit::{Case, Sites, Step};
@@ -21,7 +22,7 @@ use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Node, Pair};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3::{Quaternion, compose, matrix};
-use pintle_kinematics::vector::{Matrix, Vector, add, product, scale};
+use pintle_kinematics::vector::{Matrix, add, product, scale};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -45,8 +46,8 @@ impl Place {
     /// Every place.
     pub const ALL: [Self; 5] = [Self::Anywhere, Self::Near, Self::Little, Self::Turns, Self::RightAngles];
 
-    const fn of(bits: u64) -> Self {
-        match bits & 0xff {
+    const fn of(one_of_256: u64) -> Self {
+        match one_of_256 {
             0..16 => Self::Near,
             16..32 => Self::Little,
             32..48 => Self::Turns,
@@ -102,14 +103,15 @@ impl Source {
     }
 
     /// The state of that index.
-    pub fn state(&self, key: u64, index: u64) -> Drawn {
-        let mut stream = Stream::new(key, index);
-        let [bits, more] = stream.bits();
-        match self.possible(Place::of(bits)) {
-            Place::Near => {
-                self.near(key, index).unwrap_or_else(|| self.drawn(Place::Anywhere, more, &mut stream))
-            }
-            place => self.drawn(place, more, &mut stream),
+    pub fn state(&self, generator: Generator, key: u64, index: u64) -> Drawn {
+        self.next(&mut Stream::new(generator, key, index))
+    }
+
+    /// The state that these numbers make.
+    pub(crate) fn next(&self, stream: &mut Stream) -> Drawn {
+        match self.possible(Place::of(stream.below(256))) {
+            Place::Near => self.near(stream).unwrap_or_else(|| self.drawn(Place::Anywhere, stream)),
+            place => self.drawn(place, stream),
         }
     }
 
@@ -125,23 +127,23 @@ impl Source {
     }
 
     /// As the audit places it.
-    fn near(&self, key: u64, index: u64) -> Option<Drawn> {
-        let draw = &mut Draw::new(&format!("{key:x} {index}"));
+    fn near(&self, stream: &Stream) -> Option<Drawn> {
+        let draw = &mut Draw::new(&stream.name());
         let (Step { state, increment }, _) = self.sites.near(&self.definition, self.length, draw)?;
         Some(Drawn { pair: state.pair, increment, place: Place::Near })
     }
 
-    fn drawn(&self, place: Place, bits: u64, stream: &mut Stream) -> Drawn {
+    fn drawn(&self, place: Place, stream: &mut Stream) -> Drawn {
         let Self { turns, .. } = self;
         let initial = &self.definition.initial;
         let mut quaternion = [self.rotation(stream), self.rotation(stream)];
         let mut whole = 0.0;
         match place {
             Place::Little => {
-                let little = self.little(bits, stream);
+                let little = self.little(stream);
                 quaternion[1] = if turns[0] { compose(quaternion[0], little) } else { little };
             }
-            Place::Turns => whole = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0][(bits % 6) as usize],
+            Place::Turns => whole = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0][stream.below(6) as usize],
             _ => {}
         }
         let mut pair = *initial;
@@ -154,9 +156,10 @@ impl Source {
             increment.flow[end] = node.flow - [&initial.a, &initial.b][end].flow;
         }
         if place == Place::RightAngles {
-            let of = |at: u64| self.cubes.get((at % 24) as usize).copied();
-            (pair.a.triad, pair.b.triad) =
-                (of(bits >> 8).unwrap_or(pair.a.triad), of(bits >> 40).unwrap_or(pair.b.triad));
+            for node in [&mut pair.a, &mut pair.b] {
+                let cube = self.cubes.get(stream.below(self.cubes.len() as u64) as usize);
+                node.triad = cube.copied().unwrap_or(node.triad);
+            }
         }
         if self.has_one_form {
             increment = Step::between(initial, pair).increment;
@@ -175,38 +178,32 @@ impl Source {
     /// Moves a node, where it can be.
     fn place_node(&self, node: &mut Node<f64>, end: usize, stream: &mut Stream) {
         let [x, y, z] = stream.cube(self.length * [0.5, 1.0][end]);
-        let [flow, _] = if self.definition.connection.flow[end] { stream.signed() } else { [0.0; 2] };
+        let flow = if self.definition.connection.flow[end] { stream.signed() } else { 0.0 };
         if self.definition.moves[end] {
             node.displacement = [x, y, if self.definition.planar { 0.0 } else { z }];
             node.flow = 0.2 * self.length * flow;
         }
     }
 
-    /// Uniform on the rotations that there are (Marsaglia, "Choosing a point from the surface of a sphere", 1972).
+    /// Uniform on the rotations that there are.
     fn rotation(&self, stream: &mut Stream) -> Quaternion<f64> {
-        let ([x, y], first) = stream.disc();
         if self.definition.planar {
-            let size = norm([x, y]);
-            return [x / size, 0.0, 0.0, y / size];
+            let [x, y] = stream.circle();
+            return [x, 0.0, 0.0, y];
         }
-        let ([z, w], second) = stream.disc();
-        let factor = ((1.0 - first) / second).sqrt();
-        [x, y, z * factor, w * factor]
+        stream.rotation()
     }
 
     /// By 2⁻⁴⁰ to 1 rad about any axis, or about the normal of the plane.
     ///
     /// The angle is 2 atan t with t = h/2 (1 + h²/12), which is h to within 1 %: from 2⁻ⁿ to 2¹⁻ⁿ for any n of 1 to 40.
-    fn little(&self, bits: u64, stream: &mut Stream) -> Quaternion<f64> {
-        let power = f64::from_bits((1023 - 1 - (bits >> 8) % 40) << 52);
-        let [part, _] = stream.signed();
-        let h = power * (1.5 + 0.5 * part);
-        let ([x, y], square) = stream.disc();
-        let axis: Vector<f64> = if self.definition.planar {
-            [0.0, 0.0, 1.0_f64.copysign(x)]
+    fn little(&self, stream: &mut Stream) -> Quaternion<f64> {
+        let power = f64::from_bits((1023 - 1 - stream.below(40)) << 52);
+        let h = power * (1.5 + 0.5 * stream.signed());
+        let axis = if self.definition.planar {
+            [0.0, 0.0, 1.0_f64.copysign(stream.signed())]
         } else {
-            let root = (1.0 - square).sqrt();
-            [2.0 * x * root, 2.0 * y * root, 1.0 - 2.0 * square]
+            stream.direction()
         };
         let [x, y, z] = scale(axis, 0.5 * h * (1.0 + h * h / 12.0));
         let norm = norm([1.0, x, y, z]);

@@ -1,6 +1,7 @@
 //! What the states of a chunk give: values and rows of all, and what 237 bits say of a share.
 
 use crate::SweepError;
+use crate::generator::Generator;
 use crate::plan::{Plan, sha256};
 use crate::ranges::{Ranges, checked};
 use crate::routine::{Due, Routines};
@@ -13,7 +14,7 @@ use pintle_audit::{
 use pintle_kinematics::batch::{
     Batch, COLUMNS, Four, Fours, HessianRow, History, LANES, Row, Section, Tile, vector_unit,
 };
-use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, Tally};
+use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Linear, Tally, Turns};
 use pintle_kinematics::draw::splitmix64;
 use pintle_kinematics::measure::{Margin, Measure, SingularClass};
 use pintle_kinematics::node::{DOFS, PSI_A, PSI_B};
@@ -21,7 +22,7 @@ use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Real, U};
 use pintle_kinematics::vector::{Matrix, Vector, apply, dot, product, sub};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Consecutive states that one connector has. Tiles of four begin at multiples of four, whatever the chunk.
@@ -234,7 +235,18 @@ impl Sweep {
     pub fn case(&self, index: u64) -> Option<Case> {
         let ready = self.connector_of(index)?;
         let name = self.plan.subjects.get(ready.subject)?.name.as_str();
-        Some(ready.source.case(name, index, &ready.source.state(self.key, index)))
+        Some(ready.source.case(name, index, &self.state(ready, index)))
+    }
+
+    /// The state of an index. A Sobol sequence is one of each connector by itself, whose states are counted without the others.
+    fn state(&self, ready: &Ready, index: u64) -> Drawn {
+        let count = self.connectors.len() as u64;
+        let (block, at) = (index / BLOCK, index % BLOCK);
+        let (key, index) = match self.plan.generator {
+            Generator::Philox => (self.key, index),
+            Generator::Sobol => (self.key ^ splitmix64(block % count), block / count * BLOCK + at),
+        };
+        ready.source.state(self.plan.generator, key, index)
     }
 
     fn connector_of(&self, index: u64) -> Option<&Ready> {
@@ -351,7 +363,7 @@ impl Sweep {
         const FOUR: u64 = LANES as u64;
         let whole = range.start / FOUR * FOUR..range.end.div_ceil(FOUR) * FOUR;
         room.drawn.clear();
-        room.drawn.extend(whole.clone().map(|index| ready.source.state(self.key, index)));
+        room.drawn.extend(whole.clone().map(|index| self.state(ready, index)));
         room.follow(ready);
         whole
     }
@@ -572,10 +584,16 @@ impl Ready {
     }
 
     /// The value of component k as the audit has it: from where it counts, with its turns.
+    ///
+    /// At half a turn the sign of a zero decides between π and −π, and rounding decides that sign: the side that the history took counts.
     fn counted(&self, k: usize, value: f64, branch: &Branch<f64>) -> f64 {
-        let value = value - self.connector.origin(k).unwrap_or(0.0);
-        let winds = self.connector.differentiated(k).is_some_and(|measure| measure.winds());
-        if winds { f64::with_turns(value, branch.turns[k].turns) } else { value }
+        let counted = value - self.connector.origin(k).unwrap_or(0.0);
+        if !self.connector.differentiated(k).is_some_and(|measure| measure.winds()) {
+            return counted;
+        }
+        let Turns { turns, principal } = branch.turns[k];
+        let crossed = if value.abs() <= PI { ((principal - value) / TAU).round() } else { 0.0 };
+        f64::with_turns(counted, turns + crossed)
     }
 
     /// How far a state is from the nearest singular set, or from one that cannot be removed, as far as doubles can tell.

@@ -1,4 +1,6 @@
+use crate::generator::{Generator, Stream};
 use crate::plan::Subject;
+use crate::sobol::DIMENSIONS;
 use crate::states::{Drawn, Place, Source};
 use crate::sweep::Planted;
 use crate::{Folder, OfSubject, Plan, Ranges, Routine, Routines, Summary, Sweep};
@@ -9,7 +11,11 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 fn sweep(share: f64) -> Sweep {
-    let plan = Plan::new("pintle", share, Subject::catalogue(), None).unwrap();
+    sweep_by(Generator::Philox, share)
+}
+
+fn sweep_by(generator: Generator, share: f64) -> Sweep {
+    let plan = Plan::new(generator, "pintle", share, Subject::catalogue(), None).unwrap();
     Sweep::new(&plan.text().unwrap()).unwrap()
 }
 
@@ -51,12 +57,25 @@ fn nothing_is_wrong() {
     assert!(laws > 50 && framed > 24, "{laws} {framed}");
 }
 
+/// A FLEXION-TORSION at half a turn, exactly: rounding decides the sign of a zero, and so between π and −π, otherwise in a batch than in the history.
+#[test]
+fn half_a_turn_has_one_side() {
+    let found = run(&sweep(1.0), 24_028_648, 8);
+    let of = found.subjects.iter().find(|of| of.name == "FLEXION-TORSION").unwrap();
+    assert_eq!(
+        (of.judged, of.places.get(&Place::RightAngles)),
+        (8, Some(&1)),
+        "another state is needed: {of:?}"
+    );
+    assert_eq!(of.wrong, 0, "{:?}", of.value.worst);
+}
+
 /// Each check fails where it should: a column 16 roundings off, a number that is none, an entry that is judged, axes exchanged.
 #[test]
 fn what_is_wrong_is_found() {
     let of = |name: &str| Subject::catalogue().into_iter().find(|subject| subject.name == name).unwrap();
     let found = |name: &str, planted: Option<Planted>| {
-        let plan = Plan::new("pintle", 0.01, vec![of(name)], None).unwrap();
+        let plan = Plan::new(Generator::Philox, "pintle", 0.01, vec![of(name)], None).unwrap();
         let sweep = Sweep::new(&plan.text().unwrap()).unwrap().planting(planted);
         run(&sweep, 0, 3200).subjects.swap_remove(0)
     };
@@ -84,7 +103,9 @@ fn a_law_that_is_not_asked_has_no_result() {
         let subject = Subject::catalogue().into_iter().find(|subject| subject.name == name).unwrap();
         let mut definition = subject.connectors(true).unwrap().swap_remove(0);
         definition.moves[0] = false;
-        let plan = Plan::new("pintle", 0.0, vec![Subject::of("it".into(), definition)], None).unwrap();
+        let plan =
+            Plan::new(Generator::Philox, "pintle", 0.0, vec![Subject::of("it".into(), definition)], None)
+                .unwrap();
         let found = run(&Sweep::new(&plan.text().unwrap()).unwrap(), 0, 640).subjects.swap_remove(0);
         assert_eq!((found.states(), found.rigid.states), (640, if is_asked { 640 } else { 0 }), "{name}");
         assert_eq!(found.rigid.largest.is_some(), is_asked, "{name}");
@@ -95,17 +116,22 @@ fn a_law_that_is_not_asked_has_no_result() {
 /// Any partition, order and number of threads: one summary.
 #[test]
 fn any_partition_gives_the_same_digest() {
+    for generator in Generator::ALL {
+        partitions_agree(&sweep_by(generator, 0.005));
+    }
+}
+
+fn partitions_agree(sweep: &Sweep) {
     const STATES: u64 = 30_000;
-    let sweep = sweep(0.005);
-    let whole = run(&sweep, 0, STATES);
+    let whole = run(sweep, 0, STATES);
     let digest = whole.digest().unwrap();
     // Ends that lie within tiles, blocks and pieces.
     let ends = [0, 1, 2, 5, 31, 32, 33, 4095, 4097, 9_999, 20_001, 29_999, STATES];
     let chunks: Vec<(u64, u64)> = ends.windows(2).map(|pair| (pair[0], pair[1] - pair[0])).collect();
-    let parts: Vec<Summary> = chunks.par_iter().map(|(first, count)| run(&sweep, *first, *count)).collect();
+    let parts: Vec<Summary> = chunks.par_iter().map(|(first, count)| run(sweep, *first, *count)).collect();
     for threads in [1, 2, 8] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        assert_eq!(pool.install(|| run(&sweep, 0, STATES)), whole, "{threads} threads");
+        assert_eq!(pool.install(|| run(sweep, 0, STATES)), whole, "{threads} threads");
     }
     let merged = |order: &[usize]| {
         let mut all = sweep.empty();
@@ -131,11 +157,77 @@ fn any_partition_gives_the_same_digest() {
     assert!(all.merge(&parts[3]).is_err(), "a state cannot count twice");
 }
 
+/// The states of another generator are other ones: their summaries do not merge.
+#[test]
+fn generators_do_not_mix() {
+    let [random, sobol] = Generator::ALL.map(|generator| run(&sweep_by(generator, 0.0), 0, 992));
+    assert_ne!(random.fingerprint, sobol.fingerprint);
+    let refused = random.clone().merge(&sobol).unwrap_err().to_string();
+    assert!(refused.contains("different plans"), "{refused}");
+}
+
+/// Of 2¹³ states of a Sobol sequence each place has its share to the last one, and each part of a coordinate nearly so; random ones do not.
+#[test]
+fn states_of_a_sobol_sequence_lie_evenly() {
+    const STATES: u64 = 1 << 13;
+    let hinge = Subject::catalogue().into_iter().find(|subject| subject.name == "HINGE").unwrap();
+    let definition = hinge.connectors(true).unwrap().swap_remove(0);
+    let source = Source::new(&definition, &Connector::<f64>::new(&definition));
+    let [random, sobol] = Generator::ALL.map(|generator| {
+        let (mut places, mut parts) = ([0_u64; 5], [[0_u64; 64]; 3]);
+        for index in 0..STATES {
+            let Drawn { pair, place, .. } = source.state(generator, 3, index);
+            places[Place::ALL.iter().position(|one| *one == place).unwrap()] += 1;
+            if place == Place::Anywhere {
+                let at = pair.b.displacement.map(|x| 32.0 * (x / source.length + 1.0));
+                parts.iter_mut().zip(at).for_each(|(parts, at)| parts[at as usize] += 1);
+            }
+        }
+        let mean = places[0] as f64 / 64.0;
+        let off: f64 = parts.iter().flatten().map(|count| (*count as f64 - mean).powi(2) / mean).sum();
+        (places, off)
+    });
+    let shares = [204, 16, 16, 16, 4].map(|of_256| of_256 * STATES / 256);
+    assert!(sobol.0 == shares && random.0 != shares, "{sobol:?} {random:?}");
+    // Of random ones 189 are expected, by 63 degrees of freedom of each coordinate.
+    assert!((120.0..280.0).contains(&random.1) && sobol.1 < 20.0, "{sobol:?} {random:?}");
+}
+
+/// Each connector has its own points one after the other: of 256 of its states each place has its share, whatever states of others lie between.
+#[test]
+fn every_connector_has_a_sequence_of_its_own() {
+    let sweep = sweep_by(Generator::Sobol, 0.0);
+    let connectors = 8 * Subject::catalogue().len() as u64;
+    let found = run(&sweep, 0, 256 * connectors);
+    for of in &found.subjects {
+        let counts = [Place::Little, Place::Turns, Place::RightAngles].map(|place| of.places[&place]);
+        assert_eq!((of.states(), counts), (2048, [128, 128, 32]), "{}", of.name);
+        assert_eq!(of.wrong, 0, "{of:?}");
+    }
+}
+
+/// No state takes more numbers than a point of the Sobol sequence has.
+#[test]
+fn no_state_takes_more_numbers_than_there_are() {
+    let mut most = 0;
+    for subject in Subject::catalogue() {
+        let definition = subject.connectors(true).unwrap().swap_remove(0);
+        let source = Source::new(&definition, &Connector::<f64>::new(&definition));
+        for index in 0..512 {
+            let stream = &mut Stream::new(Generator::Sobol, 1, index);
+            source.next(stream);
+            most = most.max(stream.taken());
+        }
+    }
+    assert!((18..=DIMENSIONS).contains(&most), "{most}");
+}
+
 /// A digest that could not change would prove nothing: another seed, share or number of states has another one.
 #[test]
 fn what_differs_has_another_digest() {
     let of = |seed: &str, share: f64, count: u64| {
-        let plan = Plan::new(seed, share, vec![Subject::catalogue().swap_remove(0)], None).unwrap();
+        let plan = Plan::new(Generator::Philox, seed, share, vec![Subject::catalogue().swap_remove(0)], None)
+            .unwrap();
         let found = run(&Sweep::new(&plan.text().unwrap()).unwrap(), 0, count);
         (found.fingerprint, found.digest().unwrap())
     };
@@ -205,12 +297,17 @@ fn a_folder_knows_what_is_left() {
     }
 
     let plan = |seed: &str, share: f64, at: usize| {
-        Plan::new(seed, share, vec![Subject::catalogue().swap_remove(at)], None).unwrap().text().unwrap()
+        Plan::new(Generator::Philox, seed, share, vec![Subject::catalogue().swap_remove(at)], None)
+            .unwrap()
+            .text()
+            .unwrap()
     };
     let other = path.join("other");
     Folder::open(&other, &plan("a", 0.1, 1)).unwrap();
     assert_eq!(std::fs::read_to_string(other.join("plan.json")).unwrap(), plan("a", 0.1, 1));
+    let sobol = Plan::new(Generator::Sobol, "a", 0.1, vec![Subject::catalogue().swap_remove(1)], None);
     for (text, told) in [
+        (sobol.unwrap().text().unwrap(), "the generator sobol in place of philox"),
         (plan("b", 0.1, 1), "the seed \"b\" in place of \"a\""),
         (plan("a", 0.2, 1), "the share 0.2 in place of 0.1"),
         (plan("a", 0.1, 2), "other connectors"),
@@ -259,7 +356,7 @@ fn labels_of_states_are_true() {
         let source = Source::new(definition, &Connector::<f64>::new(definition));
         let (mut least, mut most) = (f64::MAX, 0.0_f64);
         for index in 0..20_000 {
-            let drawn = source.state(1, index);
+            let drawn = source.state(Generator::ALL[index as usize / 10_000], 1, index);
             let Drawn { pair, place, increment } = drawn;
             looked += 1;
             assert!(turns || !matches!(place, Place::Little | Place::Turns), "{place:?}");
@@ -331,7 +428,8 @@ impl Routine for Mine<'_> {
 #[test]
 fn routines_are_judged() {
     let swept = |share: f64, change: Change| {
-        let plan = Plan::new("pintle", share, Subject::catalogue(), Some("mine".into())).unwrap();
+        let plan =
+            Plan::new(Generator::Philox, "pintle", share, Subject::catalogue(), Some("mine".into())).unwrap();
         let sweep = Sweep::new(&plan.text().unwrap()).unwrap();
         let opens = |definition| Ok(Box::new(Mine { definition, change }) as Box<dyn Routine>);
         Routines::new(&sweep, opens).run(0, 62_000, &|_| {}).unwrap()

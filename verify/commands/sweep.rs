@@ -96,6 +96,27 @@ fn a_sweep_has_one_digest_whoever_is_killed() {
     }
 }
 
+/// States of a Sobol sequence are other ones, and in parts the same.
+#[test]
+fn a_sobol_sequence_has_one_digest_too() {
+    let path = folder("sobol");
+    let name = path.to_str().expect("a path");
+    let sweep = |more: &[&str]| {
+        let words = ["sweep", "HINGE", "--states", "9000", "--oracle-share", "0.01"];
+        let found = run(&[&words[..], more].concat());
+        assert!(found.status.success(), "{}", String::from_utf8_lossy(&found.stderr));
+        line(&found, "digest")
+    };
+    let random = sweep(&[]);
+    let even = sweep(&["--generator", "sobol"]);
+    assert_ne!(even, random);
+    for part in ["2/3", "0/3"] {
+        sweep(&["--generator", "sobol", "--chunk", "700", "--out", name, "--range", part]);
+    }
+    assert_eq!(sweep(&["--generator", "sobol", "--chunk", "700", "--out", name]), even);
+    fs::remove_dir_all(path).expect("a folder");
+}
+
 /// Bad words and folders are refused, each in one line with its remedy.
 #[test]
 fn what_cannot_be_swept_is_refused() {
@@ -103,12 +124,18 @@ fn what_cannot_be_swept_is_refused() {
     let name = path.to_str().expect("a path");
     let first = run(&["sweep", "HINGE", "--states", "100", "--out", name]);
     assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
-    let cases: [(&[&str], i32, &str); 8] = [
+    let cases: [(&[&str], i32, &str); 10] = [
         (&["sweep", "--states", "0"], 2, "no count"),
         (&["sweep", "--states", "1.5"], 2, "no count"),
         (&["sweep", "--range", "3/3"], 2, "write i/n"),
         (&["sweep", "--oracle-share", "2"], 2, "between 0 and 1"),
         (&["sweep", "HINGEE"], 2, "did you mean HINGE"),
+        (&["sweep", "--generator", "halton"], 2, "possible values: philox, sobol"),
+        (
+            &["sweep", "HINGE", "--generator", "sobol", "--out", name],
+            6,
+            "the generator sobol in place of philox",
+        ),
         (&["sweep", "gallery:nothing"], 2, "the gallery has no scene"),
         (&["sweep", "WELD", "--states", "100", "--out", name], 6, "give another folder"),
         (&["sweep", "--merge", "/nowhere"], 6, "plan.json"),

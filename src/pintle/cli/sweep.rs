@@ -10,7 +10,7 @@ use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
 use pintle_sweep::ranges::checked;
 use pintle_sweep::sweep::Planted;
-use pintle_sweep::{Folder, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError};
+use pintle_sweep::{Folder, Generator, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -25,6 +25,10 @@ One state in 16 is turned as a whole, exactly, and computed again with second
 derivatives: values and rows must follow (\"frame\"). A share of the states is
 judged on 237 bits as pintle audit judges, but for its referee. Only that share
 tells a wrong formula; all these choices are made by the indices of states.
+
+With --generator sobol the states of a connector are a Sobol sequence, which the
+seed scrambles: they fill its motions more evenly than random ones. States near
+singular points stay random.
 
 What is kept is a summary: counts, extrema with their indices, histograms of
 integers, the worst states, and a sum over all bits of all numbers. Summaries
@@ -55,6 +59,7 @@ Examples:
   pintle sweep --states 1e5
   pintle sweep REVOLUTE \"CARTESIAN CARDAN\" --states 1e7 --oracle-share 1e-4
   pintle sweep --states 1e9 --out all --picture all.svg
+  pintle sweep SLOT --generator sobol
   pintle sweep model.inp --states 1e8 --range $SLURM_ARRAY_TASK_ID/100 --out model
   pintle sweep UJOINT --states 1e7 --library ./ujoint.so
   pintle sweep --merge all --picture all.svg
@@ -85,6 +90,9 @@ pub(crate) struct SweepOf {
     /// The share of the states that is judged on 237 bits
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share)]
     oracle_share: f64,
+    /// By what the states are drawn
+    #[arg(long, value_enum, default_value_t)]
+    generator: Generated,
     /// What the states are drawn from
     #[arg(long, value_name = "TEXT", default_value = "pintle")]
     seed: String,
@@ -95,7 +103,7 @@ pub(crate) struct SweepOf {
     #[arg(long, value_name = "COUNT", default_value = "1e6", value_parser = whole)]
     chunk: u64,
     /// Print what a folder holds, and compute nothing
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["of", "states", "range", "oracle_share", "seed", "out", "chunk"])]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["of", "states", "range", "oracle_share", "generator", "seed", "out", "chunk"])]
     merge: Option<PathBuf>,
     /// Print the state of that index, as pintle replay reads it, and nothing else
     #[arg(long, value_name = "INDEX", conflicts_with_all = ["states", "range", "out", "chunk", "merge", "picture", "format"])]
@@ -121,6 +129,25 @@ pub(crate) struct SweepOf {
     /// Put a fault into the numbers, to see it found
     #[arg(long, value_enum, hide = true, conflicts_with_all = ["out", "merge", "state"])]
     plant: Option<Plant>,
+}
+
+/// [`Generator`].
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Generated {
+    /// Random numbers by their index, Philox4x32-10
+    #[default]
+    Philox,
+    /// The Sobol sequence of each connector, scrambled by the seed: states that lie more evenly
+    Sobol,
+}
+
+impl From<Generated> for Generator {
+    fn from(generated: Generated) -> Self {
+        match generated {
+            Generated::Philox => Self::Philox,
+            Generated::Sobol => Self::Sobol,
+        }
+    }
 }
 
 /// [`Planted`].
@@ -212,12 +239,17 @@ fn subject(definition: Definition, label: &str) -> Subject {
 ///
 /// # Errors
 /// In words, where there is nothing of that name.
-pub fn plan(words: &[String], seed: &str, share: f64) -> Result<String, String> {
-    planned(words, seed, share, None).map_err(|failure| failure.to_string())
+pub fn plan(words: &[String], generator: Generator, seed: &str, share: f64) -> Result<String, String> {
+    planned(words, (generator, seed), share, None).map_err(|failure| failure.to_string())
 }
 
-fn planned(words: &[String], seed: &str, share: f64, routine: Option<String>) -> Result<String, Failure> {
-    Ok(Plan::new(seed, share, subjects(words)?, routine)?.text()?)
+fn planned(
+    words: &[String],
+    (generator, seed): (Generator, &str),
+    share: f64,
+    routine: Option<String>,
+) -> Result<String, Failure> {
+    Ok(Plan::new(generator, seed, share, subjects(words)?, routine)?.text()?)
 }
 
 /// Sweeps, or prints what was swept.
@@ -231,7 +263,8 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     }
     let routine = routine(arguments)?;
     let named = routine.as_ref().map(|(command, _)| command.clone());
-    let text = planned(&arguments.of, &arguments.seed, arguments.oracle_share, named)?;
+    let drawn = (Generator::from(arguments.generator), arguments.seed.as_str());
+    let text = planned(&arguments.of, drawn, arguments.oracle_share, named)?;
     let sweep = Sweep::new(&text)?.planting(arguments.plant.map(Planted::from));
     if let Some(index) = arguments.state {
         return state(&sweep, index);
