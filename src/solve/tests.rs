@@ -1313,8 +1313,10 @@ fn what_is_moved_in_statics_rubs() {
     }
 }
 
-/// A block on a plane with springs, pulled by a force whose direction turns: the end of the springs goes round a corner, and the block follows it
-/// at the distance ℓ = μ N/k, which is a tractrix, u2 = 0.2 − ℓ sech(s/ℓ), u3 = s − ℓ tanh(s/ℓ). The force then goes back: it sticks.
+/// A block on a plane with springs, pulled by a force whose direction turns.
+///
+/// The end of the springs goes round a corner. The block follows it at the distance ℓ = μ N/k: a tractrix, u2 = 0.2 − ℓ sech(s/ℓ), u3 = s −
+/// ℓ tanh(s/ℓ). The force then goes back, and it sticks.
 #[test]
 fn a_static_slip_follows_a_tractrix() {
     let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n101, 1, 2\n*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0.\n\

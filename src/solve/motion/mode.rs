@@ -4,6 +4,9 @@ use crate::number::Number;
 use pintle_kinematics::connector::Mask;
 use serde::{Deserialize, Serialize};
 
+/// Margins below this count as ties.
+pub(crate) const TIE: f64 = 1e-9;
+
 /// What one friction does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Does<R> {

@@ -2,7 +2,7 @@
 
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Slider, Stop};
-use crate::motion::mode::{Branches, Does, Mode, Modes, Side, Touch};
+use crate::motion::mode::{Branches, Does, Mode, Modes, Side, TIE, Touch};
 use crate::motion::rows::{Assembled, Layout};
 use crate::motion::slide::length;
 use crate::motion::state::DOFS;
@@ -14,9 +14,6 @@ use pintle_kinematics::scalar::elementary;
 
 /// The direction in which what is prescribed moves a friction, and whether it grazes; none where nothing prescribed does.
 type Driven<R> = Option<([R; 6], bool)>;
-
-/// Margins below this count as ties.
-pub(crate) const TIE: f64 = 1e-9;
 
 impl<R: Number> Run<'_, R> {
     /// What frictions do that have no slip rate, and stops that are closed or at their limit without a rate: all that is consistent is tried.

@@ -14,30 +14,16 @@ use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Tableau};
 use crate::time::run::Run;
 use crate::time::step::along_of;
-use crate::time::still::Found;
+use crate::time::still::{Curve, Found, Slip};
+use crate::time::work::way;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector::{apply, product, sub, transpose};
+use pintle_kinematics::vector::apply;
 
-/// What a step knows besides its end.
-#[derive(Clone, Debug)]
-pub(crate) struct Curve<R> {
-    pub(crate) slips: Vec<Slip<R>>,
-    /// Switches within the step, by the part of it that has passed.
-    pub(crate) inner: Vec<(f64, Vec<Switch<R>>)>,
-    /// Work along the step.
-    pub(crate) works: [R; WORKS],
-}
+/// For each slip and each direction across its n: whose, which, and what the ways of all slips change as n turns that way.
+type Slopes<R> = Vec<(usize, [R; 6], Vec<[R; 6]>)>;
 
-/// A slip of several components during a step.
-#[derive(Clone, Debug)]
-pub(crate) struct Slip<R> {
-    /// Whose it is.
-    pub(crate) of: usize,
-    /// n at the beginning and at the end.
-    pub(crate) along: [[R; 6]; 2],
-    /// γ at the beginning and at the end.
-    pub(crate) rates: [R; 2],
-}
+/// n by slip.
+type Directions<R> = Vec<[R; 6]>;
 
 /// The points of a step.
 struct Stage<R: Number> {
@@ -98,7 +84,7 @@ impl<R: Number> Run<'_, R> {
             let found = self.stage(start + h * *c, (curving, &along, &begun), None)?;
             all.push(Stage { along: along.clone(), moving: along.clone(), slips: begun.clone(), found });
         }
-        let mut slopes: Vec<Vec<(usize, [R; 6], Vec<[R; 6]>)>> = Vec::new();
+        let mut slopes: Vec<Slopes<R>> = Vec::new();
         let mut last = f64::INFINITY;
         for iteration in 0.. {
             // R_k ẋ_k, and from it how far each has slipped.
@@ -209,7 +195,7 @@ impl<R: Number> Run<'_, R> {
         of.map(|s| self.mechanism.sliders[*s].moved(&places[*s], &found.positions[*s])).collect()
     }
 
-    /// By point: for each slip and each direction across its n, what the ways of all slips change as n turns that way.
+    /// By point.
     fn slopes(
         &mut self,
         all: &[Stage<R>],
@@ -217,7 +203,7 @@ impl<R: Number> Run<'_, R> {
         start: R,
         h: R,
         points: &[R],
-    ) -> Result<Vec<Vec<(usize, [R; 6], Vec<[R; 6]>)>>, Refusal> {
+    ) -> Result<Vec<Slopes<R>>, Refusal> {
         let step = R::from_f64(R::ROUNDING.sqrt());
         let mut slopes = Vec::with_capacity(all.len());
         for (stage, c) in all.iter().zip(points) {
@@ -247,10 +233,10 @@ impl<R: Number> Run<'_, R> {
         &self,
         all: &[Stage<R>],
         curving: &[usize],
-        slopes: &[Vec<(usize, [R; 6], Vec<[R; 6]>)>],
+        slopes: &[Slopes<R>],
         inverse: &[Vec<R>],
         h: R,
-    ) -> Option<Vec<Vec<[R; 6]>>> {
+    ) -> Option<Vec<Directions<R>>> {
         let width = slopes.first().map_or(0, Vec::len);
         let mut system = System::new(all.len() * width, 1);
         for (i, stage) in all.iter().enumerate() {
@@ -297,28 +283,19 @@ impl<R: Number> Run<'_, R> {
     ) -> Result<[R; WORKS], Refusal> {
         let zero = R::ZERO;
         let mut works = [zero; WORKS];
-        // Displacement, rotation vector and flow since the beginning, by point and node.
-        let ways: Vec<Vec<([R; 3], [R; 3], R)>> = all
-            .iter()
-            .map(|stage| {
-                let poses = self.state.poses.iter().zip(&stage.found.state.poses);
-                let way = poses.map(|(from, to)| {
-                    let turned = so3::log(&product(&to.rotation, &transpose(&from.rotation)));
-                    (sub(to.displacement, from.displacement), turned, to.flow - from.flow)
-                });
-                way.collect()
-            })
-            .collect();
+        // Since the beginning, by point and node.
+        let since = |stage: &Stage<R>| -> Vec<[R; DOFS]> {
+            self.state.poses.iter().zip(&stage.found.state.poses).map(|(from, to)| way(from, to)).collect()
+        };
+        let ways: Vec<Vec<[R; DOFS]>> = all.iter().map(since).collect();
         for (i, stage) in all.iter().enumerate() {
             let rates: Vec<[R; DOFS]> = (0..self.state.poses.len())
                 .map(|node| {
-                    let rate = |of: &dyn Fn(&([R; 3], [R; 3], R)) -> R| {
-                        sum(&inverse[i], ways.iter().map(|way| of(&way[node]))) / h
-                    };
-                    let [x, y, z]: [R; 3] = std::array::from_fn(|k| rate(&|way| way.0[k]));
-                    let of_vector: [R; 3] = std::array::from_fn(|k| rate(&|way| way.1[k]));
-                    let [p, q, r] = apply(&so3::left_jacobian(ways[i][node].1), of_vector);
-                    [x, y, z, p, q, r, rate(&|way| way.2)]
+                    let [x, y, z, a, b, c, flow]: [R; DOFS] =
+                        std::array::from_fn(|k| sum(&inverse[i], ways.iter().map(|way| way[node][k])) / h);
+                    let [_, _, _, u, v, w, _] = ways[i][node];
+                    let [p, q, r] = apply(&so3::left_jacobian([u, v, w]), [a, b, c]);
+                    [x, y, z, p, q, r, flow]
                 })
                 .collect();
             let powers = self.powers(&stage.found, &rates).map_err(|trouble: Trouble| self.say(trouble))?;

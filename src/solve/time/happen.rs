@@ -7,13 +7,12 @@
 use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Stop, TableOf, Threshold};
-use crate::motion::mode::{Cause, Does, Mode, Side, Touch};
+use crate::motion::mode::{Cause, Does, Mode, Side, TIE, Touch};
 use crate::motion::rows::{Assembled, Layout, Owner, Row};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::choose::TIE;
 use crate::time::run::Run;
 use crate::time::solution::What;
 use pintle_model::behavior::friction::{ContactParts, Context};

@@ -3,12 +3,11 @@
 use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
-use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, Touch};
+use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, TIE, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
-use crate::time::choose::TIE;
 use crate::time::integrate::{Method, Rule, Tableau};
 use crate::time::keep::{Keeping, Kept};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};

@@ -17,7 +17,6 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, State, WORKS};
 use crate::number::{Number, is_finite, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::curve::{Curve, Slip};
 use crate::time::integrate::{Method, at_zero};
 use crate::time::run::Run;
 use crate::time::solution::{Event, What};
@@ -40,6 +39,27 @@ pub(crate) struct Found<R: Number> {
     pub(crate) curve: Option<Curve<R>>,
     /// The sign of the determinant of Newton's matrix, at the beginning of the iterations.
     sign: f64,
+}
+
+/// What a step knows besides its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Curve<R> {
+    pub(crate) slips: Vec<Slip<R>>,
+    /// Switches within the step, by the part of it that has passed.
+    pub(crate) inner: Vec<(f64, Vec<Switch<R>>)>,
+    /// Work along the step.
+    pub(crate) works: [R; WORKS],
+}
+
+/// A slip of several components during a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Slip<R> {
+    /// Whose it is.
+    pub(crate) of: usize,
+    /// n at the beginning and at the end.
+    pub(crate) along: [[R; 6]; 2],
+    /// γ at the beginning and at the end.
+    pub(crate) rates: [R; 2],
 }
 
 /// Where frictions are before a slip, and how far those have slipped of which that is known.

@@ -17,7 +17,7 @@ use pintle_kinematics::vector::{product, sub, transpose};
 const HALVINGS: usize = 6;
 
 /// A way from one pose to another, as rates that take one unit of time.
-fn way<R: Number>(from: &Pose<R>, to: &Pose<R>) -> [R; DOFS] {
+pub(crate) fn way<R: Number>(from: &Pose<R>, to: &Pose<R>) -> [R; DOFS] {
     let moved = sub(to.displacement, from.displacement);
     let turned = so3::log(&product(&to.rotation, &transpose(&from.rotation)));
     let [x, y, z] = moved;
