@@ -157,7 +157,10 @@ pub fn human<R: Number>(
             "open",
             &format!(
                 "{open} CTF: {}, so that many forces fit",
-                match last.iter().any(|last| last.connectors.iter().any(|of| of.open_friction.contains(&true))) {
+                match last
+                    .iter()
+                    .any(|last| last.connectors.iter().any(|of| of.open_friction.contains(&true)))
+                {
                     true => "more frictions stand than hold",
                     false => "constraints repeat each other (pintle audit names them)",
                 }

@@ -563,7 +563,8 @@ impl<R: Number> Run<'_, R> {
                             return false;
                         }
                         let [acceleration, parts] = self.second_rate(found, solved, (slider.joint, *k));
-                        (parts * R::from_f64(TIE)).less(acceleration.magnitude())
+                        let noise = larger(parts * R::from_f64(TIE), self.noise(found, solved));
+                        noise.less(acceleration.magnitude())
                     }) =>
                 {
                     -1.0
@@ -596,6 +597,14 @@ impl<R: Number> Run<'_, R> {
             least = least.min(margin);
         }
         least
+    }
+
+    /// What rounding leaves of an acceleration where forces balance: of the largest force over the least mass.
+    fn noise(&self, found: &Assembled<R>, solved: &Solved<R>) -> R {
+        let masses = found.masses.iter().copied().filter(|mass| R::ZERO.less(*mass));
+        let least = masses.reduce(|one, two| if two.less(one) { two } else { one });
+        let forces = largest(solved.forces.iter().copied());
+        least.map_or(R::ZERO, |mass| forces / mass * R::from_f64(64.0 * R::ROUNDING))
     }
 
     /// How sure a friction sticks or slips in a mode: by which part of the larger its limit and its load differ, where it alone would stick.

@@ -707,9 +707,16 @@ impl<'a, R: Number> Run<'a, R> {
         self.solution.evaluations += 1;
         let found = self.assembled(modes).map_err(|trouble| self.say(trouble))?;
         let layout = Layout::new(&self.mechanism, &found, modes)?;
-        let mut solved = found.solve(&self.mechanism, &layout, modes).map_err(|trouble| self.say(trouble))?;
         // Where forces have jumped, what presses may be on the other side of zero, or of the largest friction force.
         let mut free = modes.clone();
+        let mut solved = match found.solve(&self.mechanism, &layout, modes) {
+            Err(Trouble::NotFound) => {
+                free.frictions.iter_mut().for_each(|mode| mode.branches = Branches::none());
+                found.solve(&self.mechanism, &layout, &free)
+            }
+            known => known,
+        }
+        .map_err(|trouble| self.say(trouble))?;
         for _ in 0..modes.frictions.len() {
             let has_jumped = |switch: &&Switch<R>| {
                 matches!(switch.cause, Cause::Turns(_) | Cause::Caps)

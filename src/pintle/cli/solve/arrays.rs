@@ -26,7 +26,8 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
     let count = frames.len();
     // What is open is no number.
     let forces = |of: &dyn Fn(&ConnectorFrame<R>, usize) -> (bool, R)| -> Vec<f64> {
-        let all = frames.iter().flat_map(|frame| &frame.connectors).flat_map(|one| (0..6).map(|k| of(one, k)));
+        let all =
+            frames.iter().flat_map(|frame| &frame.connectors).flat_map(|one| (0..6).map(|k| of(one, k)));
         all.map(|(is_open, force)| if is_open { f64::NAN } else { force.to_f64() }).collect()
     };
     let total = forces(&|of, k| (of.open[k], of.total[k]));
