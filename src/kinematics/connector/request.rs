@@ -205,54 +205,6 @@ impl Output {
     pub const fn is_nodal_tangent(self) -> bool {
         matches!(self, Self::KT | Self::CT | Self::KR)
     }
-
-    /// The power of time by which the unit of the component is divided: 0, 1 or 2.
-    pub const fn per_time(self) -> u8 {
-        match self {
-            Self::CV | Self::RESV | Self::CIVC => 1,
-            Self::CA | Self::RESB | Self::RESA => 2,
-            _ => 0,
-        }
-    }
-
-    /// One line on what it is.
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::CP => "position",
-            Self::CU => "displacement from the initial position",
-            Self::CCU => "constitutive displacement from the reference",
-            Self::CV => "velocity",
-            Self::CA => "acceleration",
-            Self::RES => "constraint residual",
-            Self::RESV => "rate of the constraint residual, J q̇",
-            Self::RESB => "quadratic part of its acceleration, J̇ q̇",
-            Self::RESA => "acceleration of the constraint residual, J q̈ + J̇ q̇",
-            Self::CSLST => "status of stop and lock",
-            Self::TURNS => "whole turns counted",
-            Self::MARGIN => "distance to the nearest singular point",
-            Self::CTF => "total force, CEF + CVF + CSF + CRF − CCF",
-            Self::CEF => "elastic force",
-            Self::CVF => "viscous force",
-            Self::CRF => "reaction of a constraint, stop, lock or prescribed motion",
-            Self::CSF => "friction force",
-            Self::CCF => "applied connector load",
-            Self::CNF => "contact force of friction",
-            Self::CASU => "accumulated slip",
-            Self::CIVC => "slip rate",
-            Self::CFAILST => "failure status",
-            Self::DRIVEN => "what a connector motion prescribes",
-            Self::SLIP => "whether friction sticks or slips, or is free where nothing presses",
-            Self::TANGENT => "slopes of component forces",
-            Self::PM => "moments by which the printed formula gives the exact moment",
-            Self::LM => "multiplier of the equation enforced",
-            Self::NF => "nodal forces, residual-side: transposed rows × component forces",
-            Self::KG => "geometric stiffness Σ f ∂²c",
-            Self::DNF => "derivative ∂NF/∂q at constant component forces",
-            Self::KT => "tangent Jᵀ (∂F/∂u) J + KG of the nodal forces",
-            Self::CT => "tangent Jᵀ (∂F/∂v) J of the nodal forces by velocities",
-            Self::KR => "tangent of the nodal forces by reactions",
-        }
-    }
 }
 
 /// The outputs that follow from component forces, a bit for each.
