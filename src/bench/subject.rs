@@ -15,31 +15,21 @@ use pintle_kinematics::scalar::Wide;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What is computed of each component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Order {
-    /// What is enforced to be zero, or the position.
-    Value,
-    /// Its derivatives by the nodal degrees of freedom.
-    Jacobian,
-    /// Its second derivatives.
-    Hessian,
+pintle_kinematics::named! {
+    /// What is computed of each component.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Order {
+        /// What is enforced to be zero, or the position.
+        Value = "value",
+        /// Its derivatives by the nodal degrees of freedom.
+        Jacobian = "Jacobian",
+        /// Its second derivatives.
+        Hessian = "Hessian",
+    }
 }
 
 impl Order {
-    /// All, in order.
-    pub const ALL: [Self; 3] = [Self::Value, Self::Jacobian, Self::Hessian];
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Value => "value",
-            Self::Jacobian => "Jacobian",
-            Self::Hessian => "Hessian",
-        }
-    }
-
     /// The numbers of one row: 1, 14, 196.
     pub const fn width(self) -> usize {
         match self {
