@@ -6,6 +6,7 @@ use pintle_kinematics::connector::{
     Components, Connector, Definition, Increment, NodalMatrix, NodalRow, Output, Request, State, Tally,
 };
 use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::mpc::{self, Body};
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
@@ -713,6 +714,15 @@ impl Turned {
         [(&state.pair.a, &initial.a), (&state.pair.b, &initial.b)].map(|(now, first)| {
             let rotation = product(&now.triad, &transpose(&first.triad));
             Self { triad: now.triad, rotation, vector: so3::log(&rotation) }
+        })
+    }
+
+    /// Of S and M at a state of a constraint, whose axes are initially those of the frame.
+    pub(crate) fn of_bodies(state: &mpc::State<f64>) -> [Self; 2] {
+        [&state.slave, &state.master].map(|Body { rotation, .. }| Self {
+            triad: *rotation,
+            rotation: *rotation,
+            vector: so3::log(rotation),
         })
     }
 }

@@ -459,11 +459,7 @@ fn given_of(case: &MpcCase, convention: &Convention) -> GivenRows {
     }
     let kind = case.constraint.kind();
     let names = Names::of_constraint(kind);
-    let turned = [&case.state.slave, &case.state.master].map(|body| Turned {
-        triad: body.rotation,
-        rotation: body.rotation,
-        vector: so3::log(&body.rotation),
-    });
+    let turned = Turned::of_bodies(&case.state);
     let asked = Request::everything(1);
     let found =
         case.constraint.evaluate(&case.state, &case.before, &case.turning, &asked, &mut Tally::default());

@@ -3,7 +3,7 @@
 mod budget;
 mod page;
 
-use super::eval::{Source, nothing, read, source};
+use super::eval::{Source, nothing, read, selected, source};
 use super::tell::{complain, show_diagnostic};
 use super::{ConditionOptions, Failure, Files, Sign, one_of, page_width};
 pub(crate) use budget::Bar;
@@ -16,7 +16,7 @@ use pintle_audit::{
 };
 use pintle_kinematics::catalog::TABLE;
 use pintle_kinematics::connector::Request;
-use pintle_model::evaluate::{Model, Plan, Selection};
+use pintle_model::evaluate::{Model, Plan};
 use pintle_report::audit as report;
 use pintle_scene::{Diagnostic, ForceFile, GALLERY, Scene, Severity, State};
 use std::collections::BTreeSet;
@@ -193,10 +193,7 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
         .iter()
         .map(|source| with_forces(*source, arguments, &levels))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
-    let selection = match arguments.connector.as_slice() {
-        [] => Selection::All,
-        names => Selection::Named(names.to_vec()),
-    };
+    let selection = selected(&arguments.connector);
     let mut plans = Vec::new();
     for (source, Loaded { scene, model, .. }) in
         sources.iter().zip(&loaded).filter(|(_, loaded)| loaded.errors.is_empty())
