@@ -1,7 +1,7 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
 use crate::place::{Place, Unmeasured, draw, rows_of};
-use pintle_audit::case::{exact_branch, exact_pair};
+use pintle_audit::case::exact_branch;
 use pintle_audit::judge::bound::scales;
 use pintle_audit::oracles::truth::Truth;
 use pintle_audit::{C, Case};
@@ -258,7 +258,7 @@ struct Known {
 fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<Known> {
     let truth = Truth::of(case)?;
     let wide = Connector::<Wide>::new(&case.definition);
-    let values = wide.values(&exact_pair(&element.state.pair), &exact_branch(&element.branch), [true; 6]);
+    let values = wide.values(&element.state.pair.exact(), &exact_branch(&element.branch), [true; 6]);
     let (first, [second, _]) = (truth.first(), truth.second(false));
     let (nearness, size) = (truth.nearness_of_components(), dof_sizes(case));
     let mut known = Known { numbers: Default::default(), scales: Default::default() };
