@@ -660,14 +660,19 @@ fn unused_behaviour_costs_nothing() {
     assert_eq!(work(&["CEF1"], 0).gradients, 0);
 }
 
+/// A scene of the gallery, and everything of it that is planned, with its states.
+fn of_gallery(name: &str) -> (Model, Plan, Vec<SceneState>) {
+    let example = GALLERY.iter().find(|example| example.name == name).unwrap();
+    let scene = example.scene().unwrap();
+    let model = Model::compile(&scene).unwrap();
+    let plan = Plan::compile(&model, &Selection::All, request(["ALL"], 0).unwrap()).unwrap();
+    (model, plan, example.states(&scene).unwrap().states)
+}
+
 /// The known solution of the belt: tension 992.1 in both segments, 19.84 at the drum, and every free degree of freedom in balance.
 #[test]
 fn the_belt_is_in_equilibrium() {
-    let example = GALLERY.iter().find(|example| example.name == "seat_belt").unwrap();
-    let scene = example.scene().unwrap();
-    let states = example.states(&scene).unwrap().states;
-    let model = Model::compile(&scene).unwrap();
-    let plan = Plan::compile(&model, &Selection::All, request(["ALL"], 0).unwrap()).unwrap();
+    let (model, plan, states) = of_gallery("seat_belt");
     let mut sequence = Sequence::new(&model, &plan);
     let mut last = Vec::new();
     for state in &states {
@@ -720,11 +725,7 @@ fn the_belt_is_in_equilibrium() {
 /// The crank follows its motion, and the guide rubs: what friction leaves open is not given as zero.
 #[test]
 fn the_slider_crank_is_driven() {
-    let example = GALLERY.iter().find(|example| example.name == "slider_crank").unwrap();
-    let scene = example.scene().unwrap();
-    let states = example.states(&scene).unwrap().states;
-    let model = Model::compile(&scene).unwrap();
-    let plan = Plan::compile(&model, &Selection::All, request(["ALL"], 0).unwrap()).unwrap();
+    let (model, plan, states) = of_gallery("slider_crank");
     let mut sequence = Sequence::new(&model, &plan);
     for state in &states {
         let results = sequence.step(state).connectors;
@@ -739,11 +740,7 @@ fn the_slider_crank_is_driven() {
 /// The pendulum turns on where its stop would hold it: that is told, with how far.
 #[test]
 fn the_pendulum_passes_its_stop() {
-    let example = GALLERY.iter().find(|example| example.name == "hinge_pendulum").unwrap();
-    let scene = example.scene().unwrap();
-    let states = example.states(&scene).unwrap().states;
-    let model = Model::compile(&scene).unwrap();
-    let plan = Plan::compile(&model, &Selection::All, request(["ALL"], 0).unwrap()).unwrap();
+    let (model, plan, states) = of_gallery("hinge_pendulum");
     let mut sequence = Sequence::new(&model, &plan);
     let mut beyond = 0;
     for state in &states {

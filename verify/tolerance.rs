@@ -130,7 +130,6 @@ pub(crate) const LAWS: &[Law] = &[
     law("mpc, forces", 8.0),
     law("mpc, power", 1.0),
     law("mpc, stiffness", 1.0),
-    law("mpc, elimination", 1.0),
     law("mpc, springs", 2.0),
 ];
 

@@ -87,35 +87,37 @@ impl Settings {
     }
 }
 
-/// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Planted {
-    /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope
-    /// of a behaviour is multiplied by 1 + 1e-6.
-    WrongEntry,
-    /// The same derivative has the wrong sign: a mutant that changes it once more is right.
-    WrongSign,
-    /// The largest second derivative of the first component of a connector, or of a constraint, and the largest nodal force of that
-    /// component are multiplied by 1 + 1e-6.
-    WrongSecond,
-    /// The largest value of a connector, or of a constraint, is multiplied by 1 + 1e-6.
-    WrongValue,
-    /// The largest rate is.
-    WrongRate,
-    /// The largest acceleration is.
-    WrongAcceleration,
-    /// The largest nodal force of the first component that has any is.
-    WrongForce,
-    /// The largest slope of a friction force is multiplied by 1 + 1e-6.
-    WrongFriction,
-    /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
-    LostAnswer,
-    /// The oracles on 237 bits lose the last component: numbers that no independent oracle judges are undecided.
-    LostWitness,
-    /// The last component of the product's numbers is lost.
-    LostComponent,
-    /// The traced formulas on 237 bits have the wrong sign in the first row: one of two witnesses who contradict each other lies.
-    WrongAnswer,
+pintle_kinematics::named! {
+    /// A fault planted on purpose: whoever doubts that the audit can fail sees it fail.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Planted {
+        /// The largest first derivative of the first component of a connector, of a constraint, of a friction's forces, or the largest slope
+        /// of a behaviour is multiplied by 1 + 1e-6.
+        WrongEntry = "wrong-entry",
+        /// The same derivative has the wrong sign: a mutant that changes it once more is right.
+        WrongSign = "wrong-sign",
+        /// The largest second derivative of the first component of a connector, or of a constraint, and the largest nodal force of that
+        /// component are multiplied by 1 + 1e-6.
+        WrongSecond = "wrong-second",
+        /// The largest value of a connector, or of a constraint, is multiplied by 1 + 1e-6.
+        WrongValue = "wrong-value",
+        /// The largest rate is.
+        WrongRate = "wrong-rate",
+        /// The largest acceleration is.
+        WrongAcceleration = "wrong-acceleration",
+        /// The largest nodal force of the first component that has any is.
+        WrongForce = "wrong-force",
+        /// The largest slope of a friction force is multiplied by 1 + 1e-6.
+        WrongFriction = "wrong-friction",
+        /// The oracles on 237 bits lose the last entry of every row: what nobody compares cannot be noticed.
+        LostAnswer = "lost-answer",
+        /// The oracles on 237 bits lose the last component: numbers that no independent oracle judges are undecided.
+        LostWitness = "lost-witness",
+        /// The last component of the product's numbers is lost.
+        LostComponent = "lost-component",
+        /// The traced formulas on 237 bits have the wrong sign in the first row: one of two witnesses who contradict each other lies.
+        WrongAnswer = "wrong-answer",
+    }
 }

@@ -16,19 +16,21 @@ use pintle_kinematics::vector::{Matrix, Vector, identity, product, scale, transp
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Which states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Place {
-    /// At least [`CLEAR`] from every singular point of the rows and, where a rotation vector is measured, from no rotation and half
-    /// a turn. Both nodes are moved and turned moderately, from orientations that are aligned initially and, where that leaves the
-    /// rows what they are, from others. There are also states with any orientation of both nodes.
-    Far,
-    /// Near a singular point of the rows or, where a rotation vector is measured, near half a turn: where formulas lose digits.
-    Near,
-    /// [`REST`] from where b is not turned against a, or its shaft not against that of a: where formulas that divide by an angle or its sine
-    /// lose digits, though nothing is singular.
-    Rest,
+pintle_kinematics::named! {
+    /// Which states.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Place {
+        /// At least [`CLEAR`] from every singular point of the rows and, where a rotation vector is measured, from no rotation and half
+        /// a turn. Both nodes are moved and turned moderately, from orientations that are aligned initially and, where that leaves the
+        /// rows what they are, from others. There are also states with any orientation of both nodes.
+        Far = "far",
+        /// Near a singular point of the rows or, where a rotation vector is measured, near half a turn: where formulas lose digits.
+        Near = "near",
+        /// [`REST`] from where b is not turned against a, or its shaft not against that of a: where formulas that divide by an angle or its sine
+        /// lose digits, though nothing is singular.
+        Rest = "rest",
+    }
 }
 
 /// How far from every singular point states that are far from them are (rad, lengths of the connector).
@@ -41,18 +43,6 @@ pub const REST: f64 = 1e-8;
 const ATTEMPTS: usize = 400;
 
 impl Place {
-    /// All, in order.
-    pub const ALL: [Self; 3] = [Self::Far, Self::Near, Self::Rest];
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Far => "far",
-            Self::Near => "near",
-            Self::Rest => "rest",
-        }
-    }
-
     /// How far its states are from what they are far from or near to, if near is `distance`.
     pub const fn distance(self, distance: f64) -> f64 {
         match self {

@@ -1,7 +1,7 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
 use crate::place::{Place, Unmeasured, draw, rows_of};
-use pintle_audit::case::{exact_branch, exact_pair};
+use pintle_audit::case::exact_branch;
 use pintle_audit::judge::bound::scales;
 use pintle_audit::oracles::truth::Truth;
 use pintle_audit::{C, Case};
@@ -15,31 +15,21 @@ use pintle_kinematics::scalar::Wide;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What is computed of each component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Order {
-    /// What is enforced to be zero, or the position.
-    Value,
-    /// Its derivatives by the nodal degrees of freedom.
-    Jacobian,
-    /// Its second derivatives.
-    Hessian,
+pintle_kinematics::named! {
+    /// What is computed of each component.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Order {
+        /// What is enforced to be zero, or the position.
+        Value = "value",
+        /// Its derivatives by the nodal degrees of freedom.
+        Jacobian = "Jacobian",
+        /// Its second derivatives.
+        Hessian = "Hessian",
+    }
 }
 
 impl Order {
-    /// All, in order.
-    pub const ALL: [Self; 3] = [Self::Value, Self::Jacobian, Self::Hessian];
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Value => "value",
-            Self::Jacobian => "Jacobian",
-            Self::Hessian => "Hessian",
-        }
-    }
-
     /// The numbers of one row: 1, 14, 196.
     pub const fn width(self) -> usize {
         match self {
@@ -268,7 +258,7 @@ struct Known {
 fn truth(case: &Case, element: &Element, components: &[usize]) -> Option<Known> {
     let truth = Truth::of(case)?;
     let wide = Connector::<Wide>::new(&case.definition);
-    let values = wide.values(&exact_pair(&element.state.pair), &exact_branch(&element.branch), [true; 6]);
+    let values = wide.values(&element.state.pair.exact(), &exact_branch(&element.branch), [true; 6]);
     let (first, [second, _]) = (truth.first(), truth.second(false));
     let (nearness, size) = (truth.nearness_of_components(), dof_sizes(case));
     let mut known = Known { numbers: Default::default(), scales: Default::default() };

@@ -9,7 +9,6 @@ use crate::{Asked, Checked};
 use pintle_audit::{ConstraintCandidate, ConstraintNumbers, MpcCase, Quantity, initial_places};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Kind, PHI, ROWS, Rows};
-use pintle_kinematics::so3;
 use pintle_kinematics::vector::{add, transpose};
 use serde_json::{Value, json};
 
@@ -90,11 +89,7 @@ impl Reader {
     }
 
     fn read(&self, own: &Own, case: &MpcCase) -> ConstraintNumbers {
-        let turned = [&case.state.slave, &case.state.master].map(|body| Turned {
-            triad: body.rotation,
-            rotation: body.rotation,
-            vector: so3::log(&body.rotation),
-        });
+        let turned = Turned::of_bodies(&case.state);
         let mut given = ConstraintNumbers::default();
         for (quantity, of) in &own.given {
             let row_of = |row: usize| of.get(self.lines.iter().position(|line| *line == row)?)?.as_ref();

@@ -6,6 +6,7 @@ use pintle_kinematics::connector::{
     Components, Connector, Definition, Increment, NodalMatrix, NodalRow, Output, Request, State, Tally,
 };
 use pintle_kinematics::measure::{Measure, Unit};
+use pintle_kinematics::mpc::{self, Body};
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
@@ -20,45 +21,31 @@ pub(crate) const COLUMNS: [&str; DOFS] = [
     "b.ur3", "b.flow",
 ];
 
-/// Which variation of a rotation the columns of a row belong to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Variation {
-    /// δC = δθ^ C, along global axes.
-    #[default]
-    Spatial,
-    /// δC = C δΘ^, along the axes of the node.
-    Body,
-    /// δφ of the total rotation vector, C = exp(φ^).
-    TotalVector,
-    /// The changes of three successive angles, C = R_i(α) R_j(β) R_k(γ) about turned axes: Cardan angles, axes 1, 2, 3.
-    #[serde(rename = "angles-123")]
-    Angles123,
-    /// Yaw, pitch and roll: axes 3, 2, 1.
-    #[serde(rename = "angles-321")]
-    Angles321,
-    /// Euler angles: axes 3, 1, 3; about axes 3, 2, 3 the changes are the same.
-    #[serde(rename = "angles-313")]
-    Angles313,
+pintle_kinematics::named! {
+    /// Which variation of a rotation the columns of a row belong to.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Variation {
+        /// δC = δθ^ C, along global axes.
+        #[default]
+        Spatial = "spatial",
+        /// δC = C δΘ^, along the axes of the node.
+        Body = "body",
+        /// δφ of the total rotation vector, C = exp(φ^).
+        TotalVector = "total-vector",
+        /// The changes of three successive angles, C = R_i(α) R_j(β) R_k(γ) about turned axes: Cardan angles, axes 1, 2, 3.
+        #[serde(rename = "angles-123")]
+        Angles123 = "angles-123",
+        /// Yaw, pitch and roll: axes 3, 2, 1.
+        #[serde(rename = "angles-321")]
+        Angles321 = "angles-321",
+        /// Euler angles: axes 3, 1, 3; about axes 3, 2, 3 the changes are the same.
+        #[serde(rename = "angles-313")]
+        Angles313 = "angles-313",
+    }
 }
 
 impl Variation {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Spatial, Self::Body, Self::TotalVector, Self::Angles123, Self::Angles321, Self::Angles313];
-
-    /// As documents name it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Spatial => "spatial",
-            Self::Body => "body",
-            Self::TotalVector => "total-vector",
-            Self::Angles123 => "angles-123",
-            Self::Angles321 => "angles-321",
-            Self::Angles313 => "angles-313",
-        }
-    }
-
     /// J of δθ = J δv, v being what this varies, at a rotation from the initial orientation.
     pub fn of_rotation(self, rotation: &Matrix<f64>) -> Matrix<f64> {
         self.jacobian(&Turned { triad: *rotation, rotation: *rotation, vector: so3::log(rotation) })
@@ -125,34 +112,24 @@ impl Variations {
     }
 }
 
-/// The unit of an angle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-pub enum Angle {
-    /// Radians.
-    #[default]
-    #[serde(rename = "rad")]
-    Radian,
-    /// Degrees.
-    #[serde(rename = "deg")]
-    Degree,
-    /// Whole turns.
-    #[serde(rename = "turn")]
-    Turn,
+pintle_kinematics::named! {
+    /// The unit of an angle.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    pub enum Angle {
+        /// Radians.
+        #[default]
+        #[serde(rename = "rad")]
+        Radian = "rad",
+        /// Degrees.
+        #[serde(rename = "deg")]
+        Degree = "deg",
+        /// Whole turns.
+        #[serde(rename = "turn")]
+        Turn = "turn",
+    }
 }
 
 impl Angle {
-    /// All of them.
-    pub(crate) const ALL: [Self; 3] = [Self::Radian, Self::Degree, Self::Turn];
-
-    /// As documents name it.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Radian => "rad",
-            Self::Degree => "deg",
-            Self::Turn => "turn",
-        }
-    }
-
     /// One of these, in radians.
     pub const fn size(self) -> f64 {
         match self {
@@ -737,6 +714,15 @@ impl Turned {
         [(&state.pair.a, &initial.a), (&state.pair.b, &initial.b)].map(|(now, first)| {
             let rotation = product(&now.triad, &transpose(&first.triad));
             Self { triad: now.triad, rotation, vector: so3::log(&rotation) }
+        })
+    }
+
+    /// Of S and M at a state of a constraint, whose axes are initially those of the frame.
+    pub(crate) fn of_bodies(state: &mpc::State<f64>) -> [Self; 2] {
+        [&state.slave, &state.master].map(|Body { rotation, .. }| Self {
+            triad: *rotation,
+            rotation: *rotation,
+            vector: so3::log(rotation),
         })
     }
 }

@@ -34,3 +34,37 @@ pub use compiled::Differentiable;
 
 /// The version of pintle, as every report states it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// An enumeration, each variant beside its name: `ALL` are the variants in this order, `name` is what one is called.
+///
+/// ```
+/// pintle_kinematics::named! {
+///     /// A way.
+///     #[derive(Clone, Copy, Debug, PartialEq)]
+///     enum Way {
+///         /// To and fro.
+///         Forth = "back and forth",
+///     }
+/// }
+/// assert_eq!(Way::ALL.map(Way::name), ["back and forth"]);
+/// ```
+#[macro_export]
+macro_rules! named {
+    (
+        $(#[$meta:meta])*
+        $visible:vis enum $name:ident { $($(#[$of:meta])* $variant:ident = $word:literal,)+ }
+    ) => {
+        $(#[$meta])*
+        $visible enum $name { $($(#[$of])* $variant,)+ }
+
+        impl $name {
+            /// All of them, in order.
+            $visible const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
+
+            /// What it is called.
+            $visible const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $word),+ }
+            }
+        }
+    };
+}

@@ -180,6 +180,18 @@ impl<S: Scalar> Pair<S> {
     }
 }
 
+impl Pair<f64> {
+    /// The same on another real number, exactly.
+    pub fn exact<R: Real>(&self) -> Pair<R> {
+        let node = |node: &Node<f64>| Node {
+            displacement: vector::exact(node.displacement),
+            triad: vector::exact_matrix(&node.triad),
+            flow: R::from_f64(node.flow),
+        };
+        Pair { reference: vector::exact(self.reference), a: node(&self.a), b: node(&self.b) }
+    }
+}
+
 impl<R: Real> Pair<R> {
     /// The relative pair moved by nilpotent variations: d = Aᵀ(x_b − x_a + δ), Q = Aᵀ exp(ρ^) B.
     ///
@@ -483,13 +495,9 @@ pub(crate) fn flow_conversion_row<S: Scalar>(direction: Vector<S>, scale_factor:
     row
 }
 
-/// The rotational rates of a node within [`NodalRates`].
-pub(crate) fn spin<R: Real>(rates: &NodalRates<R>, end: End) -> Vector<R> {
-    let at = match end {
-        End::A => THETA_A,
-        End::B => THETA_B,
-    };
-    [rates[at], rates[at + 1], rates[at + 2]]
+/// The rotational rates of node a within [`NodalRates`].
+pub(crate) fn spin_of_a<R: Real>(rates: &NodalRates<R>) -> Vector<R> {
+    [rates[THETA_A], rates[THETA_A + 1], rates[THETA_A + 2]]
 }
 
 /// ω_b − ω_a and α_b − α_a.

@@ -207,9 +207,7 @@ fn warnings(report: &Report) -> Vec<String> {
 /// # Errors
 /// Where the stream cannot be written to.
 pub fn human(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
-    for line in layout::wrap(&report.environment.line(), width) {
-        writeln!(out, "{line}")?;
-    }
+    layout::paragraph(out, layout::PLAIN, 0, &report.environment.line(), width)?;
     for warning in warnings(report) {
         writeln!(out, "{}", layout::styled(layout::CARE, warning))?;
     }
@@ -224,9 +222,7 @@ pub fn human(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<(
     for line in left_out(report).iter().chain(&untimed(report)).flat_map(|line| layout::wrap(line, width)) {
         writeln!(out, "{line}")?;
     }
-    for line in layout::wrap(&legend(report), width) {
-        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
-    }
+    layout::paragraph(out, layout::DIM, 0, &legend(report), width)?;
     Ok(())
 }
 

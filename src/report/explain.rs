@@ -111,9 +111,7 @@ impl Tag {
         writeln!(out)?;
         let tags: Vec<String> =
             tags.iter().map(|Self { tag, meaning }| format!("[{tag:?}] {meaning}")).collect();
-        for line in layout::wrap(&tags.join(" · "), width) {
-            writeln!(out, "{}", styled(DIM, line))?;
-        }
+        layout::paragraph(out, DIM, 0, &tags.join(" · "), width)?;
         Ok(())
     }
 }
@@ -220,9 +218,7 @@ impl Explanation {
         let line = |out: &mut dyn Write, label: &str, text: &str| {
             write!(out, "{}", layout::labelled(label, start, column, text, width))
         };
-        for line in layout::wrap(NOTATION, width.saturating_sub(2)) {
-            writeln!(out, "  {}", styled(DIM, line))?;
-        }
+        layout::paragraph(out, DIM, 2, NOTATION, width)?;
         for component in &self.components {
             let unit = words::unit(component.unit);
             let force = component.force.map(|force| format!(", conjugate to {force}")).unwrap_or_default();

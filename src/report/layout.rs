@@ -2,8 +2,12 @@
 
 use anstyle::{AnsiColor, Style};
 use std::fmt::Display;
+use std::io;
+use std::io::Write;
 use unicode_width::UnicodeWidthStr;
 
+/// What is said.
+pub(crate) const PLAIN: Style = Style::new();
 /// Headings.
 pub(crate) const BOLD: Style = Style::new().bold();
 /// What is read second.
@@ -68,6 +72,20 @@ pub fn wrap(text: &str, cells: usize) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Writes a text in lines of at most `cells`, each `indent` blanks in.
+pub(crate) fn paragraph(
+    out: &mut dyn Write,
+    style: Style,
+    indent: usize,
+    text: &str,
+    cells: usize,
+) -> io::Result<()> {
+    for line in wrap(text, cells.saturating_sub(indent)) {
+        writeln!(out, "{:indent$}{}", "", styled(style, line))?;
+    }
+    Ok(())
 }
 
 /// A text behind a label, wrapped so that every line begins in the same column.

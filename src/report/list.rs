@@ -124,14 +124,10 @@ pub fn human(out: &mut dyn Write, width: usize) -> io::Result<()> {
                   2D, 3D: solvers for CONN2D2, of which only u1, u2 and ur3 remain, and CONN3D2 · any basic translational type pairs with any basic or \
                   specialised rotational type · `pintle explain TYPE` says more";
     writeln!(out)?;
-    for line in layout::wrap(legend, width) {
-        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
-    }
+    layout::paragraph(out, layout::DIM, 0, legend, width)?;
     write!(out, "\n{}", Listed::table())?;
     let legend = "MPC: multi-point constraints, S dependent, M independent, J nodes of hinges · `pintle explain MPC TYPE` says more";
     writeln!(out)?;
-    for line in layout::wrap(legend, width) {
-        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
-    }
+    layout::paragraph(out, layout::DIM, 0, legend, width)?;
     Ok(())
 }

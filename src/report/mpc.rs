@@ -3,7 +3,7 @@
 
 use crate::explain::{Field, INDENT, SCHEMA, Tag, paragraph};
 use crate::layout;
-use crate::layout::{BOLD, styled};
+use crate::layout::{BOLD, PLAIN, styled};
 use pintle_kinematics::measure::{SingularClass, SingularSet, Unit};
 use pintle_kinematics::mpc::{Kind, ROWS, TABLE, Translation};
 use serde::Serialize;
@@ -222,9 +222,7 @@ fn overview(out: &mut dyn Write, width: usize) -> io::Result<()> {
     writeln!(out)?;
     let more = "S is the first node of an MPC, which it makes dependent, M the second; nodes of hinges follow. \
                 `pintle explain MPC TYPE` says more.";
-    for line in layout::wrap(more, width) {
-        writeln!(out, "{line}")?;
-    }
+    layout::paragraph(out, PLAIN, 0, more, width)?;
     Tag::write(&Tag::all(), out, width)
 }
 

@@ -58,9 +58,7 @@ pub fn human(
          along a rigid motion, of all states, in roundings; frame: the most that turning both nodes changes, of one state in 16, in roundings; \
          —: not asked; wrong: states at which a number is not finite, or beyond its bound";
     writeln!(out)?;
-    for line in layout::wrap(legend, width) {
-        writeln!(out, "{}", layout::styled(layout::DIM, line))?;
-    }
+    layout::paragraph(out, layout::DIM, 0, legend, width)?;
     let sum = |of: &dyn Fn(&OfSubject) -> u64| summary.subjects.iter().map(of).sum::<u64>();
     let all = |of: &dyn Fn(&OfSubject) -> u64| count(sum(of));
     let done = summary.states.count();

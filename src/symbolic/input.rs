@@ -4,37 +4,24 @@ use crate::graph::Graph;
 use crate::symbol::Symbol;
 use pintle_kinematics::vector::{Matrix, Vector};
 
-/// The unit of an input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InputUnit {
-    /// A length.
-    Length,
-    /// Radians.
-    Angle,
-    /// A pure number.
-    None,
-    /// Radians per length.
-    AnglePerLength,
-    /// A force for f1 … f3, a moment for m1 … m3.
-    ForceOrMoment,
-    /// A force.
-    Force,
-    /// As the parameter of the friction says.
-    OfParameter,
-}
-
-impl InputUnit {
-    /// In words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Length => "length",
-            Self::Angle => "rad",
-            Self::None => "-",
-            Self::AnglePerLength => "rad/length",
-            Self::ForceOrMoment => "force, moment",
-            Self::Force => "force",
-            Self::OfParameter => "as the data line of the friction",
-        }
+pintle_kinematics::named! {
+    /// The unit of an input.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum InputUnit {
+        /// A length.
+        Length = "length",
+        /// Radians.
+        Angle = "rad",
+        /// A pure number.
+        None = "-",
+        /// Radians per length.
+        AnglePerLength = "rad/length",
+        /// A force for f1 … f3, a moment for m1 … m3.
+        ForceOrMoment = "force, moment",
+        /// A force.
+        Force = "force",
+        /// As the parameter of the friction says.
+        OfParameter = "as the data line of the friction",
     }
 }
 

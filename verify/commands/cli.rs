@@ -9,7 +9,7 @@ use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
 use pintle_scene::{Code, Example, GALLERY, StateFile};
 use serde_json::Value;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 /// The command with some arguments, and nothing in its environment that changes output.
@@ -68,6 +68,13 @@ fn json(arguments: &[&str]) -> Value {
 /// The same, where a note on stderr about values that need care is right.
 fn json_with_care(arguments: &[&str]) -> Value {
     serde_json::from_str(&stdout(&pintle(arguments).assert().success())).unwrap()
+}
+
+/// A folder of a test.
+pub(crate) fn folder(name: impl AsRef<Path>) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
 }
 
 /// A file for one test.

@@ -13,8 +13,7 @@ type Table = Vec<BTreeMap<String, f64>>;
 
 /// A history of a type: its deck, its states as a table of motions, and its outputs.
 fn history(type_name: &str, count: usize) -> (PathBuf, PathBuf, Table) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compare").join(type_name.replace(' ', "_"));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(Path::new("compare").join(type_name.replace(' ', "_")));
     let [deck, states] = ["deck.inp", "states.csv"].map(|name| folder.join(name));
     let [of, at] = [&deck, &states].map(|path| path.to_str().unwrap());
     let count = count.to_string();
@@ -152,8 +151,7 @@ fn drawn_faults_of_results_are_found_and_named() {
 /// What Abaqus prints is read, with the digits that it has: a slider that moves by 0.25 and says 0.2500; one that says 0.2600 differs.
 #[test]
 fn printed_tables_are_read_with_their_digits() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("printed");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("printed");
     let [deck, printed] = ["slider.inp", "slider.dat"].map(|name| folder.join(name));
     fs::write(
         &deck,
@@ -188,8 +186,7 @@ fn printed_tables_are_read_with_their_digits() {
 /// Files that say too little are refused with what to print, and a wrong cell by its file and line.
 #[test]
 fn what_a_file_lacks_is_said() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lacks");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("lacks");
     let file = folder.join("run.csv");
     for (text, words) in [
         ("time,node,U1\n0,2,0.1\n", "no file has an output of connectors"),
@@ -208,8 +205,7 @@ fn what_a_file_lacks_is_said() {
 
 /// Somebody's files beside a deck, in a folder of a test; the exit code and what is written.
 fn run_in(name: &str, files: &[(&str, &str)], arguments: &[&str]) -> (Option<i32>, String) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compare").join(name);
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(Path::new("compare").join(name));
     for (name, text) in files {
         fs::write(folder.join(name), text).unwrap();
     }
@@ -587,8 +583,7 @@ fn jacobians_of_files_are_compared_entry_by_entry() {
 
 /// The deck and states of a history of a type.
 fn history_of(type_name: &str, count: usize) -> (PathBuf, PathBuf, ()) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compare").join(format!("matrix {type_name}"));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(Path::new("compare").join(format!("matrix {type_name}")));
     let [deck, states] = ["deck.inp", "states.csv"].map(|name| folder.join(name));
     let [of, at] = [&deck, &states].map(|path| path.to_str().unwrap());
     let count = count.to_string();
@@ -782,8 +777,7 @@ fn printed_tables_keep_their_habits() {
 /// Records of JSON are read one at a time, arrays of NumPy by their fields; both say the same as a table.
 #[test]
 fn every_format_says_the_same() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compare").join("formats");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(Path::new("compare").join("formats"));
     let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0.\n\
         *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nHINGE\nO,\n";
     let (mut csv, mut json, mut lines, mut numbers) =

@@ -152,8 +152,7 @@ const SAMPLE: [(&str, &str, Option<&str>); 6] = [
 
 /// A folder with these files, and the header.
 fn folder(name: &str, files: &[(&str, &str)]) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(name);
     let header = stdout(&pintle(&["check", "--header"]).assert().success());
     for (file, text) in files.iter().copied().chain([("pintle_element.h", header.as_str())]) {
         fs::write(folder.join(file), text).unwrap();

@@ -22,9 +22,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn folder() -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("handover");
-    fs::create_dir_all(&folder).unwrap();
-    folder
+    crate::commands::cli::folder("handover")
 }
 
 /// The library that these tests were built with: the newest of that name beside the program.

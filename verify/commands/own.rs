@@ -34,8 +34,7 @@ OFFERS, COMPONENTS = ["values"], ["ur1"]
 "#;
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("own-{name}"));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(format!("own-{name}"));
     fs::write(folder.join("mine.py"), ROUTINES).unwrap();
     let text = ROUTINES.replace(r#"OFFERS, COMPONENTS = ["values"], ["ur1"]"#, "");
     fs::write(folder.join("tied.py"), text).unwrap();

@@ -3,15 +3,12 @@
 use crate::commands::cli::{pintle, stderr, stdout};
 use pintle_audit::{Candidate, Settings};
 use pintle_kinematics::catalog::TABLE;
-use std::fs;
-use std::path::Path;
 
 /// Of every type the deck and the states are read without a warning, state by state, and along a history; the numbers of one of
 /// both are those of the other at the first state.
 #[test]
 fn states_of_every_type_are_read_back() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("states");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("states");
     let [deck, csv, json] = ["one.inp", "one.csv", "one.json"].map(|name| folder.join(name));
     let [deck, csv, json] = [&deck, &csv, &json].map(|path| path.to_str().unwrap());
     let mut rows = 0;
@@ -62,8 +59,7 @@ fn near_needs_no_number() {
 /// An angle goes on along a history, and not from one independent state to the next.
 #[test]
 fn histories_go_on_and_independent_states_do_not() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("histories");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("histories");
     let [deck, csv] = ["hinge.inp", "hinge.csv"].map(|name| folder.join(name));
     let [deck, csv] = [&deck, &csv].map(|path| path.to_str().unwrap());
     pintle(&["--force", "states", "HINGE", "--count", "60", "--history", "--deck", deck, "-o", csv])

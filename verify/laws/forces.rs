@@ -296,7 +296,7 @@ fn rigid_motion_turns_nodal_forces() {
 }
 
 /// Reported forces, multipliers and nodal forces are three accounts of the same: Σ λ_k ∂res_k = Σ f_k G_k over the constrained
-/// components, and every way back returns what was put in.
+/// components, and the printed formula gives the moment of what it prints.
 #[test]
 fn reported_forces_and_multipliers_agree() {
     for case in all_cases() {
@@ -321,26 +321,6 @@ fn reported_forces_and_multipliers_agree() {
         for j in 0..DOFS {
             let place = || format!("{} multipliers, {j}", case.name);
             assert_equal(place, by_multipliers[j], nodal[j], scale[j]);
-        }
-        let back = rows.from_multipliers(&multipliers);
-        for k in 0..6 {
-            let place = || format!("{} component {}", case.name, k + 1);
-            assert_eq!(back[k].is_some(), constrained[k].is_some(), "{}", place());
-            if let (Some(back), Some(force)) = (back[k], constrained[k]) {
-                assert_equal(place, back, force, 100.0);
-            }
-        }
-        let recovered = rows.recover(&rows.nodal(&wide.forces));
-        for k in 0..6 {
-            let place = || format!("{} recovered {}", case.name, k + 1);
-            assert_eq!(recovered.components[k].is_some(), wide.forces[k].is_some(), "{}", place());
-            if let (Some(found), Some(force)) = (recovered.components[k], wide.forces[k]) {
-                assert_equal(place, found, force, 1000.0);
-            }
-        }
-        for j in 0..DOFS {
-            let place = || format!("{} rest {j}", case.name);
-            assert_equal(place, recovered.rest[j], Wide::zero(), 1000.0 * scale[j].max(1.0));
         }
         // The printed formula gives the moment of the components.
         let printed = rows.printed(&wide.forces);
@@ -428,15 +408,4 @@ fn extreme_sizes_scale() {
             }
         }
     }
-}
-
-/// The flow force exact for a belt that stores W: T λ − W in place of T.
-#[test]
-fn flow_force_with_stored_energy() {
-    let (rows, forces, _) = special("SLIPRING", identity(), [2.0, 0.0, 0.0]);
-    let tension = forces[0].expect("a tension");
-    let exact =
-        rows.with_flow_factor(51.25 / 50.0).nodal(&[Some(tension), Some(0.0), None, None, None, None]);
-    assert_eq!((exact[6], exact[13]), (-tension * 1.025, tension * 1.025));
-    assert_eq!(exact[7], tension);
 }

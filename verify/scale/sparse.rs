@@ -5,7 +5,7 @@ use pintle_kinematics::connector::{Flag, Request};
 use pintle_kinematics::mpc::Kind;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
 use pintle_model::evaluate::{
-    Fixed, ForeignPattern, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source, StepResult,
+    Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source, StepResult,
 };
 use pintle_scene::{Label, Scene};
 use std::collections::BTreeMap;
@@ -82,18 +82,11 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
         false => Jacobian::of_constraints(model, &plan, fixed),
     };
     let (mut sparse, mut dense) = (Sequence::new(model, &plan), Sequence::new(model, &plan));
-    let (columns, mut by_columns) = (jacobian.by_columns(), Sequence::new(model, &plan));
-    let (mut values, mut in_columns) = (Vec::new(), Vec::new());
+    let mut values = Vec::new();
     let mut compared = 0;
     for number in 0..6 {
         let state = chain::state(number, scene.nodes.len().min(CONNECTORS + 1));
-        let care = sparse.assemble(&state, &jacobian, &mut values).unwrap();
-        let same_care = by_columns.assemble_columns(&state, &jacobian, &columns, &mut in_columns).unwrap();
-        assert_eq!((care, by_columns.branches()), (same_care, sparse.branches()));
-        assert_eq!(in_columns.len(), values.len());
-        for (value, place) in values.iter().zip(columns.places()) {
-            assert_eq!(value.to_bits(), in_columns[*place].to_bits());
-        }
+        sparse.assemble(&state, &jacobian, &mut values).unwrap();
         let step = dense.step(&state);
         assert_eq!(sparse.branches(), dense.branches());
         let mut wanted = of_elements(model, &jacobian, &step, fixed);
@@ -121,31 +114,7 @@ fn assert_same(scene: &Scene, model: &Model, fixed: &Fixed, all: bool) -> usize 
             assert!(value.abs() < 1e-15, "state {number}, row {row}, {freedom:?}: {value} has no place");
         }
     }
-    assert_by_columns(&jacobian);
-    // Columns belong to one pattern and its copies, another of the same size is refused.
-    let again = if all { Jacobian::new(model, &plan, fixed, |_, _| true) } else { jacobian.clone() };
-    let state = chain::state(0, scene.nodes.len().min(CONNECTORS + 1));
-    let found = Sequence::new(model, &plan).assemble_columns(&state, &again, &columns, &mut in_columns);
-    assert_eq!(found.err(), all.then_some(ForeignPattern::Columns));
     compared
-}
-
-/// The matrix by columns has every entry once, in its column, rows increasing.
-fn assert_by_columns(jacobian: &Jacobian) {
-    let by_columns = jacobian.by_columns();
-    let mut entry_at = vec![None; jacobian.entries()];
-    for (entry, place) in by_columns.places().iter().enumerate() {
-        assert_eq!(entry_at[*place].replace(entry), None);
-    }
-    for column in 0..jacobian.columns() {
-        let range = by_columns.offsets()[column]..by_columns.offsets()[column + 1];
-        assert!(by_columns.rows()[range.clone()].is_sorted_by(|a, b| a < b));
-        for at in range {
-            let entry = entry_at[at].unwrap();
-            assert_eq!(jacobian.column_indices()[entry] as usize, column);
-            assert!(jacobian.range(by_columns.rows()[at] as usize).unwrap().contains(&entry));
-        }
-    }
 }
 
 /// Free, fixed, and fixed along turned axes; constraints alone, and the rows of every component.

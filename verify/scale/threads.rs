@@ -89,27 +89,22 @@ fn threads_change_no_byte() {
     assert_same(&forces, "laden-threads");
 }
 
-/// Entries by rows and by columns, and what needs care, of more connectors and constraints than a thread works on at a time.
+/// Entries, and what needs care, of more connectors and constraints than a thread works on at a time.
 #[test]
 fn threads_change_no_entry() {
     const CONNECTORS: usize = 2600;
     let (_, model) = super::model(CONNECTORS, &laden(CONNECTORS));
     let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
     let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
-    let columns = jacobian.by_columns();
     let filled = || {
-        let (mut by_rows, mut by_columns) = (Sequence::new(&model, &plan), Sequence::new(&model, &plan));
-        let (mut values, mut in_columns, mut all) = (Vec::new(), Vec::new(), Vec::new());
+        let mut by_rows = Sequence::new(&model, &plan);
+        let (mut values, mut all) = (Vec::new(), Vec::new());
         for number in [1, 2] {
             let state = chain::state(number, CONNECTORS + 1);
             // What was there before is no number, and nothing of it is left.
             values.fill(f64::NAN);
             let care = by_rows.assemble(&state, &jacobian, &mut values).unwrap();
-            let same = by_columns.assemble_columns(&state, &jacobian, &columns, &mut in_columns).unwrap();
-            assert!(care == same && by_rows.tally() == by_columns.tally());
             let bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
-            let placed = columns.places().iter().map(|place| in_columns[*place].to_bits());
-            assert!(placed.eq(bits.iter().copied()));
             assert!(values.iter().all(|value| value.is_finite()));
             all.push((care, bits, by_rows.tally()));
         }

@@ -540,8 +540,7 @@ fn lines_that_end_with_cr_are_counted_and_shown() {
         let written = text.replace('\n', end);
         let error = Scene::parse("deck.inp", &written).expect_err("a component that is none");
         assert_eq!(error.span().line() as usize, line, "{end:?}: {error}");
-        let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cr");
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = crate::commands::cli::folder("cr");
         let deck = folder.join("deck.inp");
         std::fs::write(&deck, &written).unwrap();
         let shown = std::process::Command::new(env!("CARGO_BIN_EXE_pintle")).arg("eval").arg(&deck).output();
@@ -560,8 +559,7 @@ fn lines_that_end_with_cr_are_counted_and_shown() {
 /// Gaps in the forces of a constraint: each component that lacks says of each output that it is not known.
 #[test]
 fn gaps_in_forces_of_a_constraint_are_named() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("gaps-of-mpc");
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("gaps-of-mpc");
     let (deck, forces) = (folder.join("deck.inp"), folder.join("forces.csv"));
     std::fs::write(&deck, "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*MPC\nBEAM, 1, 2\n").unwrap();
     std::fs::write(&forces, "element,f1,f2,f3,m1,m2,m3\n1-2,1.5,,2.,0.5,,0.\n").unwrap();
@@ -581,8 +579,7 @@ fn gaps_in_forces_of_a_constraint_are_named() {
 /// Gaps in the forces of a connector: what is given is used, and a sum of what is not given is not known.
 #[test]
 fn forces_with_gaps_are_known_as_far_as_they_are_given() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("gaps");
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("gaps");
     let (deck, forces) = (folder.join("deck.inp"), folder.join("forces.csv"));
     std::fs::write(&deck, HINGE).unwrap();
     std::fs::write(&forces, "element,f1,f2\n101,2.5,\n").unwrap();

@@ -101,8 +101,7 @@ fn errors_beyond_the_limit_are_counted() {
 /// What is alike is shown once, with how often, and of whom.
 #[test]
 fn what_is_alike_is_told_once() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("alike");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("alike");
     let nodes: String = (1..=201).map(|node| format!("{node}, {node}., 0., 0.\n")).collect();
     let hinges: String = (1..=200)
         .map(|n| {
@@ -149,8 +148,7 @@ fn what_is_alike_is_told_once() {
 
 #[test]
 fn commands_show_every_error_once() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("errors-of-a-file");
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder("errors-of-a-file");
     let deck = folder.join("faulty.inp");
     fs::write(&deck, DECK).unwrap();
     let rules = folder.join("rules.inp");

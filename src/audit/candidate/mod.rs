@@ -78,7 +78,6 @@ pub struct Candidate<'a> {
     name: &'a str,
     definition: &'a Definition,
     settings: Settings,
-    reference_length: f64,
     histories: usize,
     is_principal: bool,
     offers: Vec<Quantity>,
@@ -126,7 +125,6 @@ impl<'a> Candidate<'a> {
             name,
             definition,
             settings,
-            reference_length: 0.0,
             histories: 0,
             is_principal: false,
             offers: vec![Quantity::Value, Quantity::FirstDerivatives],
@@ -192,13 +190,6 @@ impl<'a> Candidate<'a> {
         self
     }
 
-    /// A length that is typical of the model: for connectors whose nodes coincide.
-    #[must_use]
-    pub const fn reference_length(mut self, length: f64) -> Self {
-        self.reference_length = length;
-        self
-    }
-
     /// Which region of configuration space the states exercise at which the routine is checked.
     pub fn coverage(&self) -> Coverage {
         let mut coverage = Coverage::default();
@@ -226,7 +217,7 @@ impl<'a> Candidate<'a> {
     }
 
     fn length(&self) -> f64 {
-        let length = norm(self.definition.initial.reference).max(self.reference_length);
+        let length = norm(self.definition.initial.reference);
         if length > 0.0 { length } else { 1.0 }
     }
 

@@ -4,7 +4,6 @@ use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::oracles::truth::Truth;
-use pintle_kinematics::connector::{Components, Output, Request};
 
 /// The right numbers of a connector at one state.
 #[derive(Clone, Debug)]
@@ -13,12 +12,6 @@ pub struct Right {
     pub numbers: Numbers<f64>,
     /// The tolerances ([`crate::judge::bound`]).
     pub bound: Bound,
-    /// CP of each component (length, rad).
-    pub positions: Components<f64>,
-    /// CCU of each component (length, rad).
-    pub constitutive: Components<f64>,
-    /// min(1, distance to the nearest singular set), in radians and lengths of the connector; 0 on one.
-    pub nearness: f64,
 }
 
 impl Right {
@@ -34,8 +27,6 @@ impl Right {
         let state = case.last()?.state;
         let near = truth.nearness_of_components();
         let bound = Bound::of_components(&numbers, &state, truth.length(), &near);
-        let (evaluation, _) = case.evaluation(&Request::new(&[Output::CP, Output::CCU], [true; 6], 0))?;
-        let (positions, constitutive) = (evaluation.position, evaluation.constitutive);
-        Some(Self { numbers, bound, positions, constitutive, nearness: truth.nearness() })
+        Some(Self { numbers, bound })
     }
 }

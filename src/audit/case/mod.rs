@@ -147,20 +147,10 @@ impl Case {
     }
 }
 
-/// The same pair on another real number, exactly.
-pub fn exact_pair<R: Real>(pair: &Pair<f64>) -> Pair<R> {
-    let node = |node: &Node<f64>| Node {
-        displacement: vector::exact(node.displacement),
-        triad: vector::exact_matrix(&node.triad),
-        flow: R::from_f64(node.flow),
-    };
-    Pair { reference: vector::exact(pair.reference), a: node(&pair.a), b: node(&pair.b) }
-}
-
 /// The same state on another real number, exactly.
 pub fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
     State {
-        pair: exact_pair(&state.pair),
+        pair: state.pair.exact(),
         velocity: state.velocity.map(R::from_f64),
         acceleration: state.acceleration.map(R::from_f64),
     }

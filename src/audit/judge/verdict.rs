@@ -8,57 +8,33 @@ use pintle_kinematics::scalar::Wide;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What is said of a quantity at a state, the mildest first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Every entry is right to rounding.
-    Pass,
-    /// Every entry is as right as the state allows, which is not much: the point is ill-conditioned.
-    IllConditioned,
-    /// There is no derivative here, and one from each side, which differ.
-    Kink,
-    /// There is no derivative here that could be judged, and not one from each side either: a true singularity, a jump, or second
-    /// derivatives on a kink. [`Finding::lack`] says which.
-    Singular,
-    /// No independent oracle could answer.
-    Undecided,
-    /// The formula is right and loses digits on doubles.
-    UnstableFormula,
-    /// An entry is wrong.
-    Wrong,
-    /// A number is infinite or not a number.
-    Invalid,
+pintle_kinematics::named! {
+    /// What is said of a quantity at a state, the mildest first.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict {
+        /// Every entry is right to rounding.
+        Pass = "pass",
+        /// Every entry is as right as the state allows, which is not much: the point is ill-conditioned.
+        IllConditioned = "ill-conditioned point",
+        /// There is no derivative here, and one from each side, which differ.
+        Kink = "kink",
+        /// There is no derivative here that could be judged, and not one from each side either: a true singularity, a jump, or second
+        /// derivatives on a kink. [`Finding::lack`] says which.
+        Singular = "singular point",
+        /// No independent oracle could answer.
+        Undecided = "undecided",
+        /// The formula is right and loses digits on doubles.
+        UnstableFormula = "unstable formula",
+        /// An entry is wrong.
+        Wrong = "wrong",
+        /// A number is infinite or not a number.
+        Invalid = "invalid",
+    }
 }
 
 impl Verdict {
-    /// Every verdict.
-    pub const ALL: [Self; 8] = [
-        Self::Pass,
-        Self::IllConditioned,
-        Self::Kink,
-        Self::Singular,
-        Self::Undecided,
-        Self::UnstableFormula,
-        Self::Wrong,
-        Self::Invalid,
-    ];
-
-    /// In words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::IllConditioned => "ill-conditioned point",
-            Self::Kink => "kink",
-            Self::Singular => "singular point",
-            Self::Undecided => "undecided",
-            Self::UnstableFormula => "unstable formula",
-            Self::Wrong => "wrong",
-            Self::Invalid => "invalid",
-        }
-    }
-
     /// The verdict as a headline: a state that is ill-conditioned passes.
     pub const fn headline(self) -> Self {
         if matches!(self, Self::IllConditioned) { Self::Pass } else { self }

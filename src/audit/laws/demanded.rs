@@ -6,79 +6,41 @@ use pintle_kinematics::node::DOFS;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
-/// A law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Invariant {
-    /// The six rigid modes are in the kernel of every row, at every state: second derivatives along them are those of the motion alone.
-    RigidModes,
-    /// Axes turned with everything change no value and no rate, and turn rows and second derivatives.
-    Frame,
-    /// The nodal forces of each component are in equilibrium, moments about any point included.
-    Equilibrium,
-    /// Rates are J q̇, accelerations J q̈ + q̇ᵀ H q̇; and the power of the nodal forces is that of the component forces, each with
-    /// the rate that it is conjugate to.
-    Power,
-    /// Second derivatives are symmetric.
-    Symmetry,
-    /// Derivatives that the declaration says are zero are zero.
-    Sparsity,
-    /// Exchanged nodes give what the declaration of each measure says (`Measure::exchanged`).
-    NodeSwap,
-    /// An assembled type gives what its halves give, bit for bit.
-    Halves,
-    /// A history saved and restored gives the same, bit for bit.
-    Restored,
-    /// A part of the request gives that part of the whole, bit for bit.
-    Restricted,
-    /// At the initial state nothing has moved.
-    Start,
-    /// Turns are counted through ±π and 2πk, either way.
-    Turns,
-    /// e1a·e2b = 0 and its family: a turn about the free axis, however far, leaves the printed constraints met.
-    FreeAxis,
-    /// What a friction remembers at a state is what it left at the state before, and its increment is what lies between the two.
-    Carried,
-}
-
-impl Invariant {
-    /// Every law.
-    pub const ALL: [Self; 14] = [
-        Self::RigidModes,
-        Self::Frame,
-        Self::Equilibrium,
-        Self::Power,
-        Self::Symmetry,
-        Self::Sparsity,
-        Self::NodeSwap,
-        Self::Halves,
-        Self::Restored,
-        Self::Restricted,
-        Self::Start,
-        Self::Turns,
-        Self::FreeAxis,
-        Self::Carried,
-    ];
-
-    /// In words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::RigidModes => "rigid modes in the kernel",
-            Self::Frame => "frame equivariance",
-            Self::Equilibrium => "equilibrium of nodal forces",
-            Self::Power => "power identity",
-            Self::Symmetry => "symmetry of second derivatives",
-            Self::Sparsity => "declared sparsity",
-            Self::NodeSwap => "exchanged nodes",
-            Self::Halves => "assembly equals its halves",
-            Self::Restored => "restored history",
-            Self::Restricted => "restricted request",
-            Self::Start => "zero at the start",
-            Self::Turns => "turns through ±π and 2πk",
-            Self::FreeAxis => "turns about the free axis",
-            Self::Carried => "friction from state to state",
-        }
+pintle_kinematics::named! {
+    /// A law.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Invariant {
+        /// The six rigid modes are in the kernel of every row, at every state: second derivatives along them are those of the motion alone.
+        RigidModes = "rigid modes in the kernel",
+        /// Axes turned with everything change no value and no rate, and turn rows and second derivatives.
+        Frame = "frame equivariance",
+        /// The nodal forces of each component are in equilibrium, moments about any point included.
+        Equilibrium = "equilibrium of nodal forces",
+        /// Rates are J q̇, accelerations J q̈ + q̇ᵀ H q̇; and the power of the nodal forces is that of the component forces, each with
+        /// the rate that it is conjugate to.
+        Power = "power identity",
+        /// Second derivatives are symmetric.
+        Symmetry = "symmetry of second derivatives",
+        /// Derivatives that the declaration says are zero are zero.
+        Sparsity = "declared sparsity",
+        /// Exchanged nodes give what the declaration of each measure says (`Measure::exchanged`).
+        NodeSwap = "exchanged nodes",
+        /// An assembled type gives what its halves give, bit for bit.
+        Halves = "assembly equals its halves",
+        /// A history saved and restored gives the same, bit for bit.
+        Restored = "restored history",
+        /// A part of the request gives that part of the whole, bit for bit.
+        Restricted = "restricted request",
+        /// At the initial state nothing has moved.
+        Start = "zero at the start",
+        /// Turns are counted through ±π and 2πk, either way.
+        Turns = "turns through ±π and 2πk",
+        /// e1a·e2b = 0 and its family: a turn about the free axis, however far, leaves the printed constraints met.
+        FreeAxis = "turns about the free axis",
+        /// What a friction remembers at a state is what it left at the state before, and its increment is what lies between the two.
+        Carried = "friction from state to state",
     }
 }
 

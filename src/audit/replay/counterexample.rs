@@ -19,22 +19,24 @@ use std::collections::BTreeSet;
 /// The schema of the file.
 pub const SCHEMA: &str = "pintle-counterexample/2";
 
-/// What a file is about: the tag of [`Failing`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum About {
-    /// A connector after its history.
-    Connector,
-    /// A multi-point constraint at a state.
-    Mpc,
-    /// A relation at a state.
-    Relation,
-    /// A friction in an increment.
-    Friction,
-    /// A belt around a ring in an increment.
-    Belt,
-    /// Springs and dampers at a motion.
-    Slopes,
+pintle_kinematics::named! {
+    /// What a file is about: the tag of [`Failing`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum About {
+        /// A connector after its history.
+        Connector = "connector",
+        /// A multi-point constraint at a state.
+        Mpc = "multi-point constraint",
+        /// A relation at a state.
+        Relation = "relation",
+        /// A friction in an increment.
+        Friction = "friction",
+        /// A belt around a ring in an increment.
+        Belt = "belt around a ring",
+        /// Springs and dampers at a motion.
+        Slopes = "slope of a behaviour",
+    }
 }
 
 impl About {
@@ -46,18 +48,6 @@ impl About {
             Failing::Friction(_) => Self::Friction,
             Failing::Belt(_) => Self::Belt,
             Failing::Slopes(_) => Self::Slopes,
-        }
-    }
-
-    /// In words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Connector => "connector",
-            Self::Mpc => "multi-point constraint",
-            Self::Relation => "relation",
-            Self::Friction => "friction",
-            Self::Belt => "belt around a ring",
-            Self::Slopes => "slope of a behaviour",
         }
     }
 }

@@ -10,34 +10,24 @@ use pintle_kinematics::node::Pair;
 use pintle_kinematics::so3::turn;
 use pintle_kinematics::vector::{Matrix, add, apply, product, sub};
 
-/// How a state stands on a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stand {
-    /// As models have it: one axis turns, the nodes lie along one, and nothing moves but one degree of freedom.
-    Structured,
-    /// Nodes in one place, initially and now.
-    Coincident,
-    /// Nodes that were apart initially, and have moved to one place.
-    Met,
-    /// As `Structured`, all of it turned as one by any rotation: what was equal is still equal, and no more orthogonal than rounding leaves it.
-    Turned,
-    /// Everything moves, and what the point leaves free is random.
-    Random,
+pintle_kinematics::named! {
+    /// How a state stands on a point.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum Stand {
+        /// As models have it: one axis turns, the nodes lie along one, and nothing moves but one degree of freedom.
+        Structured = "along axes",
+        /// Nodes in one place, initially and now.
+        Coincident = "coincident nodes",
+        /// Nodes that were apart initially, and have moved to one place.
+        Met = "nodes that have met",
+        /// As `Structured`, all of it turned as one by any rotation: what was equal is still equal, and no more orthogonal than rounding leaves it.
+        Turned = "along axes, turned",
+        /// Everything moves, and what the point leaves free is random.
+        Random = "any",
+    }
 }
 
 impl Stand {
-    const ALL: [Self; 5] = [Self::Structured, Self::Coincident, Self::Met, Self::Turned, Self::Random];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Structured => "along axes",
-            Self::Coincident => "coincident nodes",
-            Self::Met => "nodes that have met",
-            Self::Turned => "along axes, turned",
-            Self::Random => "any",
-        }
-    }
-
     /// Whether such a state stands on a point.
     fn is_of(self, site: &Site) -> bool {
         match (self, site.way()) {

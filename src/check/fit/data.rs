@@ -294,11 +294,7 @@ impl Expected {
     }
 
     fn at_case(case: &MpcCase, rows: usize) -> Vec<Right1> {
-        let turned = [&case.state.slave, &case.state.master].map(|body| Turned {
-            triad: body.rotation,
-            rotation: body.rotation,
-            vector: so3::log(&body.rotation),
-        });
+        let turned = Turned::of_bodies(&case.state);
         let tables = case.judged();
         let number = |quantity: Quantity, n: usize, j: usize| {
             let table = tables.iter().find(|table| table.quantity == quantity)?;

@@ -22,29 +22,27 @@ fn of_type(connection: &ConnectionType) -> Definition {
     definition(connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2)
 }
 
-/// A convention, and how many columns its rows have.
-fn drawn(definition: &Definition, draw: &mut Draw) -> Convention {
-    let connector = Connector::<f64>::new(definition);
-    let mut convention = Convention::default();
-    let often = |draw: &mut Draw| draw.unit() < 0.5;
-    let width = if often(draw) { 14 } else { 12 };
-    let orders = Order::all(width, 0);
-    convention.columns = orders[draw.below(orders.len())].names(&Names::of_connector());
-    let components: Vec<usize> = (0..6).filter(|k| connector.differentiated(*k).is_some()).collect();
-    if often(draw) {
-        let mut rows: Vec<String> = components.iter().map(|k| COMPONENT[*k].to_string()).collect();
-        for n in (1..rows.len()).rev() {
-            rows.swap(n, draw.below(n + 1));
-        }
-        convention.rows = rows;
+fn often(draw: &mut Draw) -> bool {
+    draw.unit() < 0.5
+}
+
+fn shuffled(mut rows: Vec<String>, draw: &mut Draw) -> Vec<String> {
+    for n in (1..rows.len()).rev() {
+        rows.swap(n, draw.below(n + 1));
     }
+    rows
+}
+
+/// What the columns of rows vary.
+fn draw_columns(convention: &mut Convention, draw: &mut Draw) {
     let variation = |draw: &mut Draw| Variation::ALL[draw.below(Variation::ALL.len())];
     let [a, b] = [variation(draw), variation(draw)];
     convention.rotations = if a == b { Variations::Both(a) } else { Variations::Each([a, b]) };
     convention.displacements = Frame::ALL[draw.below(4)];
-    if is_vector(&connector, 0) || is_vector(&connector, 3) {
-        convention.axes = Axes::ALL[draw.below(3)];
-    }
+}
+
+/// How numbers are stored, in which units, with which signs.
+fn draw_units(convention: &mut Convention, draw: &mut Draw) {
     convention.storage = if often(draw) { Storage::Rows } else { Storage::Columns };
     convention.angles = Angle::ALL[draw.below(3)];
     convention.column_angles = Angle::ALL[draw.below(3)];
@@ -53,6 +51,25 @@ fn drawn(definition: &Definition, draw: &mut Draw) -> Convention {
     for factor in &mut convention.factors {
         *factor = if often(draw) { 1.0 } else { -1.0 };
     }
+}
+
+/// A convention, and how many columns its rows have.
+fn drawn(definition: &Definition, draw: &mut Draw) -> Convention {
+    let connector = Connector::<f64>::new(definition);
+    let mut convention = Convention::default();
+    let width = if often(draw) { 14 } else { 12 };
+    let orders = Order::all(width, 0);
+    convention.columns = orders[draw.below(orders.len())].names(&Names::of_connector());
+    let components: Vec<usize> = (0..6).filter(|k| connector.differentiated(*k).is_some()).collect();
+    if often(draw) {
+        let rows: Vec<String> = components.iter().map(|k| COMPONENT[*k].to_string()).collect();
+        convention.rows = shuffled(rows, draw);
+    }
+    draw_columns(&mut convention, draw);
+    if is_vector(&connector, 0) || is_vector(&connector, 3) {
+        convention.axes = Axes::ALL[draw.below(3)];
+    }
+    draw_units(&mut convention, draw);
     let is_transposed = draw.below(8) == 0;
     if convention.axes == Axes::A {
         // Where triads are read transposed, REVOLUTE is not aligned, and constrains angles.
@@ -155,12 +172,48 @@ fn given(definition: &Definition, state: &State<f64>, convention: &Convention) -
         let value = if as_angle { value.asin() } else { value + offset };
         numbers.push((!measure.is_one_form()).then_some(value * convention.factors[k] / unit));
     }
-    if convention.storage == Storage::Columns {
-        let width = convention.columns.len();
-        let entry = |i: usize, j: usize| table[i].as_ref().map_or(0.0, |line| line[j]);
-        table = (0..width).map(|j| Some((0..table.len()).map(|i| entry(i, j)).collect())).collect();
+    GivenRows { rows: stored(table, convention), values: Some(numbers), ..GivenRows::default() }
+}
+
+/// Rows as the convention stores them.
+fn stored(table: Vec<Option<Vec<f64>>>, convention: &Convention) -> Vec<Option<Vec<f64>>> {
+    if convention.storage == Storage::Rows {
+        return table;
     }
-    GivenRows { rows: table, values: Some(numbers), ..GivenRows::default() }
+    let entry = |i: usize, j: usize| table[i].as_ref().map_or(0.0, |line| line[j]);
+    let line = |j: usize| Some((0..table.len()).map(|i| entry(i, j)).collect());
+    (0..convention.columns.len()).map(line).collect()
+}
+
+/// Whether rows are the same to 1e-9; one that is not there is zero.
+fn are_same(one: &GivenRows, other: &GivenRows) -> bool {
+    let same = |x: &f64, y: &f64| (x - y).abs() <= 1e-9 * (1e-3 + x.abs().max(y.abs()));
+    one.rows.len() == other.rows.len()
+        && one.rows.iter().zip(&other.rows).all(|(x, y)| match (x, y) {
+            (Some(x), Some(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
+            (Some(x), None) | (None, Some(x)) => x.iter().all(|x| *x == 0.0),
+            (None, None) => true,
+        })
+}
+
+/// The place of an entry that matters, the same one at every state.
+fn entry_that_matters(all: &[GivenRows], draw: &mut Draw) -> (usize, usize) {
+    let places: Vec<(usize, usize)> = all[0]
+        .rows
+        .iter()
+        .enumerate()
+        .flat_map(|(i, line)| (0..line.as_ref().map_or(0, Vec::len)).map(move |j| (i, j)))
+        .filter(|(i, j)| all.iter().all(|of| of.rows[*i].as_ref().unwrap()[*j].abs() > 1e-9))
+        .collect();
+    places[draw.below(places.len())]
+}
+
+/// An entry of what was given, as a fit names it.
+fn place_of((i, j): (usize, usize), convention: &Convention) -> String {
+    match convention.storage {
+        Storage::Rows => format!("(line {}, column {})", i + 1, j + 1),
+        Storage::Columns => format!("(line {}, column {})", j + 1, i + 1),
+    }
 }
 
 fn found(definition: &Definition, states: &[State<f64>], convention: &Convention) -> Found {
@@ -175,16 +228,7 @@ fn says_the_same(
     other: &Convention,
     states: &[State<f64>],
 ) -> bool {
-    states.iter().all(|state| {
-        let [one, other] = [one, other].map(|convention| given(definition, state, convention));
-        let same = |x: &f64, y: &f64| (x - y).abs() <= 1e-9 * (1e-3 + x.abs().max(y.abs()));
-        one.rows.len() == other.rows.len()
-            && one.rows.iter().zip(&other.rows).all(|(x, y)| match (x, y) {
-                (Some(x), Some(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
-                (Some(x), None) | (None, Some(x)) => x.iter().all(|x| *x == 0.0),
-                (None, None) => true,
-            })
-    })
+    states.iter().all(|state| are_same(&given(definition, state, one), &given(definition, state, other)))
 }
 
 /// The types to be tried: from number PINTLE_FROM of the catalogue on, all of them without it.
@@ -257,15 +301,7 @@ fn a_wrong_entry_is_named_under_the_right_convention() {
             let convention = drawn(&definition, &mut draw);
             let mut all: Vec<GivenRows> =
                 states.iter().map(|state| given(&definition, state, &convention)).collect();
-            // An entry that matters, the same one at every state.
-            let places: Vec<(usize, usize)> = all[0]
-                .rows
-                .iter()
-                .enumerate()
-                .flat_map(|(i, line)| (0..line.as_ref().map_or(0, Vec::len)).map(move |j| (i, j)))
-                .filter(|(i, j)| all.iter().all(|of| of.rows[*i].as_ref().unwrap()[*j].abs() > 1e-9))
-                .collect();
-            let (i, j) = places[draw.below(places.len())];
+            let (i, j) = entry_that_matters(&all, &mut draw);
             let factor =
                 1.0 + 10.0_f64.powf(-draw.between(0.0, 6.0)) * if draw.unit() < 0.5 { 1.0 } else { -1.0 };
             for of in &mut all {
@@ -273,10 +309,7 @@ fn a_wrong_entry_is_named_under_the_right_convention() {
             }
             let found = fit(&definition, &states, &all).unwrap();
             tried += 1;
-            let place = match convention.storage {
-                Storage::Rows => format!("(line {}, column {})", i + 1, j + 1),
-                Storage::Columns => format!("(line {}, column {})", j + 1, i + 1),
-            };
+            let place = place_of((i, j), &convention);
             let is_entry = found.wrong.len() == 1 && found.wrong[0].name.ends_with(&place);
             if is_entry && says_the_same(&definition, &convention, &found.convention, &others) {
                 named += 1;
@@ -413,30 +446,15 @@ fn drawn_of(constraint: &Constraint<f64>, draw: &mut Draw) -> Convention {
     let kind = constraint.kind();
     let names = Names::of_constraint(kind);
     let mut convention = Convention::default();
-    let often = |draw: &mut Draw| draw.unit() < 0.5;
     let orders = Order::all(if often(draw) { 14 } else { 12 } + names.hinges, names.hinges);
     convention.columns = orders[draw.below(orders.len())].names(&names);
     let has = constraint.rows();
     if often(draw) {
-        let mut rows: Vec<String> =
-            (0..7).filter(|k| has[*k]).map(|k| kind.row_name(k).to_string()).collect();
-        for n in (1..rows.len()).rev() {
-            rows.swap(n, draw.below(n + 1));
-        }
-        convention.rows = rows;
+        let rows: Vec<String> = (0..7).filter(|k| has[*k]).map(|k| kind.row_name(k).to_string()).collect();
+        convention.rows = shuffled(rows, draw);
     }
-    let variation = |draw: &mut Draw| Variation::ALL[draw.below(Variation::ALL.len())];
-    let [a, b] = [variation(draw), variation(draw)];
-    convention.rotations = if a == b { Variations::Both(a) } else { Variations::Each([a, b]) };
-    convention.displacements = Frame::ALL[draw.below(4)];
-    convention.storage = if often(draw) { Storage::Rows } else { Storage::Columns };
-    convention.angles = Angle::ALL[draw.below(3)];
-    convention.column_angles = Angle::ALL[draw.below(3)];
-    convention.row_length = LENGTHS[draw.below(LENGTHS.len())];
-    convention.column_length = LENGTHS[draw.below(LENGTHS.len())];
-    for factor in &mut convention.factors {
-        *factor = if often(draw) { 1.0 } else { -1.0 };
-    }
+    draw_columns(&mut convention, draw);
+    draw_units(&mut convention, draw);
     match draw.below(8) {
         0 => convention.sense = Sense::Inverse,
         1 => convention.quaternion = Quaternions::Xyzw,
@@ -459,11 +477,7 @@ fn given_of(case: &MpcCase, convention: &Convention) -> GivenRows {
     }
     let kind = case.constraint.kind();
     let names = Names::of_constraint(kind);
-    let turned = [&case.state.slave, &case.state.master].map(|body| Turned {
-        triad: body.rotation,
-        rotation: body.rotation,
-        vector: so3::log(&body.rotation),
-    });
+    let turned = Turned::of_bodies(&case.state);
     let asked = Request::everything(1);
     let found =
         case.constraint.evaluate(&case.state, &case.before, &case.turning, &asked, &mut Tally::default());
@@ -506,26 +520,12 @@ fn given_of(case: &MpcCase, convention: &Convention) -> GivenRows {
         table.push(Some(line.collect::<Vec<f64>>()));
         values.push(found.residual[k].map(|x| x * factor));
     }
-    if convention.storage == Storage::Columns {
-        let width = convention.columns.len();
-        let entry = |i: usize, j: usize| table[i].as_ref().map_or(0.0, |line| line[j]);
-        table = (0..width).map(|j| Some((0..table.len()).map(|i| entry(i, j)).collect())).collect();
-    }
-    GivenRows { rows: table, values: Some(values), ..GivenRows::default() }
+    GivenRows { rows: stored(table, convention), values: Some(values), ..GivenRows::default() }
 }
 
 /// Whether two conventions of a constraint give the same numbers at states that the fit has not seen.
 fn say_the_same(one: &Convention, other: &Convention, cases: &[MpcCase]) -> bool {
-    let same = |x: &f64, y: &f64| (x - y).abs() <= 1e-9 * (1e-3 + x.abs().max(y.abs()));
-    cases.iter().all(|case| {
-        let [one, other] = [one, other].map(|convention| given_of(case, convention));
-        one.rows.len() == other.rows.len()
-            && one.rows.iter().zip(&other.rows).all(|(x, y)| match (x, y) {
-                (Some(x), Some(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
-                (Some(x), None) | (None, Some(x)) => x.iter().all(|x| *x == 0.0),
-                (None, None) => true,
-            })
-    })
+    cases.iter().all(|case| are_same(&given_of(case, one), &given_of(case, other)))
 }
 
 /// Of each of the six constraints, drawn conventions are found; and one that has a wrong entry is found with that entry.
@@ -569,23 +569,13 @@ fn drawn_conventions_of_constraints_are_found() {
             );
             tried += 1;
             unique += usize::from(found.count == 1);
-            let places: Vec<(usize, usize)> = all[0]
-                .rows
-                .iter()
-                .enumerate()
-                .flat_map(|(i, line)| (0..line.as_ref().map_or(0, Vec::len)).map(move |j| (i, j)))
-                .filter(|(i, j)| all.iter().all(|of| of.rows[*i].as_ref().unwrap()[*j].abs() > 1e-9))
-                .collect();
-            let (i, j) = places[draw.below(places.len())];
+            let (i, j) = entry_that_matters(&all, &mut draw);
             let factor = 1.0 + 10.0_f64.powf(-draw.between(0.0, 6.0));
             for of in &mut all {
                 of.rows[i].as_mut().unwrap()[j] *= factor;
             }
             let found = fit_constraint(&constraint, &cases, &all).unwrap();
-            let place = match convention.storage {
-                Storage::Rows => format!("(line {}, column {})", i + 1, j + 1),
-                Storage::Columns => format!("(line {}, column {})", j + 1, i + 1),
-            };
+            let place = place_of((i, j), &convention);
             let is_entry = found.wrong.len() == 1 && found.wrong[0].name.ends_with(&place);
             if is_entry && say_the_same(&convention, &whole(&found.convention), &others) {
                 named += 1;

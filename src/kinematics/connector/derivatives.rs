@@ -5,7 +5,7 @@ use crate::connector::{
 };
 use crate::measure::{History, Measure, Section, Shared};
 use crate::node;
-use crate::node::{DOFS, Dependence, End, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
+use crate::node::{DOFS, Dependence, NodalRates, Pair, Relative, RelativeGradient, RelativeRates};
 use crate::scalar::{Duals, Scalar, Seeded};
 use crate::vector;
 use crate::vector::{Vector, column};
@@ -366,7 +366,7 @@ fn one_form_rates<R: Duals>(
     section: &Section<R>,
 ) -> [R; 2] {
     let zero = R::ZERO;
-    let spin = node::spin(&state.velocity, End::A);
+    let spin = node::spin_of_a(&state.velocity);
     let turning = turned_triad(&state.pair.a.triad, spin.map(|rate| R::moving(zero, rate, zero)));
     let mut rates = [zero; 2];
     for (j, entry) in measure.one_form(&turning, section).into_iter().enumerate() {

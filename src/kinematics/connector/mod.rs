@@ -25,7 +25,6 @@ pub use request::{Mask, Output, Request, Tally};
 
 use crate::catalog::{Condition, ConnectionType, PLANE, Slot};
 use crate::measure::{History, LOCK, Measure, Section, Shared, SingularClass, Unit};
-use crate::node;
 use crate::node::{DOF_NUMBER, DOFS, Dependence, NodalRates, Pair, Relative};
 use crate::scalar::{Duals, Real};
 use crate::so3;
@@ -37,10 +36,10 @@ use std::sync::Arc;
 /// A value for each of u1, u2, u3, ur1, ur2, ur3; `None` where the component is absent or was not asked for.
 pub type Components<T> = [Option<T>; 6];
 
-/// A row of nodal derivatives, in the order of [`node::DOF`].
+/// A row of nodal derivatives, in the order of [`crate::node::DOF`].
 pub type NodalRow<R> = [R; DOFS];
 
-/// Derivatives by two nodal degrees of freedom, both in the order of [`node::DOF`].
+/// Derivatives by two nodal degrees of freedom, both in the order of [`crate::node::DOF`].
 pub type NodalMatrix<R> = Box<[NodalRow<R>; DOFS]>;
 
 /// The nodes at one instant, with their rates.
@@ -271,16 +270,7 @@ pub struct Evaluation<R> {
 
 impl<R: Duals> Connector<R> {
     pub(crate) fn make(definition: &Definition) -> Self {
-        let exact_node = |node: &node::Node<f64>| node::Node {
-            displacement: vector::exact(node.displacement),
-            triad: vector::exact_matrix(&node.triad),
-            flow: R::from_f64(node.flow),
-        };
-        let initial = Pair {
-            reference: vector::exact(definition.initial.reference),
-            a: exact_node(&definition.initial.a),
-            b: exact_node(&definition.initial.b),
-        };
+        let initial: Pair<R> = definition.initial.exact();
         let relative = initial.relative();
         let zero = R::ZERO;
         let section = Section {

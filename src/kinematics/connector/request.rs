@@ -2,159 +2,85 @@
 
 use serde::Serialize;
 
-/// A quantity that can be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
-pub enum Output {
-    /// Position: e·d, l, α … from which stops are counted.
-    CP,
-    /// Displacement: position − initial position.
-    CU,
-    /// Constitutive displacement: position − reference.
-    CCU,
-    /// Velocity.
-    CV,
-    /// Acceleration.
-    CA,
-    /// What each constrained component enforces to be zero.
-    RES,
-    /// The rate of the residual, J q̇.
-    RESV,
-    /// The part of the residual's acceleration that is quadratic in the rates, J̇ q̇.
-    RESB,
-    /// The acceleration of the residual, J q̈ + J̇ q̇.
-    RESA,
-    /// Stop status.
-    CSLST,
-    /// Turn counts and principal angles.
-    TURNS,
-    /// Distance to the nearest singular point.
-    MARGIN,
-    /// Total force.
-    CTF,
-    /// Elastic force.
-    CEF,
-    /// Viscous force.
-    CVF,
-    /// Friction force.
-    CSF,
-    /// Reaction of a constraint, stop, lock, prescribed motion.
-    CRF,
-    /// Applied load.
-    CCF,
-    /// Contact force of friction.
-    CNF,
-    /// Accumulated slip.
-    CASU,
-    /// Slip rate.
-    CIVC,
-    /// Whether friction sticks or slips.
-    SLIP,
-    /// Failure status.
-    CFAILST,
-    /// What a connector motion prescribes.
-    DRIVEN,
-    /// Slopes of forces.
-    TANGENT,
-    /// Moments as the manual prints them.
-    PM,
-    /// Multipliers of the equations enforced.
-    LM,
-    /// Nodal forces.
-    NF,
-    /// Geometric stiffness.
-    KG,
-    /// Derivative of the nodal forces.
-    DNF,
-    /// Tangent of the nodal forces by displacements.
-    KT,
-    /// Tangent of the nodal forces by velocities.
-    CT,
-    /// Tangent of the nodal forces by reactions.
-    KR,
+crate::named! {
+    /// A quantity that can be asked for.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+    pub enum Output {
+        /// Position: e·d, l, α … from which stops are counted.
+        CP = "CP",
+        /// Displacement: position − initial position.
+        CU = "CU",
+        /// Constitutive displacement: position − reference.
+        CCU = "CCU",
+        /// Velocity.
+        CV = "CV",
+        /// Acceleration.
+        CA = "CA",
+        /// What each constrained component enforces to be zero.
+        RES = "RES",
+        /// The rate of the residual, J q̇.
+        RESV = "RESV",
+        /// The part of the residual's acceleration that is quadratic in the rates, J̇ q̇.
+        RESB = "RESB",
+        /// The acceleration of the residual, J q̈ + J̇ q̇.
+        RESA = "RESA",
+        /// Stop status.
+        CSLST = "CSLST",
+        /// Turn counts and principal angles.
+        TURNS = "TURNS",
+        /// Distance to the nearest singular point.
+        MARGIN = "MARGIN",
+        /// Total force.
+        CTF = "CTF",
+        /// Elastic force.
+        CEF = "CEF",
+        /// Viscous force.
+        CVF = "CVF",
+        /// Friction force.
+        CSF = "CSF",
+        /// Reaction of a constraint, stop, lock, prescribed motion.
+        CRF = "CRF",
+        /// Applied load.
+        CCF = "CCF",
+        /// Contact force of friction.
+        CNF = "CNF",
+        /// Accumulated slip.
+        CASU = "CASU",
+        /// Slip rate.
+        CIVC = "CIVC",
+        /// Whether friction sticks or slips.
+        SLIP = "SLIP",
+        /// Failure status.
+        CFAILST = "CFAILST",
+        /// What a connector motion prescribes.
+        DRIVEN = "DRIVEN",
+        /// Slopes of forces.
+        TANGENT = "TANGENT",
+        /// Moments as the manual prints them.
+        PM = "PM",
+        /// Multipliers of the equations enforced.
+        LM = "LM",
+        /// Nodal forces.
+        NF = "NF",
+        /// Geometric stiffness.
+        KG = "KG",
+        /// Derivative of the nodal forces.
+        DNF = "DNF",
+        /// Tangent of the nodal forces by displacements.
+        KT = "KT",
+        /// Tangent of the nodal forces by velocities.
+        CT = "CT",
+        /// Tangent of the nodal forces by reactions.
+        KR = "KR",
+    }
 }
 
 impl Output {
-    /// Every output, in the order of reports.
-    pub const ALL: [Self; 33] = [
-        Self::CP,
-        Self::CU,
-        Self::CCU,
-        Self::CV,
-        Self::CA,
-        Self::RES,
-        Self::RESV,
-        Self::RESB,
-        Self::RESA,
-        Self::CSLST,
-        Self::TURNS,
-        Self::MARGIN,
-        Self::CTF,
-        Self::CEF,
-        Self::CVF,
-        Self::CSF,
-        Self::CRF,
-        Self::CCF,
-        Self::CNF,
-        Self::CASU,
-        Self::CIVC,
-        Self::SLIP,
-        Self::CFAILST,
-        Self::DRIVEN,
-        Self::TANGENT,
-        Self::PM,
-        Self::LM,
-        Self::NF,
-        Self::KG,
-        Self::DNF,
-        Self::KT,
-        Self::CT,
-        Self::KR,
-    ];
-
     /// Its bit in a set of outputs.
     #[inline(always)]
     const fn bit(self) -> u64 {
         const { assert!(Self::ALL.len() <= 64, "more outputs than bits") }
         1 << self as u64
-    }
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::CP => "CP",
-            Self::CU => "CU",
-            Self::CCU => "CCU",
-            Self::CV => "CV",
-            Self::CA => "CA",
-            Self::RES => "RES",
-            Self::RESV => "RESV",
-            Self::RESB => "RESB",
-            Self::RESA => "RESA",
-            Self::CSLST => "CSLST",
-            Self::TURNS => "TURNS",
-            Self::MARGIN => "MARGIN",
-            Self::CTF => "CTF",
-            Self::CEF => "CEF",
-            Self::CVF => "CVF",
-            Self::CSF => "CSF",
-            Self::CRF => "CRF",
-            Self::CCF => "CCF",
-            Self::CNF => "CNF",
-            Self::CASU => "CASU",
-            Self::CIVC => "CIVC",
-            Self::SLIP => "SLIP",
-            Self::CFAILST => "CFAILST",
-            Self::DRIVEN => "DRIVEN",
-            Self::TANGENT => "TANGENT",
-            Self::PM => "PM",
-            Self::LM => "LM",
-            Self::NF => "NF",
-            Self::KG => "KG",
-            Self::DNF => "DNF",
-            Self::KT => "KT",
-            Self::CT => "CT",
-            Self::KR => "KR",
-        }
     }
 
     /// Whether it is a number that an evaluation holds for each component: a position, a residual, a rate.
@@ -204,54 +130,6 @@ impl Output {
     /// Whether it is a part of the tangent of the nodal forces.
     pub const fn is_nodal_tangent(self) -> bool {
         matches!(self, Self::KT | Self::CT | Self::KR)
-    }
-
-    /// The power of time by which the unit of the component is divided: 0, 1 or 2.
-    pub const fn per_time(self) -> u8 {
-        match self {
-            Self::CV | Self::RESV | Self::CIVC => 1,
-            Self::CA | Self::RESB | Self::RESA => 2,
-            _ => 0,
-        }
-    }
-
-    /// One line on what it is.
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::CP => "position",
-            Self::CU => "displacement from the initial position",
-            Self::CCU => "constitutive displacement from the reference",
-            Self::CV => "velocity",
-            Self::CA => "acceleration",
-            Self::RES => "constraint residual",
-            Self::RESV => "rate of the constraint residual, J q̇",
-            Self::RESB => "quadratic part of its acceleration, J̇ q̇",
-            Self::RESA => "acceleration of the constraint residual, J q̈ + J̇ q̇",
-            Self::CSLST => "status of stop and lock",
-            Self::TURNS => "whole turns counted",
-            Self::MARGIN => "distance to the nearest singular point",
-            Self::CTF => "total force, CEF + CVF + CSF + CRF − CCF",
-            Self::CEF => "elastic force",
-            Self::CVF => "viscous force",
-            Self::CRF => "reaction of a constraint, stop, lock or prescribed motion",
-            Self::CSF => "friction force",
-            Self::CCF => "applied connector load",
-            Self::CNF => "contact force of friction",
-            Self::CASU => "accumulated slip",
-            Self::CIVC => "slip rate",
-            Self::CFAILST => "failure status",
-            Self::DRIVEN => "what a connector motion prescribes",
-            Self::SLIP => "whether friction sticks or slips, or is free where nothing presses",
-            Self::TANGENT => "slopes of component forces",
-            Self::PM => "moments by which the printed formula gives the exact moment",
-            Self::LM => "multiplier of the equation enforced",
-            Self::NF => "nodal forces, residual-side: transposed rows × component forces",
-            Self::KG => "geometric stiffness Σ f ∂²c",
-            Self::DNF => "derivative ∂NF/∂q at constant component forces",
-            Self::KT => "tangent Jᵀ (∂F/∂u) J + KG of the nodal forces",
-            Self::CT => "tangent Jᵀ (∂F/∂v) J of the nodal forces by velocities",
-            Self::KR => "tangent of the nodal forces by reactions",
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Tests that look inside.
 
 use crate::connector::*;
+use crate::node;
 use crate::scalar::{Scalar, Seeded};
 use crate::vector::{column, scale, sub};
 use num_dual::Dual2SVec64;

@@ -6,9 +6,9 @@
 //! *Signs.* f_k is internal: positive resists growth of its component. Nodal forces are residual-side; the forces on the nodes are
 //! minus that. Forces and moments of a [`Wrench`] are those at b, residual-side; constraint forces act at b.
 //!
-//! *Three kinds of moments.* The reported moments of a constrained rotation are those that the manual prints (m2 e2a + m3 e3a of
-//! REVOLUTE). The [`ForceRows::multipliers`] λ are those of the equations enforced (e1a·e3b = 0, log(Q Q₀ᵀ) = 0 …). The
-//! [`ForceRows::axis_moments`] are M·axis_i about the axes of successive rotations. All three stand for the same moment M.
+//! *Two kinds of moments.* The reported moments of a constrained rotation are those that the manual prints (m2 e2a + m3 e3a of
+//! REVOLUTE). The [`ForceRows::multipliers`] λ are those of the equations enforced (e1a·e3b = 0, log(Q Q₀ᵀ) = 0 …). Both stand for
+//! the same moment M.
 //!
 //! ```
 //! use pintle_kinematics::catalog::ConnectionType;
@@ -34,7 +34,7 @@
 mod dual;
 mod rows;
 
-pub use rows::{ForceRow, ForceRows, Recovered, Want};
+pub use rows::{ForceRow, ForceRows, Want};
 
 use crate::scalar::Real;
 use crate::vector::{Vector, cross, sub};

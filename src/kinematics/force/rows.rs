@@ -10,7 +10,7 @@ use crate::measure::Measure;
 use crate::node::{DOFS, PSI_A, PSI_B, THETA_A, THETA_B, XB};
 use crate::scalar::{Duals, Real};
 use crate::so3;
-use crate::vector::{Matrix, Vector, add, apply, column, dot, identity, scale, skew, sub};
+use crate::vector::{Matrix, Vector, add, apply, column, dot, identity, scale, skew};
 
 /// What is wanted besides the rows themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,15 +34,6 @@ pub struct ForceRow<R> {
     pub is_gradient: bool,
 }
 
-/// Component forces found from nodal forces.
-#[derive(Clone, Copy, Debug)]
-pub struct Recovered<R> {
-    /// The component forces.
-    pub components: Components<R>,
-    /// The nodal forces that no component forces give: what the connector cannot carry.
-    pub rest: NodalRow<R>,
-}
-
 /// The rows of virtual work at one state, of the components asked for.
 #[derive(Clone, Debug)]
 pub struct ForceRows<R> {
@@ -52,8 +43,6 @@ pub struct ForceRows<R> {
     /// The moments on b of unit multipliers of constrained rotations.
     residual: [Option<Vector<R>>; 3],
     is_constrained: Mask,
-    triad_a: Matrix<R>,
-    axes: Option<[Vector<R>; 3]>,
     printed: Option<(PrintedMoment, [Vector<R>; 3])>,
 }
 
@@ -142,11 +131,10 @@ impl<R: Duals> Connector<R> {
                 residual[k - 3] = Some(part(&row, THETA_B));
             });
         }
-        let axes = self.axes(&triad_a, &state.pair.b.triad, branch);
         let printed = self.connection().printed.and_then(|(formula, _)| {
             let directions = match formula {
                 PrintedMoment::AlongA => [0, 1, 2].map(|i| column(&triad_a, i)),
-                PrintedMoment::CardanAxes => axes?,
+                PrintedMoment::CardanAxes => self.axes(&triad_a, &state.pair.b.triad, branch)?,
                 PrintedMoment::Midway => {
                     let q = crate::vector::transposed_product(&triad_a, &state.pair.b.triad);
                     let middle = so3::mid_frame(&q, None, branch.torsion.turns);
@@ -160,8 +148,6 @@ impl<R: Duals> Connector<R> {
             motions,
             residual,
             is_constrained: [0, 1, 2, 3, 4, 5].map(|k| self.is_constrained(k)),
-            triad_a,
-            axes,
             printed,
         }
     }
@@ -407,70 +393,8 @@ impl<R: Real> ForceRows<R> {
         })
     }
 
-    /// The reported forces of constrained components from the multipliers of the equations enforced: the inverse of
-    /// [`ForceRows::multipliers`]. Needs the rows of all constrained components.
-    pub fn from_multipliers(&self, multipliers: &Components<R>) -> Components<R> {
-        let constraint = self.constrained_only(multipliers);
-        let mut moment = [R::ZERO; 3];
-        for (direction, multiplier) in self.residual.iter().zip(&constraint[3..]) {
-            if let (Some(direction), Some(multiplier)) = (direction, multiplier) {
-                moment = add(moment, scale(*direction, *multiplier));
-            }
-        }
-        let duals = dual_basis([3, 4, 5].map(|k| self.rotation_of(k).filter(|_| self.is_constrained[k])));
-        [0, 1, 2, 3, 4, 5].map(|k| match k {
-            0..3 => constraint[k],
-            _ => duals[k - 3].map(|dual| dot(dual, moment)),
-        })
-    }
-
     fn constrained_only(&self, of: &Components<R>) -> Components<R> {
         [0, 1, 2, 3, 4, 5].map(|k| of[k].filter(|_| self.is_constrained[k]))
-    }
-
-    fn rotation_of(&self, k: usize) -> Option<Vector<R>> {
-        self.rows[k].as_ref().map(|row| part(&row.row, THETA_B))
-    }
-
-    /// The component forces that give nodal forces (residual-side, in the order of [`crate::node::DOF`]): from the force and moment on
-    /// b and the flow forces. What they do not account for is the rest.
-    pub fn recover(&self, nodal: &NodalRow<R>) -> Recovered<R> {
-        let mut found: Components<R> = [None; 6];
-        let translations = [0, 1, 2].map(|k| {
-            let direction = self.rows[k].as_ref().map(|row| part(&row.row, XB))?;
-            direction.iter().any(|part| !is_zero(*part)).then_some(direction)
-        });
-        for (k, dual) in dual_basis(translations).into_iter().enumerate() {
-            found[k] = dual.map(|dual| dot(dual, part(nodal, XB)));
-        }
-        let rotations = dual_basis([3, 4, 5].map(|k| self.rotation_of(k)));
-        let moment = sub(part(nodal, THETA_B), self.wrench(&found).moment);
-        for (k, dual) in rotations.into_iter().enumerate() {
-            found[3 + k] = dual.map(|dual| dot(dual, moment));
-        }
-        // A force of flow alone, such as f2 of SLIPRING.
-        for k in (0..3).filter(|k| translations[*k].is_none()) {
-            let Some(row) = &self.rows[k] else { continue };
-            let flow = nodal[PSI_B] - self.nodal(&found)[PSI_B];
-            found[k] = Some(flow * row.row[PSI_B].reciprocal_or_zero());
-        }
-        let carried = self.nodal(&found);
-        let mut rest = *nodal;
-        for (rest, carried) in rest.iter_mut().zip(&carried) {
-            *rest = *rest - *carried;
-        }
-        Recovered { components: found, rest }
-    }
-
-    /// M·axis_i about the axes of successive rotations, of types with Cardan or Euler angles (component relations).
-    pub fn axis_moments(&self, moment: Vector<R>) -> Option<[R; 3]> {
-        self.axes.map(|axes| axes.map(|axis| dot(axis, moment)))
-    }
-
-    /// The moment M with given M·axis_i: the inverse of [`ForceRows::axis_moments`]; `None` at a lock, where there is none.
-    pub fn of_axis_moments(&self, moments: [R; 3]) -> Option<Vector<R>> {
-        let [Some(first), Some(second), Some(third)] = dual_basis(self.axes?.map(Some)) else { return None };
-        Some(combination([first, second, third], moments))
     }
 
     /// The moments m1, m2, m3 by which the printed formula ([`PrintedMoment`]) gives the exact moment; `None` for types whose print is
@@ -490,26 +414,6 @@ impl<R: Real> ForceRows<R> {
     pub fn of_printed(&self, printed: [R; 3]) -> Option<Vector<R>> {
         let (_, directions) = self.printed?;
         Some(combination(directions, printed))
-    }
-
-    /// A vector of global components, along e1a, e2a, e3a.
-    pub fn along_a(&self, vector: Vector<R>) -> Vector<R> {
-        crate::vector::apply_transposed(&self.triad_a, vector)
-    }
-
-    /// The rows of SLIPRING with flow forces ∓`factor`·f1 instead of ∓f1.
-    ///
-    /// The documented flow force is the tension. Exact for a belt that stores W per unit of reference length is T λ − W, equal to T to
-    /// first order in the strain: the factor (T λ − W)/T.
-    #[must_use]
-    pub fn with_flow_factor(mut self, factor: R) -> Self {
-        for row in self.rows.iter_mut().flatten() {
-            let is_tension = !is_zero(row.row[PSI_A]);
-            if is_tension {
-                (row.row[PSI_A], row.row[PSI_B]) = (-factor, factor);
-            }
-        }
-        self
     }
 }
 

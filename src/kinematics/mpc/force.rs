@@ -5,9 +5,8 @@
 //! `M_M = −M_S` and `F_M = −F_S`. For hinges `M_J = −M_S·a = M_M·a` (seed Revolute joint, virtual work). For a BEAM besides
 //! `M_M = −M_S − (x_S − x_M) × F_S`.
 //!
-//! Abaqus eliminates the dependent degrees of freedom ([`Elimination`]). With `J_d δq_d + J_i δq_i = 0` all variations are those of
-//! the others, `δq = T δq_i`. What acts on the nodes is `Tᵀ F` for the others. A stiffness K of the elements there becomes
-//! `Tᵀ (K + Σ λ ∂²g) T` with `λ = −J_d⁻ᵀ F_d`, exact also where the constraint does not hold.
+//! Abaqus eliminates the dependent degrees of freedom: with `J_d δq_d + J_i δq_i = 0` all variations are those of the others. Forces
+//! F_d on the dependent ones have the multipliers `λ = J_d⁻ᵀ F_d` ([`Constraint::multipliers`]).
 //!
 //! *Signs.* F is residual-side if what is put in is: internal forces of the elements at S give λ on that side.
 
@@ -84,17 +83,6 @@ impl<R: Duals> Evaluation<R> {
     }
 }
 
-/// A constraint solved for its dependent degrees of freedom, at one state.
-#[derive(Clone, Debug)]
-pub struct Elimination<R> {
-    /// Which are dependent.
-    pub dependent: [bool; DOFS],
-    /// T: how all degrees of freedom that the constraint has vary with the others, δq = T δq_i. Columns of dependent ones are zero.
-    pub transformation: DofMatrix<R>,
-    /// λ = J_d⁻ᵀ F_d by rows: the multiplier of each equation for forces on the dependent degrees of freedom.
-    solved: Rows<Dofs<R>>,
-}
-
 impl<R: Duals> Constraint<R> {
     /// The degrees of freedom that the constraint makes dependent: those of S that it has. A LINK takes the displacement of S along
     /// which it points most; the first of equal ones \[R\].
@@ -112,19 +100,18 @@ impl<R: Duals> Constraint<R> {
         std::array::from_fn(|j| j == XS + most)
     }
 
-    /// Solves the constraint for its dependent degrees of freedom. Needs rows: order 1 or more.
+    /// The multipliers that put given forces and moments on the dependent degrees of freedom: λ = J_d⁻ᵀ F_d. Forces on others are not
+    /// looked at. What the constraint then puts on the others is [`Evaluation::nodal`] of them. Needs rows: order 1 or more.
     ///
-    /// Where a LINK has no length nothing can be solved for: T and λ are zero there, and the state is flagged.
-    pub fn eliminate(&self, state: &State<R>, evaluation: &Evaluation<R>) -> Elimination<R> {
-        let (zero, one) = (R::ZERO, R::integer(1));
+    /// Where a LINK has no length nothing can be solved for: λ is zero there, and the state is flagged.
+    pub fn multipliers(&self, state: &State<R>, evaluation: &Evaluation<R>, forces: &Dofs<R>) -> Rows<R> {
         let dependent = self.dependent(state);
-        let columns = self.columns();
         let jacobian = &evaluation.jacobian;
-        let mut transformation = zeros();
-        for j in (0..DOFS).filter(|j| columns[*j] && !dependent[*j]) {
-            transformation[j][j] = one;
-        }
-        let mut solved: Rows<Dofs<R>> = [None; ROWS];
+        let along = |direction: &[R], at: usize| {
+            let terms = direction.iter().zip(&forces[at..]);
+            terms.fold(R::ZERO, |sum, (entry, force)| sum + *entry * *force)
+        };
+        let mut multipliers: Rows<R> = [None; ROWS];
         // One equation for one degree of freedom each.
         let singly = |row: usize| {
             let at = match row {
@@ -139,95 +126,24 @@ impl<R: Duals> Constraint<R> {
         let is_planar = jacobian[RHO].is_none();
         for row in (0..RHO).chain((RHO..FLOW).filter(|_| is_planar)).chain([FLOW]) {
             let (Some(of), Some(at)) = (jacobian[row].as_ref(), singly(row)) else { continue };
-            let inverse = of[at].reciprocal_or_zero();
-            for j in (0..DOFS).filter(|j| !dependent[*j]) {
-                transformation[at][j] = -(inverse * of[j]);
-            }
-            let mut force = [zero; DOFS];
-            force[at] = inverse;
-            solved[row] = Some(force);
+            multipliers[row] = Some(along(&[of[at].reciprocal_or_zero()], at));
         }
         // Three equations for the rotation of S: J_d⁻¹ by the dual basis of its rows.
         if let [Some(a), Some(b), Some(c)] = [jacobian[RHO], jacobian[RHO + 1], jacobian[RHO + 2]] {
             let [u, v, w] = [a, b, c].map(|row| part(&row, THETA_S));
             let volume = dot(u, cross(v, w)).reciprocal_or_zero();
             let duals = [cross(v, w), cross(w, u), cross(u, v)].map(|dual| scale(dual, volume));
-            for j in (0..DOFS).filter(|j| !dependent[*j]) {
-                for i in 0..3 {
-                    let sum = duals[0][i] * a[j] + duals[1][i] * b[j] + duals[2][i] * c[j];
-                    transformation[THETA_S + i][j] = -sum;
-                }
-            }
             for (row, dual) in duals.into_iter().enumerate() {
-                let mut force = [zero; DOFS];
-                force[THETA_S..PSI_S].copy_from_slice(&dual);
-                solved[RHO + row] = Some(force);
+                multipliers[RHO + row] = Some(along(&dual, THETA_S));
             }
         }
-        Elimination { dependent, transformation, solved }
+        multipliers
     }
 }
 
 fn is_zero<R: Real>(x: R) -> bool {
     let zero = R::ZERO;
     !R::holds(zero.less(x.magnitude()))
-}
-
-impl<R: Duals> Elimination<R> {
-    /// The multipliers that put given forces and moments on the dependent degrees of freedom: λ = J_d⁻ᵀ F_d. Forces on others are
-    /// not looked at. What the constraint then puts on the others is [`Evaluation::nodal`] of them.
-    pub fn multipliers(&self, forces: &Dofs<R>) -> Rows<R> {
-        let sum = |row: &Dofs<R>| {
-            let terms = row.iter().zip(forces);
-            terms.fold(R::ZERO, |sum, (entry, force)| sum + *entry * *force)
-        };
-        std::array::from_fn(|row| self.solved[row].as_ref().map(sum))
-    }
-
-    /// Tᵀ F: forces on all nodes, as the degrees of freedom that are left feel them.
-    pub fn force(&self, forces: &Dofs<R>) -> Dofs<R> {
-        std::array::from_fn(|j| {
-            let terms = self.transformation.iter().zip(forces);
-            terms.fold(R::ZERO, |sum, (line, force)| sum + line[j] * *force)
-        })
-    }
-
-    /// `Tᵀ (K + Σ λ ∂²g) T` with `λ = −J_d⁻ᵀ F_d`: the stiffness that is left of the stiffness K of what acts on the nodes with the
-    /// forces F, residual-side. The state need not be one at which these are in balance. Symmetric where K is. Needs order 2.
-    pub fn stiffness(
-        &self,
-        evaluation: &Evaluation<R>,
-        forces: &Dofs<R>,
-        stiffness: &DofMatrix<R>,
-    ) -> DofMatrix<R> {
-        let multipliers = self.multipliers(forces).map(|row| row.map(|multiplier| -multiplier));
-        let mut sum = evaluation.geometric_stiffness(&multipliers);
-        for (line, given) in sum.iter_mut().zip(stiffness.iter()) {
-            for (entry, given) in line.iter_mut().zip(given) {
-                *entry = *entry + *given;
-            }
-        }
-        self.reduce(&sum)
-    }
-
-    /// Tᵀ K T.
-    fn reduce(&self, matrix: &DofMatrix<R>) -> DofMatrix<R> {
-        let zero = R::ZERO;
-        let t = &self.transformation;
-        let mut half = zeros();
-        for i in 0..DOFS {
-            for j in 0..DOFS {
-                half[i][j] = (0..DOFS).fold(zero, |sum, k| sum + matrix[i][k] * t[k][j]);
-            }
-        }
-        let mut reduced = zeros();
-        for i in 0..DOFS {
-            for j in 0..DOFS {
-                reduced[i][j] = (0..DOFS).fold(zero, |sum, k| sum + t[k][i] * half[k][j]);
-            }
-        }
-        reduced
-    }
 }
 
 /// The moments that the constraint puts on the hinges, from forces on all degrees of freedom.
@@ -242,7 +158,7 @@ impl<R: Duals> Elimination<R> {
 /// let result = joint.evaluate(&state, &start, &Turning::none(), &Request::everything(1), &mut Tally::default());
 /// let mut on_slave = [0.0; pintle_kinematics::mpc::DOFS];
 /// on_slave[THETA_S..THETA_S + 3].copy_from_slice(&[3.0, 0.0, 0.0]);
-/// let multipliers = joint.eliminate(&state, &result).multipliers(&on_slave);
+/// let multipliers = joint.multipliers(&state, &result, &on_slave);
 /// let nodal = result.nodal(&multipliers);
 /// assert_eq!(nodal[THETA_M], -3.0); // M_M = −M_S
 /// assert!((force::hinge_moments(&nodal)[0] + 2.0).abs() < 1e-15); // M_J = −M_S·a

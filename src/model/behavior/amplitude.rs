@@ -131,11 +131,6 @@ impl Amplitude {
         })
     }
 
-    /// Whether it is a function of time; else it comes from the solution, another program or a subroutine.
-    pub const fn is_function(&self) -> bool {
-        !matches!(self.curve, Curve::Undetermined)
-    }
-
     /// The fraction of intervals that is smoothed where time derivatives count.
     pub fn smoothing(&self, is_explicit: bool) -> f64 {
         self.smooth.unwrap_or(if is_explicit { 0.0 } else { 0.25 })
@@ -197,27 +192,6 @@ impl Amplitude {
             }
             Curve::Undetermined => Vec::new(),
         }
-    }
-
-    /// The slopes before and after t, where they differ: at a corner that is not smoothed, and at t0.
-    pub fn corner(&self, t: f64, smoothing: f64) -> Option<[f64; 2]> {
-        let slopes = match &self.curve {
-            Curve::Lines(points)
-                if smoothing == 0.0 || points.first().is_some_and(|[first, _]| *first == t) =>
-            {
-                slopes(points, t)?
-            }
-            Curve::Lines(points) => {
-                points.last().filter(|[last, _]| *last == t).and_then(|_| slopes(points, t))?
-            }
-            Curve::Periodic { start, .. } | Curve::Modulated { start, .. } | Curve::Decay { start, .. }
-                if *start == t =>
-            {
-                [0.0, self.evaluate(num_dual::Dual64::new(t, 1.0), smoothing)?.eps]
-            }
-            _ => return None,
-        };
-        (slopes[0] != slopes[1]).then_some(slopes)
     }
 }
 
@@ -303,15 +277,6 @@ fn slope<R: Real>(from: &[f64; 2], to: &[f64; 2]) -> R {
     (R::from_f64(to[1]) - R::from_f64(from[1])) / (R::from_f64(to[0]) - R::from_f64(from[0]))
 }
 
-/// The slopes of the lines before and after t, where t is the time of a point.
-fn slopes(points: &[[f64; 2]], t: f64) -> Option<[f64; 2]> {
-    let first = points.iter().position(|[time, _]| *time == t)?;
-    let last = points.iter().rposition(|[time, _]| *time == t)?;
-    let before = first.checked_sub(1).map_or(0.0, |before| slope(&points[before], &points[first]));
-    let after = points.get(last + 1).map_or(0.0, |after| slope(&points[last], after));
-    Some([before, after])
-}
-
 /// A + ΔA ξ³(10 − 15ξ + 6ξ²) between points.
 fn smooth_step<S: Scalar>(points: &[[f64; 2]], t: S) -> S {
     let real = |x: f64| S::Real::from_f64(x);
@@ -376,9 +341,6 @@ mod tests {
         ] {
             assert_eq!(at(&table, t, 0.0), expected, "{t}");
         }
-        assert_eq!(table.corner(0.5, 0.0), Some([0.0, 2.0]));
-        assert_eq!(table.corner(2.0, 0.0), Some([-4.0, 0.0]));
-        assert_eq!(table.corner(1.0, 0.0), None);
         let equal = amplitude("EQUALLY SPACED, FIXED INTERVAL=0.5, BEGIN=1.", &[0.0, 1.0, 4.0]);
         assert_eq!(at(&equal, 1.75, 0.0), [2.5, 6.0, 0.0]);
     }
@@ -402,8 +364,6 @@ mod tests {
         near(1.0, [1.8, 0.0, -10.0]);
         near(1.1, [1.75, -1.0, -10.0]);
         near(1.25, [1.5, -2.0, 0.0]);
-        assert_eq!(table.corner(1.0, 0.2), None);
-        assert_eq!(table.corner(0.0, 0.2), Some([0.0, 2.0]));
     }
 
     /// Corners at distances from their neighbours that differ on both sides, and from time 0: the reach is a fraction of the shorter.
@@ -499,28 +459,15 @@ mod tests {
         assert_eq!(at(&step, 7.0, 0.0), [4.0, 0.0, 0.0]);
     }
 
-    /// Before t0 the value is A0; there the slope changes, and so it does at the first and last point of lines.
+    /// Before t0 the value is A0.
     #[test]
-    fn slopes_on_both_sides_of_a_corner() {
+    fn values_before_the_start() {
         let periodic = amplitude("PERIODIC", &[1.0, 3.0, 0.25, 0.125, 0.0, 0.5]);
         let modulated = amplitude("MODULATED", &[1.5, 2.0, 0.25, 10.0, 1.5]);
         let decay = amplitude("DECAY", &[-1.0, 5.0, 0.25, 0.5]);
         assert_eq!(at(&periodic, 0.0, 0.0), [0.125, 0.0, 0.0]);
         assert_eq!(at(&modulated, 0.0, 0.0), [1.5, 0.0, 0.0]);
         assert_eq!(at(&decay, 0.0, 0.0), [-1.0, 0.0, 0.0]);
-        assert_eq!(periodic.corner(0.25, 0.0), Some([0.0, 1.5]));
-        assert_eq!(modulated.corner(0.25, 0.0), None, "a product of two sines that both vanish is flat");
-        assert_eq!(decay.corner(0.25, 0.0), Some([0.0, -10.0]));
-        assert_eq!((periodic.corner(0.3, 0.0), decay.corner(0.2, 0.0)), (None, None));
-        let table = amplitude("TABULAR", &[0.5, 0.0, 1.0, 2.0, 2.0, 0.0]);
-        for smoothing in [0.0, 0.25] {
-            assert_eq!(table.corner(0.5, smoothing), Some([0.0, 4.0]));
-            assert_eq!(table.corner(2.0, smoothing), Some([-2.0, 0.0]));
-            assert_eq!(table.corner(0.75, smoothing), None);
-        }
-        assert_eq!((table.corner(1.0, 0.0), table.corner(1.0, 0.25)), (Some([4.0, -2.0]), None));
-        let step = amplitude("SMOOTH STEP", &[0.0, 0.5, 2.0, -1.5]);
-        assert_eq!(step.corner(0.0, 0.0), None);
     }
 
     #[test]
@@ -549,7 +496,6 @@ mod tests {
     #[test]
     fn what_is_no_function_of_time_is_said() {
         let user = amplitude("USER", &[1.0]);
-        assert!(!user.is_function() && user.evaluate(0.5, 0.0).is_none() && user.corner(0.0, 0.0).is_none());
-        assert!(amplitude("TABULAR", &[0.0, 1.0]).is_function());
+        assert!(user.evaluate(0.5, 0.0).is_none());
     }
 }

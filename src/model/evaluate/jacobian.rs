@@ -78,9 +78,6 @@ pub enum ForeignPattern {
         "the pattern of the Jacobian was made for another plan: make it from the model and plan of the sequence"
     )]
     Plan,
-    /// Columns that were made of another pattern.
-    #[error("the columns were made of another pattern: make them by `Jacobian::by_columns` of this one")]
-    Columns,
     /// It has a row that depends on the history of a component, and the states so far have been passed without following that.
     #[error(
         "the pattern of the Jacobian has rows that depend on the history of components that the plan does not name: \
@@ -396,11 +393,6 @@ impl Jacobian {
         &self.offsets
     }
 
-    /// The column of each entry (0-based); in each row they increase.
-    pub fn column_indices(&self) -> &[u32] {
-        &self.columns
-    }
-
     /// The columns (0-based) of the entries of row i (0-based); none beyond the last row.
     pub fn row(&self, i: usize) -> &[u32] {
         self.range(i).and_then(|range| self.columns.get(range)).unwrap_or_default()
@@ -409,28 +401,6 @@ impl Jacobian {
     /// Where the entries of row i (0-based) are.
     pub fn range(&self, i: usize) -> Option<Range<usize>> {
         Some(*self.offsets.get(i)?..*self.offsets.get(i + 1)?)
-    }
-
-    /// The same matrix in compressed columns (CSC), for [`Sequence::assemble_columns`](crate::evaluate::Sequence::assemble_columns): offsets and rows, and
-    /// where the entries by rows stand among those by columns.
-    pub fn by_columns(&self) -> CompressedColumns {
-        let mut offsets = vec![0; self.freedoms.len() + 1];
-        for column in &self.columns {
-            offsets[*column as usize + 1] += 1;
-        }
-        for at in 1..offsets.len() {
-            offsets[at] += offsets[at - 1];
-        }
-        let mut next = offsets.clone();
-        let (mut rows, mut places) = (vec![0; self.entries()], vec![0; self.entries()]);
-        for row in 0..self.rows() {
-            for entry in self.range(row).unwrap_or_default() {
-                let at = &mut next[self.columns[entry] as usize];
-                (rows[*at], places[entry]) = (row as u32, *at);
-                *at += 1;
-            }
-        }
-        CompressedColumns { offsets, rows, places, origin: self.origin.clone() }
     }
 
     pub(super) fn check(&self, plan: &Plan) -> Result<(), ForeignPattern> {
@@ -544,42 +514,6 @@ impl Jacobian {
             Some(axes) => axes.map(|axis| dot(axis, of)),
             None => of,
         }
-    }
-}
-
-/// A matrix by columns, as [`Jacobian::by_columns`] gives it.
-#[derive(Clone, Debug)]
-pub struct CompressedColumns {
-    offsets: Vec<usize>,
-    rows: Vec<u32>,
-    places: Vec<usize>,
-    origin: Arc<()>,
-}
-
-impl CompressedColumns {
-    /// The entries of column j (0-based) are those from `offsets()[j]` to before `offsets()[j + 1]`.
-    pub fn offsets(&self) -> &[usize] {
-        &self.offsets
-    }
-
-    /// The row (0-based) of each entry; in each column they increase.
-    pub fn rows(&self) -> &[u32] {
-        &self.rows
-    }
-
-    /// Where the entries by rows, in their order, stand among those by columns.
-    pub fn places(&self) -> &[usize] {
-        &self.places
-    }
-
-    /// Whether they were made of this pattern, or of a copy of it.
-    pub(super) fn check(&self, jacobian: &Jacobian) -> Result<(), ForeignPattern> {
-        if jacobian.is_copy_of(&self.origin) { Ok(()) } else { Err(ForeignPattern::Columns) }
-    }
-
-    /// Where an entry by rows stands.
-    pub(super) fn place(&self, entry: usize) -> usize {
-        self.places.get(entry).copied().unwrap_or(usize::MAX)
     }
 }
 

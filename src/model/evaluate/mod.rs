@@ -30,7 +30,7 @@ pub use belt::Ring;
 pub use fixed::keeps_zero;
 pub use fixed::{Fixed, Freedom};
 pub use forces::{ForceCheck, ForceResult};
-pub use jacobian::{CompressedColumns, Equation, ForeignPattern, Jacobian, Source};
+pub use jacobian::{Equation, ForeignPattern, Jacobian, Source};
 pub use model::{ConnectorElement, ElementBehavior, Model};
 pub use mpc::forces::{Hinge, MpcForces, MpcSlopes};
 pub use mpc::{HingeMoments, MpcElement, MpcResult};

@@ -10,14 +10,12 @@ use crate::evaluate::{mpc, plane, rules, shared};
 use pintle_kinematics::catalog::{ConnectionType, NameError, Orientation, Rule};
 use pintle_kinematics::connector::{Connector, Definition, Stop};
 use pintle_kinematics::measure::Measure;
-use pintle_kinematics::node::{End, Node, PSI_A, PSI_B, Pair};
+use pintle_kinematics::node::{Node, PSI_A, PSI_B, Pair};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, column, identity, sub};
 use pintle_scene as scene;
-use pintle_scene::{
-    Code, Diagnostic, End as SceneEnd, Label, LabelMap, LabelSet, NodeFreedom, Scene, Solver, Span,
-};
+use pintle_scene::{Code, Diagnostic, End, Label, LabelMap, LabelSet, NodeFreedom, Scene, Solver, Span};
 use std::cell::OnceCell;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -197,7 +195,7 @@ impl Model {
         model.connectors.reserve_exact(scene.connectors.len());
         let position = scene.positions();
         for (label, element) in &scene.connectors {
-            let ends = [SceneEnd::A, SceneEnd::B].map(|end| position(element, end).unwrap_or_default());
+            let ends = [End::A, End::B].map(|end| position(element, end).unwrap_or_default());
             let broken =
                 model.connector(scene, (*label, element), ends, &mut shared).err().map(Refusal::from);
             for mut error in shared.refused.drain(..).chain(broken) {
@@ -569,7 +567,7 @@ fn mean_length(scene: &Scene) -> Option<f64> {
     let position = scene.positions();
     let length = |element: &scene::ConnectorElement| {
         let at = |end| position(element, end).unwrap_or_default();
-        norm(sub(at(SceneEnd::B), at(SceneEnd::A)))
+        norm(sub(at(End::B), at(End::A)))
     };
     let lengths: Vec<f64> = scene.connectors.values().map(length).filter(|length| *length > 0.0).collect();
     (!lengths.is_empty()).then(|| lengths.iter().sum::<f64>() / lengths.len() as f64)
@@ -628,19 +626,5 @@ impl ConnectorElement {
     /// Its type and number: `HINGE 101`.
     pub fn title(&self) -> String {
         format!("{} {}", self.connector.connection().name, self.label)
-    }
-
-    /// Its nodes: `1 → 2`, `ground → 2`.
-    pub fn span(&self) -> String {
-        format!("{} → {}", self.node_name(End::A), self.node_name(End::B))
-    }
-
-    /// The node at an end, in words: a number or `ground`.
-    pub fn node_name(&self, end: End) -> String {
-        let node = match end {
-            End::A => self.nodes[0],
-            End::B => self.nodes[1],
-        };
-        node.map_or_else(|| "ground".to_string(), |label| label.to_string())
     }
 }

@@ -138,10 +138,7 @@ fn arrays(arguments: &Eval, runs: &[Run], request: &Request, out: &mut dyn Write
     }
     let Run { scene, history, survey, model, .. } = run;
     assign(run, 0, None, arguments)?;
-    let selection = match arguments.connector.as_slice() {
-        [] => Selection::All,
-        names => Selection::Named(names.to_vec()),
-    };
+    let selection = selected(&arguments.connector);
     let plan = Plan::compile(model, &selection, request.clone())
         .map_err(|error| Failure::Usage(error.to_string()))?;
     if plan.connectors.is_empty() {
@@ -436,6 +433,11 @@ fn assign(
     Ok(assigned)
 }
 
+/// The connectors named; all where none is.
+pub(super) fn selected(names: &[String]) -> Selection {
+    if names.is_empty() { Selection::All } else { Selection::Named(names.to_vec()) }
+}
+
 /// Walks through the states of every scene, writing as it goes.
 fn walk(
     (arguments, files): (&Eval, Files),
@@ -443,10 +445,7 @@ fn walk(
     request: &Request,
     format: &mut dyn Format,
 ) -> Result<(), Failure> {
-    let selection = match arguments.connector.as_slice() {
-        [] => Selection::All,
-        names => Selection::Named(names.to_vec()),
-    };
+    let selection = selected(&arguments.connector);
     let is_overview = arguments.scene.is_none() && matches!(arguments.format, EvalFormat::Human);
     let default = if is_overview { Show::overview() } else { Show::all() };
     let show = arguments.show.as_ref().unwrap_or(&default);

@@ -22,6 +22,7 @@ use output::Show;
 pub(crate) use output::{Failure, Files, tell};
 pub use start::command_line;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pintle_bench::Environment;
 use pintle_kinematics::catalog::{ConnectionType, NameError, TABLE};
@@ -162,6 +163,15 @@ pub(crate) struct Explain {
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: ExplainFormat,
+}
+
+/// Takes one of several by its name.
+fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let named = move |text: String| all.into_iter().find(|one| name(*one) == text).ok_or("no such name");
+    PossibleValuesParser::new(all.map(name)).try_map(named)
 }
 
 /// A number that is one.

@@ -1,7 +1,7 @@
 //! `pintle replay`.
 
-use super::audit::{AuditFormat, Plant};
-use super::{Failure, Files};
+use super::audit::AuditFormat;
+use super::{Failure, Files, one_of};
 use clap::{Args, ValueEnum};
 use pintle_audit::{CounterExample, ExportError, Planted, Settings};
 use std::fs;
@@ -25,8 +25,8 @@ pub(crate) struct Replay {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Plant a fault, to see the state fail
-    #[arg(long, value_enum, hide = true)]
-    plant: Option<Plant>,
+    #[arg(long, value_parser = one_of(Planted::ALL, Planted::name), hide = true)]
+    plant: Option<Planted>,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: AuditFormat,
@@ -96,7 +96,7 @@ pub(crate) fn run(arguments: &Replay, files: Files) -> Result<(), Failure> {
         )?;
         out.flush()?;
     }
-    let planted = arguments.plant.map(Planted::from);
+    let planted = arguments.plant;
     let oracles = example.oracles();
     let settings = Settings { wide_states: 1, atlas: false, oracles, planted, ..Settings::default() };
     let report = failing.audit(&settings);

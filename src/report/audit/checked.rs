@@ -2,6 +2,7 @@
 
 use crate::audit::human::{check, word};
 use crate::audit::summary::{headline, is_sharp, self_test};
+use crate::layout;
 use crate::layout::{BOLD, CARE, DIM, styled, table, wrap};
 use pintle_audit::{Check, Quantity, Report, Subject, Verdict};
 use pintle_scene::grammar::count;
@@ -47,9 +48,7 @@ pub fn checked(
         }
         let open = subject.checks.iter().filter(|check| check.verdict == Verdict::Undecided);
         for why in open.flat_map(|check| check.undecided.keys()).take(1) {
-            for line in wrap(&format!("undecided: {why}"), width.saturating_sub(2)) {
-                writeln!(out, "  {}", styled(CARE, line))?;
-            }
+            layout::paragraph(out, CARE, 2, &format!("undecided: {why}"), width)?;
         }
     }
     writeln!(out)?;

@@ -5,7 +5,8 @@ use crate::audit::summary::{
     AuditOutcome, LEGEND, PAGE_UNREAD, SubjectRow, against_tolerance, headline, outcome, samples,
     self_test as tested, sides, symbols, unconfirmed, undecided,
 };
-use crate::layout::{BOLD, CARE, DIM, left, styled, table, wrap};
+use crate::layout;
+use crate::layout::{BOLD, CARE, DIM, PLAIN, left, styled, table};
 use pintle_audit::{Against, Approach, Check, Compared, Comparison, Report, Verdict};
 use pintle_scene::grammar::{agree, count};
 use std::collections::BTreeMap;
@@ -40,13 +41,9 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
         )
     )?;
     let names: Vec<&str> = settings.oracles.iter().map(|oracle| oracle.name()).collect();
-    for line in wrap(&format!("oracles: {}", names.join(", ")), width.saturating_sub(2)) {
-        writeln!(out, "  {line}")?;
-    }
+    layout::paragraph(out, PLAIN, 2, &format!("oracles: {}", names.join(", ")), width)?;
     for text in samples(report) {
-        for line in wrap(&text, width.saturating_sub(2)) {
-            writeln!(out, "  {}", styled(CARE, line))?;
-        }
+        layout::paragraph(out, CARE, 2, &text, width)?;
     }
     writeln!(out)?;
     subjects(out, report, verbose)?;
@@ -66,16 +63,12 @@ fn numbers(out: &mut dyn Write, report: &Report, width: usize, verbose: bool) ->
         }
         last = title;
         check(out, fault.check, width)?;
-        for line in wrap(&fault.witnesses(), width.saturating_sub(4)) {
-            writeln!(out, "    {}", styled(DIM, line))?;
-        }
+        layout::paragraph(out, DIM, 4, &fault.witnesses(), width)?;
     }
     if report.lacks_counter_examples() {
         let text = "replay: --counter-examples FOLDER writes what is wrong as values; pintle replay FOLDER/FILE runs it again";
         writeln!(out)?;
-        for line in wrap(text, width) {
-            writeln!(out, "{line}")?;
-        }
+        layout::paragraph(out, PLAIN, 0, text, width)?;
     }
     atlas(out, report)?;
     self_test(out, report)
@@ -98,9 +91,7 @@ fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) ->
     }
     for (page, names) in reasons {
         let text = format!("{}: {page}", some_of(&names));
-        for line in wrap(&text, width.saturating_sub(2)) {
-            writeln!(out, "  {}", styled(DIM, line))?;
-        }
+        layout::paragraph(out, DIM, 2, &text, width)?;
     }
     Ok(())
 }
@@ -108,9 +99,7 @@ fn undecided_declarations(out: &mut dyn Write, report: &Report, width: usize) ->
 /// Which numbers no state exercises, and which laws were not asked: once for each list of them.
 fn left_out(out: &mut dyn Write, report: &Report, width: usize) -> io::Result<()> {
     for (text, subjects) in crate::audit::summary::left_out(report) {
-        for line in wrap(&format!("{}: {text}", some_of(&subjects)), width.saturating_sub(2)) {
-            writeln!(out, "  {}", styled(DIM, line))?;
-        }
+        layout::paragraph(out, DIM, 2, &format!("{}: {text}", some_of(&subjects)), width)?;
     }
     Ok(())
 }
@@ -180,25 +169,17 @@ pub(super) fn check(out: &mut dyn Write, check: &Check, width: usize) -> io::Res
     };
     writeln!(out, "  {of}{}: {} ({}){seen}", check.against.name(), word(check.verdict), states.join(", "))?;
     for why in undecided(check) {
-        for line in wrap(&why, width.saturating_sub(4)) {
-            writeln!(out, "    {line}")?;
-        }
+        layout::paragraph(out, PLAIN, 4, &why, width)?;
     }
     let Some(worst) = &check.worst else { return Ok(()) };
     let state = check.worst_state.as_deref().unwrap_or("");
     let text = format!("{}, at {state}", against_tolerance(worst));
-    for line in wrap(&text, width.saturating_sub(4)) {
-        writeln!(out, "    {line}")?;
-    }
+    layout::paragraph(out, PLAIN, 4, &text, width)?;
     for text in sides(check) {
-        for line in wrap(&text, width.saturating_sub(4)) {
-            writeln!(out, "    {line}")?;
-        }
+        layout::paragraph(out, PLAIN, 4, &text, width)?;
     }
     for (sentence, code) in check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines()) {
-        for line in wrap(&format!("{sentence} [{code}]"), width.saturating_sub(4)) {
-            writeln!(out, "    {}", styled(BOLD, line))?;
-        }
+        layout::paragraph(out, BOLD, 4, &format!("{sentence} [{code}]"), width)?;
     }
     for (mistake, entry) in &check.score.survivors {
         writeln!(out, "    {} {mistake} ({entry})", styled(CARE, "survived:"))?;

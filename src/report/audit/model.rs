@@ -1,7 +1,8 @@
 //! What is found in the models of an audit, for reading: findings, the assembly, coverage.
 
 use crate::audit::groups;
-use crate::layout::{BOLD, CARE, DIM, styled, wrap};
+use crate::layout;
+use crate::layout::{BOLD, CARE, DIM, PLAIN, styled};
 use pintle_assembly::{Assembly, Position};
 use pintle_audit::model::{Finding, ModelReport, Nearest};
 use pintle_audit::sampling::coverage::Histogram;
@@ -31,7 +32,7 @@ pub(super) fn human(
         }
         coverage(out, model, width)?;
         if let Some(nearest) = &model.nearest {
-            paragraph(out, &self::nearest(nearest), 2, width)?;
+            layout::paragraph(out, PLAIN, 2, &self::nearest(nearest), width)?;
         }
     }
     Ok(())
@@ -74,27 +75,20 @@ pub(super) const fn word(severity: Severity) -> &'static str {
     }
 }
 
-fn paragraph(out: &mut dyn Write, text: &str, indent: usize, width: usize) -> io::Result<()> {
-    for line in wrap(text, width.saturating_sub(indent)) {
-        writeln!(out, "{:indent$}{line}", "")?;
-    }
-    Ok(())
-}
-
 fn finding(out: &mut dyn Write, finding: &Finding, others: &str, width: usize) -> io::Result<()> {
     let severity = finding.severity();
     let head = format!("{}[{}]", word(severity), finding.code());
     let head = if severity == Severity::Note { head } else { styled(CARE, head) };
     writeln!(out, "  {head} {}", styled(DIM, place(finding)))?;
-    paragraph(out, finding.message(), 4, width)?;
+    layout::paragraph(out, PLAIN, 4, finding.message(), width)?;
     if !others.is_empty() {
-        paragraph(out, others, 4, width)?;
+        layout::paragraph(out, PLAIN, 4, others, width)?;
     }
     if !finding.reason().is_empty() {
-        paragraph(out, &format!("why: {}", finding.reason()), 4, width)?;
+        layout::paragraph(out, PLAIN, 4, &format!("why: {}", finding.reason()), width)?;
     }
     if !finding.remedy().is_empty() {
-        paragraph(out, &format!("help: {}", finding.remedy()), 4, width)?;
+        layout::paragraph(out, PLAIN, 4, &format!("help: {}", finding.remedy()), width)?;
     }
     Ok(())
 }
@@ -113,7 +107,8 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         assembly.gruebler,
     );
     let Some(first) = assembly.positions.first() else {
-        return paragraph(out, &format!("{counted} Its rank was not found."), 2, width);
+        let text = format!("{counted} Its rank was not found.");
+        return layout::paragraph(out, PLAIN, 2, &text, width);
     };
     let text = format!(
         "{counted} Rank {}: {} redundant, mobility {}, of which nothing drives {}. {}",
@@ -123,9 +118,9 @@ fn assembly(out: &mut dyn Write, assembly: &Assembly, width: usize) -> io::Resul
         number(first.undriven),
         gap(assembly, first)
     );
-    paragraph(out, &text, 2, width)?;
+    layout::paragraph(out, PLAIN, 2, &text, width)?;
     for line in besides(assembly) {
-        paragraph(out, &line, 2, width)?;
+        layout::paragraph(out, PLAIN, 2, &line, width)?;
     }
     Ok(())
 }
@@ -245,5 +240,5 @@ fn coverage(out: &mut dyn Write, model: &ModelReport, width: usize) -> io::Resul
         coverage.exercise.deformed,
         coverage.exercise.could_deform
     );
-    paragraph(out, &text, 2, width)
+    layout::paragraph(out, PLAIN, 2, &text, width)
 }

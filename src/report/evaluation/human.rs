@@ -7,7 +7,7 @@ use crate::evaluation::flags::flags_in_words;
 use crate::evaluation::number::{Aligned, number};
 use crate::evaluation::{Format, Renderer, Subject, Unevaluated, unevaluated};
 use crate::layout;
-use crate::layout::{BOLD, CARE, DIM, styled};
+use crate::layout::{BOLD, CARE, DIM, PLAIN, styled};
 use crate::words;
 use pintle_kinematics::connector::{Output, Tally};
 use pintle_kinematics::measure::Unit;
@@ -194,9 +194,7 @@ impl<'w> Human<'w> {
             .collect();
         if !printed.is_empty() {
             let text = format!("rows of the constraint function, {}", printed.join("; "));
-            for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {}", styled(DIM, line))?;
-            }
+            layout::paragraph(&mut *self.out, DIM, INDENT, &text, self.style.width)?;
         }
         Ok(())
     }
@@ -321,15 +319,11 @@ impl<'w> Human<'w> {
             })
             .collect();
         let text = format!("read, not evaluated: {}", list.join(", "));
-        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
-            writeln!(self.out, "  {}", styled(DIM, line))?;
-        }
+        layout::paragraph(&mut *self.out, DIM, INDENT, &text, self.style.width)?;
         if self.style.verbose {
             for note in notes.iter().filter(|note| !note.details.is_empty()) {
                 let text = format!("{}: {}", note.what, note.details.join("; "));
-                for line in layout::wrap(&text, self.style.width.saturating_sub(2 * INDENT)) {
-                    writeln!(self.out, "    {}", styled(DIM, line))?;
-                }
+                layout::paragraph(&mut *self.out, DIM, 2 * INDENT, &text, self.style.width)?;
             }
         }
         Ok(())
@@ -421,9 +415,7 @@ impl Human<'_> {
                 };
                 texts.push(format!("{what} {} rad", self.number(misalignment)));
             }
-            for line in layout::wrap(&texts.join("; "), self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {}", styled(DIM, line))?;
-            }
+            layout::paragraph(&mut *self.out, DIM, INDENT, &texts.join("; "), self.style.width)?;
         }
         let margins = block.rows.iter().filter_map(|row| match row.values[Output::MARGIN as usize] {
             Some(Value::Margin(margin)) => Some((row.name, margin)),
@@ -440,9 +432,7 @@ impl Human<'_> {
         self.hessian(block)?;
         self.tangent(block)?;
         for text in flags_in_words(&block.flags) {
-            for line in layout::wrap(&format!("! {text}"), self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {}", styled(CARE, line))?;
-            }
+            layout::paragraph(&mut *self.out, CARE, INDENT, &format!("! {text}"), self.style.width)?;
         }
         Ok(())
     }
@@ -462,9 +452,7 @@ impl Format for Human<'_> {
         let scene = subject.scene;
         writeln!(self.out, "{}", styled(BOLD, &scene.name))?;
         for line in scene.heading.lines().map(str::trim).filter(|line| !line.is_empty()) {
-            for line in layout::wrap(line, self.style.width.saturating_sub(INDENT)) {
-                writeln!(self.out, "  {line}")?;
-            }
+            layout::paragraph(&mut *self.out, PLAIN, INDENT, line, self.style.width)?;
         }
         let plan = subject.plan;
         let mut counts = vec![count(plan.connectors.len(), "connector")];
@@ -476,9 +464,7 @@ impl Format for Human<'_> {
         }
         counts.push(count(subject.states, "state") + &shown(subject));
         let text = format!("{}; lengths in the unit of the deck, angles in rad", counts.join(", "));
-        for line in layout::wrap(&text, self.style.width.saturating_sub(INDENT)) {
-            writeln!(self.out, "  {line}")?;
-        }
+        layout::paragraph(&mut *self.out, PLAIN, INDENT, &text, self.style.width)?;
         self.notes(&unevaluated(scene, subject.model))
     }
 

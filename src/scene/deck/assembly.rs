@@ -11,7 +11,7 @@ use crate::deck::{Deck, keywords, unread};
 use crate::diagnostic::{Code, Diagnostic, Result, suggest};
 use crate::label::labelled::LabelSet;
 use crate::label::{Instance, Label};
-use crate::lexer::{Items, Keyword};
+use crate::lexer::Keyword;
 use crate::model::{Scene, Target, TransformKind};
 use crate::orientation::{Definition, Orientation, System, minus, scaled, sin_cos_degrees};
 use crate::span::{Span, Spanned};
@@ -569,25 +569,17 @@ pub(super) fn end_instance(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()>
     Ok(())
 }
 
-fn three(items: &mut Items<'_>) -> Result<[f64; 3]> {
-    let mut vector = [0.0; 3];
-    for part in &mut vector {
-        *part = items.number()?.unwrap_or(0.0);
-    }
-    Ok(vector)
-}
-
 /// The data lines of `*INSTANCE`: a translation, then two points of an axis and an angle in degrees.
 pub(super) fn placement(deck: &mut Deck<'_>) -> Result<Placement> {
     // −0 adds nothing, not even to −0.
     let mut placement = Placement { translation: [-0.0; 3], rotation: None };
     let Some(line) = deck.lexer.data()? else { return Ok(placement) };
     let mut items = line.items();
-    placement.translation = three(&mut items)?;
+    placement.translation = items.vector()?;
     items.end("a translation x, y, z")?;
     let Some(line) = deck.lexer.row()? else { return Ok(placement) };
     let mut items = line.items();
-    let (a, b) = (three(&mut items)?, three(&mut items)?);
+    let (a, b) = (items.vector()?, items.vector()?);
     let angle = items.need("the angle of rotation in degrees")?.number()?;
     items.end("two points of the axis, and the angle in degrees")?;
     if angle == 0.0 {

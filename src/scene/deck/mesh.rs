@@ -43,10 +43,7 @@ fn nodes(deck: &mut Deck<'_>, keyword: &Keyword, beyond: &mut Option<Diagnostic>
     while let Some(line) = deck.lexer.row()? {
         let mut items = line.items();
         let label = items.need("the node number")?.label_number("the node number")?;
-        let mut coordinates = [0.0; 3];
-        for coordinate in &mut coordinates {
-            *coordinate = items.number()?.unwrap_or(0.0);
-        }
+        let mut coordinates = items.vector()?;
         let mut normal = [None; 3];
         for cosine in &mut normal {
             *cosine = items.number()?;
@@ -547,10 +544,7 @@ fn points(line: &Data<'_>, definition: &str) -> Result<Definition> {
     let mut items = line.items();
     if definition == "COORDINATES" {
         let [a, b] = [vector(&mut items, "point a")?, vector(&mut items, "point b")?];
-        let mut c = [0.0; 3];
-        for coordinate in &mut c {
-            *coordinate = items.number()?.unwrap_or(0.0);
-        }
+        let c = items.vector()?;
         items.end("the coordinates of points a, b and c")?;
         return Ok(Definition::Coordinates { a, b, c });
     }

@@ -184,14 +184,6 @@ macro_rules! integers {
     )+};
 }
 
-macro_rules! like_any {
-    ($($method:ident)+) => {$(
-        fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-            self.deserialize_any(visitor)
-        }
-    )+};
-}
-
 impl<'de, 't: 'de, 'a> Deserializer<'de> for Reader<'t, 'a> {
     type Error = Fault;
 
@@ -268,21 +260,12 @@ impl<'de, 't: 'de, 'a> Deserializer<'de> for Reader<'t, 'a> {
         deserialize_u64
     }
 
-    like_any! {
-        deserialize_bool deserialize_char deserialize_str deserialize_string deserialize_bytes
-        deserialize_byte_buf deserialize_unit deserialize_seq deserialize_map deserialize_identifier
+    serde::forward_to_deserialize_any! {
+        bool char str string bytes byte_buf unit unit_struct seq map identifier
     }
 
     fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         self.deserialize_f64(visitor)
-    }
-
-    fn deserialize_unit_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
-        self.deserialize_any(visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Fault> {

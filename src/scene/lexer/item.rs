@@ -187,6 +187,15 @@ impl<'a> Items<'a> {
         self.maybe().map(|item| item.number()).transpose()
     }
 
+    /// The next three items as a vector; those that are not there are 0.
+    pub(crate) fn vector(&mut self) -> Result<[f64; 3]> {
+        let mut vector = [0.0; 3];
+        for part in &mut vector {
+            *part = self.number()?.unwrap_or(0.0);
+        }
+        Ok(vector)
+    }
+
     /// Nothing but blanks may follow.
     pub(crate) fn end(mut self, takes: &str) -> Result<()> {
         match self.find(|item| !item.text.is_empty()) {

@@ -116,58 +116,33 @@ impl ConnectorElement {
     }
 }
 
-/// Kinds of point elements.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "UPPERCASE")]
-pub enum PointKind {
-    /// A point mass.
-    #[default]
-    Mass,
-    /// A point with rotary inertia.
-    Rotaryi,
-    /// A spring from a node to ground, in one degree of freedom.
-    Spring1,
-    /// A spring between two nodes, in one degree of freedom each.
-    Spring2,
-    /// A spring along the line of two nodes.
-    Springa,
-    /// A dashpot from a node to ground.
-    Dashpot1,
-    /// A dashpot between two nodes, in one degree of freedom each.
-    Dashpot2,
-    /// A dashpot along the line of two nodes.
-    Dashpota,
+pintle_kinematics::named! {
+    /// Kinds of point elements.
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "UPPERCASE")]
+    pub enum PointKind {
+        /// A point mass.
+        #[default]
+        Mass = "MASS",
+        /// A point with rotary inertia.
+        Rotaryi = "ROTARYI",
+        /// A spring from a node to ground, in one degree of freedom.
+        Spring1 = "SPRING1",
+        /// A spring between two nodes, in one degree of freedom each.
+        Spring2 = "SPRING2",
+        /// A spring along the line of two nodes.
+        Springa = "SPRINGA",
+        /// A dashpot from a node to ground.
+        Dashpot1 = "DASHPOT1",
+        /// A dashpot between two nodes, in one degree of freedom each.
+        Dashpot2 = "DASHPOT2",
+        /// A dashpot along the line of two nodes.
+        Dashpota = "DASHPOTA",
+    }
 }
 
 impl PointKind {
-    /// Every kind.
-    pub const ALL: [Self; 8] = [
-        Self::Mass,
-        Self::Rotaryi,
-        Self::Spring1,
-        Self::Spring2,
-        Self::Springa,
-        Self::Dashpot1,
-        Self::Dashpot2,
-        Self::Dashpota,
-    ];
-
-    /// The element type as a deck writes it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mass => "MASS",
-            Self::Rotaryi => "ROTARYI",
-            Self::Spring1 => "SPRING1",
-            Self::Spring2 => "SPRING2",
-            Self::Springa => "SPRINGA",
-            Self::Dashpot1 => "DASHPOT1",
-            Self::Dashpot2 => "DASHPOT2",
-            Self::Dashpota => "DASHPOTA",
-        }
-    }
-
     /// The number of its nodes.
     #[must_use]
     pub fn node_count(self) -> usize {

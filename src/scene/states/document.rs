@@ -1,4 +1,4 @@
-//! States from JSON, as they are read.
+//! Documents of states, or of something else by state, from JSON, as they are read.
 
 use crate::diagnostic::{Code, Result};
 use crate::forces::JsonForces;
@@ -11,83 +11,97 @@ use crate::states::table::empty;
 use crate::states::{Fault, Motion, SCHEMA, Take, check_motion, check_node, label};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use std::cell::{Cell, RefCell};
+use std::fmt;
+use std::ops::ControlFlow;
 
 /// Hands on the states of a document, one after another.
 pub(super) fn states(source: Source<'_>, scene: &Scene, take: &mut Take<'_>) -> Result<()> {
-    let form = format!(
-        "{{\"schema\": \"{SCHEMA}\", \"states\": [{{\"time\": 0, \"nodes\": {{\"1\": {{\"displacement\": [0, 0, 0]}}}}}}]}}"
-    );
-    let take = RefCell::new(take);
-    let (count, stopped) = (Cell::new(0_u64), Cell::new(false));
+    let example = "{\"time\": 0, \"nodes\": {\"1\": {\"displacement\": [0, 0, 0]}}}";
     let documents = Documents::new(scene);
-    let each = |state: State| {
-        if !documents.is_clean() {
+    documents.list(source, (SCHEMA, example), JsonState(documents.context()), take)
+}
+
+impl Documents<'_> {
+    /// Hands on what a document lists under `states`, one after another, as the seed reads it. The form is a schema, by name, and an
+    /// example of one.
+    pub(crate) fn list<T, S>(
+        &self,
+        source: Source<'_>,
+        (schema, example): (&'static str, &str),
+        seed: S,
+        take: &mut dyn FnMut(T) -> ControlFlow<()>,
+    ) -> Result<()>
+    where
+        S: Copy + for<'de> DeserializeSeed<'de, Value = T>,
+    {
+        let form = format!("{{\"schema\": \"{schema}\", \"states\": [{example}]}}");
+        let take = RefCell::new(take);
+        let (count, stopped) = (Cell::new(0_u64), Cell::new(false));
+        let each = |one: T| {
+            if self.is_clean() {
+                count.set(count.get() + 1);
+                stopped.set(take.borrow_mut()(one).is_break());
+            }
+            !stopped.get()
+        };
+        let read = self.read(source, &form, || {
+            JsonFile(JsonList { context: self.context(), schema, seed, each: &each })
+        });
+        if stopped.get() {
             return Ok(());
         }
-        count.set(count.get() + 1);
-        stopped.set(take.borrow_mut()(state).is_break());
-        if stopped.get() { Err(None) } else { Ok(()) }
-    };
-    let read = documents.read(source, &form, JsonFile(documents.context(Some(&each))));
-    if stopped.get() {
-        return Ok(());
+        read?;
+        if count.get() == 0 { Err(empty("states")) } else { Ok(()) }
     }
-    read?;
-    if count.get() == 0 { Err(empty("states")) } else { Ok(()) }
 }
 
-/// One JSON object or array, read with the scene at hand.
-macro_rules! seed {
-    ($name:ident, $output:ty, $method:ident, $expecting:literal) => {
-        #[derive(Clone, Copy)]
-        struct $name<'a>(Context<'a>);
+/// An object with the name of a schema and a list.
+struct JsonFile<'a, T, S>(JsonList<'a, T, S>);
 
-        impl<'de> DeserializeSeed<'de> for $name<'_> {
-            type Value = $output;
-            fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<$output, D::Error> {
-                deserializer.$method(self)
-            }
-        }
-
-        impl $name<'_> {
-            fn describe(formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                formatter.write_str($expecting)
-            }
-        }
-    };
+/// A list, read for as long as `each` says so.
+struct JsonList<'a, T, S> {
+    context: Context<'a>,
+    schema: &'static str,
+    seed: S,
+    each: &'a dyn Fn(T) -> bool,
 }
 
-seed!(JsonFile, (), deserialize_map, "an object with `schema` and `states`");
-seed!(JsonStates, (), deserialize_seq, "an array of states");
-seed!(JsonState, State, deserialize_map, "an object with `time`, `nodes` and `forces`");
-seed!(JsonNodes, State, deserialize_map, "an object with a motion for each node number");
-
-pub(crate) fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
-    if seen { Err(E::duplicate_field(name)) } else { Ok(()) }
-}
-
-impl<'de> Visitor<'de> for JsonFile<'_> {
+impl<'de, T, S: Copy + DeserializeSeed<'de, Value = T>> DeserializeSeed<'de> for JsonFile<'_, T, S> {
     type Value = ();
-    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        Self::describe(formatter)
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de, T, S: Copy + DeserializeSeed<'de, Value = T>> DeserializeSeed<'de> for &JsonList<'_, T, S> {
+    type Value = ();
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de, T, S: Copy + DeserializeSeed<'de, Value = T>> Visitor<'de> for JsonFile<'_, T, S> {
+    type Value = ();
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with `schema` and `states`")
     }
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let (mut schema, mut states) = (false, None);
+        let (mut schema, mut list) = (false, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "schema" => {
                     once(schema, "schema")?;
                     schema = true;
                     let written: String = map.next_value()?;
-                    if written != SCHEMA {
+                    if written != self.0.schema {
                         let message = format!("the schema is `{written}`");
-                        let remedy = format!("write \"schema\": \"{SCHEMA}\"");
-                        return Err(self.0.stop(Fault::new(Code::StatesMalformed, message, remedy)));
+                        let remedy = format!("write \"schema\": \"{}\"", self.0.schema);
+                        return Err(self.0.context.stop(Fault::new(Code::StatesMalformed, message, remedy)));
                     }
                 }
                 "states" => {
-                    once(states.is_some(), "states")?;
-                    states = Some(map.next_value_seed(JsonStates(self.0))?);
+                    once(list.is_some(), "states")?;
+                    list = Some(map.next_value_seed(&self.0)?);
                 }
                 other => return Err(A::Error::unknown_field(other, &["schema", "states"])),
             }
@@ -95,32 +109,54 @@ impl<'de> Visitor<'de> for JsonFile<'_> {
         if !schema {
             return Err(A::Error::missing_field("schema"));
         }
-        states.ok_or_else(|| A::Error::missing_field("states"))
+        list.ok_or_else(|| A::Error::missing_field("states"))
     }
 }
 
-impl<'de> Visitor<'de> for JsonStates<'_> {
+impl<'de, T, S: Copy + DeserializeSeed<'de, Value = T>> Visitor<'de> for &JsonList<'_, T, S> {
     type Value = ();
-    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        Self::describe(formatter)
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an array of states")
     }
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<(), A::Error> {
-        while let Some(state) = sequence.next_element_seed(JsonState(self.0))? {
-            self.0.count(state.number)?;
-            let Some(take) = self.0.states else { continue };
-            take(state).map_err(|fault| match fault {
-                Some(fault) => self.0.stop(fault),
-                None => A::Error::custom("stopped"),
-            })?;
+        while let Some(one) = sequence.next_element_seed(self.seed)? {
+            if !(self.each)(one) {
+                return Err(A::Error::custom("stopped"));
+            }
         }
         Ok(())
     }
 }
 
+pub(crate) fn once<E: serde::de::Error>(seen: bool, name: &'static str) -> Result<(), E> {
+    if seen { Err(E::duplicate_field(name)) } else { Ok(()) }
+}
+
+#[derive(Clone, Copy)]
+struct JsonState<'a>(Context<'a>);
+
+struct JsonNodes<'a>(Context<'a>);
+
+impl<'de> DeserializeSeed<'de> for JsonState<'_> {
+    type Value = State;
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<State, D::Error> {
+        let state = deserializer.deserialize_map(self)?;
+        self.0.count(state.number)?;
+        Ok(state)
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for JsonNodes<'_> {
+    type Value = State;
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<State, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
 impl<'de> Visitor<'de> for JsonState<'_> {
     type Value = State;
-    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        Self::describe(formatter)
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with `time`, `nodes` and `forces`")
     }
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
         let (mut number, mut time, mut state, mut forces) = (None, None, None, None);
@@ -154,8 +190,8 @@ impl<'de> Visitor<'de> for JsonState<'_> {
 
 impl<'de> Visitor<'de> for JsonNodes<'_> {
     type Value = State;
-    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        Self::describe(formatter)
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with a motion for each node number")
     }
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<State, A::Error> {
         let mut state = State::default();

@@ -3,7 +3,6 @@
 use crate::diagnostic::{Code, Diagnostic, MAX_ERRORS, Result};
 use crate::freedom::NodeFreedom;
 use crate::model::Scene;
-use crate::model::State;
 use crate::span::Span;
 use crate::states::source::{Source, unreadable};
 use crate::states::{Fault, check_number};
@@ -118,14 +117,14 @@ impl<'a> Documents<'a> {
         self.passed.get() == 0 && self.told.borrow().is_empty() && !self.by_value.get()
     }
 
-    pub(crate) fn context<'b>(&'b self, states: Option<&'b TakeState<'b>>) -> Context<'b> {
-        Context { scene: self.scene, reading: self, states }
+    pub(crate) const fn context(&self) -> Context<'_> {
+        Context { scene: self.scene, reading: self }
     }
 
     /// Reads a document; `form` shows an example in the remedy.
-    pub(crate) fn read<S>(&self, source: Source<'_>, form: &str, seed: S) -> Result<()>
+    pub(super) fn read<S>(&self, source: Source<'_>, form: &str, seed: impl Fn() -> S) -> Result<()>
     where
-        S: Copy + for<'de> DeserializeSeed<'de, Value = ()>,
+        S: for<'de> DeserializeSeed<'de, Value = ()>,
     {
         form.clone_into(&mut self.form.borrow_mut());
         let (mut faults, mut of_form) = (Faults::default(), None);
@@ -136,7 +135,7 @@ impl<'a> Documents<'a> {
             self.passed_over.bytes.set(0);
             let inner = source.reader(0).map_err(|error| unreadable(&error))?;
             let counted = Counted { inner, count: &self.passed_over };
-            let Err(error) = through(seed, &mut serde_json::Deserializer::from_reader(counted)) else {
+            let Err(error) = through(seed(), &mut serde_json::Deserializer::from_reader(counted)) else {
                 break;
             };
             let span = json_place(source, error.line(), error.column());
@@ -191,15 +190,11 @@ fn json_place(source: Source<'_>, line: usize, column: usize) -> Span {
     Span::new(0, u32::try_from(line.max(1)).unwrap_or(u32::MAX), start, 1)
 }
 
-/// What becomes of a state: a fault stops the reading, and none does so too.
-pub(crate) type TakeState<'a> = dyn Fn(State) -> Result<(), Option<Fault>> + 'a;
-
 /// Carries the scene, and the fault of our own that stopped the reading, through serde.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub(crate) scene: &'a Scene,
     reading: &'a Documents<'a>,
-    pub(super) states: Option<&'a TakeState<'a>>,
 }
 
 impl<'a> Context<'a> {

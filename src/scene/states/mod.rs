@@ -41,7 +41,7 @@ pub(super) use document::once;
 pub(super) use faults::{Context, Documents, Faults};
 pub(super) use source::{Source, is_json, located, located_in, text_of, without_mark};
 pub use stream::StateStream;
-pub(super) use table::{CsvRow, csv_rows, empty};
+pub(super) use table::{CsvRow, csv_rows};
 pub use vanish::Vanishing;
 
 /// The longest rotation vector, in radians: beyond it a double resolves less than 1e-8 rad.

@@ -98,8 +98,7 @@ AXIAL,
 
 /// A folder of the test's own, with the routines and what each door needs besides.
 fn folder(name: &str, besides: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("asked-{name}"));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = crate::commands::cli::folder(format!("asked-{name}"));
     fs::write(folder.join("asked_routines.py"), ROUTINES).unwrap();
     // A module without commit and revert, for routines that keep nothing.
     let plain = format!("from asked_routines import cartesian\n{besides}\n");

@@ -155,7 +155,7 @@ impl MpcForces {
         flags: &mut Vec<Flag>,
     ) -> Self {
         let constraint = &element.constraint;
-        let multipliers = constraint.eliminate(state, evaluation).multipliers(given);
+        let multipliers = constraint.multipliers(state, evaluation, given);
         let mut multipliers = multipliers;
         multipliers[FLOW] = None;
         let nodal = evaluation.nodal(&multipliers);

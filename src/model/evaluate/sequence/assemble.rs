@@ -3,7 +3,7 @@
 //! Entries by rows are those of one element after the other, so that each thread writes its own part of them, and nothing is left to be
 //! done in order but to gather what needs care.
 
-use crate::evaluate::jacobian::{CompressedColumns, ForeignPattern, Jacobian};
+use crate::evaluate::jacobian::{ForeignPattern, Jacobian};
 use crate::evaluate::parallel;
 use crate::evaluate::sequence::element::{ConnectorResult, Context};
 use crate::evaluate::sequence::lanes::{Lanes, PART, Rows};
@@ -13,9 +13,6 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{CompactRow, Components, Flag, Mask, Request, Tally};
 use pintle_kinematics::mpc::Dofs;
 use pintle_scene::State as SceneState;
-
-/// How many elements have their entries by rows at hand while those go to their places by columns.
-const GROUP: usize = 1024;
 
 /// Elements of which one is next to the other, and their entries.
 struct Part<'p, M> {
@@ -33,17 +30,17 @@ struct Told {
     tally: Tally,
 }
 
-/// Works on elements in parts, `from` one on; `begin` gives the first entry of each, and the end after the last. What is told is gathered in `told`.
-fn fill_rows<M: Send>(
-    (from, memories): (usize, &mut [M]),
+/// Fills the entries of elements in parts; `begin` gives the first entry of each element, and the end after the last.
+fn fill<M: Send>(
+    memories: &mut [M],
     begin: impl Fn(usize) -> usize,
-    mut entries: &mut [f64],
+    values: &mut [f64],
     work: impl Fn(Part<'_, M>) -> Told + Sync,
-    told: &mut Told,
-) {
+) -> Told {
+    let mut entries = values.get_mut(begin(0)..).unwrap_or_default();
     let size = parallel::part(memories.len()).max(PART);
     let mut parts = Vec::with_capacity(memories.len().div_ceil(size));
-    let mut first = from;
+    let mut first = 0;
     for memories in memories.chunks_mut(size) {
         let next = first + memories.len();
         let count = (begin(next) - begin(first)).min(entries.len());
@@ -51,36 +48,10 @@ fn fill_rows<M: Send>(
         parts.push(Part { first, memories, entries: own });
         (first, entries) = (next, others);
     }
+    let mut told = Told::default();
     for Told { flags, tally } in parallel::parts(parts, work) {
         told.flags.extend(flags);
         told.tally += tally;
-    }
-}
-
-/// Fills the entries of elements: by rows straight in their place, by columns some at a time.
-fn fill<M: Send>(
-    memories: &mut [M],
-    (begin, columns): (impl Fn(usize) -> usize, Option<&CompressedColumns>),
-    values: &mut [f64],
-    work: impl Fn(Part<'_, M>) -> Told + Sync,
-) -> Told {
-    let mut told = Told::default();
-    let Some(columns) = columns else {
-        let entries = values.get_mut(begin(0)..).unwrap_or_default();
-        fill_rows((0, memories), begin, entries, work, &mut told);
-        return told;
-    };
-    let mut entries = Vec::new();
-    for (group, memories) in memories.chunks_mut(GROUP).enumerate() {
-        let first = group * GROUP;
-        let start = begin(first);
-        entries.resize(begin(first + memories.len()) - start, 0.0);
-        fill_rows((first, memories), &begin, &mut entries, &work, &mut told);
-        for (entry, value) in (start..).zip(&entries) {
-            if let Some(place) = values.get_mut(columns.place(entry)) {
-                *place = *value;
-            }
-        }
     }
     told
 }
@@ -95,33 +66,6 @@ impl Sequence<'_> {
         &mut self,
         state: &SceneState,
         jacobian: &Jacobian,
-        values: &mut Vec<f64>,
-    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
-        self.fill(state, jacobian, None, values)
-    }
-
-    /// As [`Sequence::assemble`], with the entries in the order of the columns ([`Jacobian::by_columns`]): those of a thousand elements at a
-    /// time go to their places.
-    ///
-    /// # Errors
-    /// As [`Sequence::assemble`]; columns of another pattern.
-    pub fn assemble_columns(
-        &mut self,
-        state: &SceneState,
-        jacobian: &Jacobian,
-        columns: &CompressedColumns,
-        values: &mut Vec<f64>,
-    ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
-        columns.check(jacobian)?;
-        self.fill(state, jacobian, Some(columns), values)
-    }
-
-    /// Commits the next state and fills the values by rows, or by columns where there are some.
-    fn fill(
-        &mut self,
-        state: &SceneState,
-        jacobian: &Jacobian,
-        columns: Option<&CompressedColumns>,
         values: &mut Vec<f64>,
     ) -> Result<Vec<(String, Flag)>, ForeignPattern> {
         self.follow_rows(jacobian)?;
@@ -186,8 +130,7 @@ impl Sequence<'_> {
             }
             told
         };
-        let places = (|at| jacobian.first_entry(at), columns);
-        let told = fill(connectors, places, values, of_connectors);
+        let told = fill(connectors, |at| jacobian.first_entry(at), values, of_connectors);
         *tally += told.tally;
         let title = |at: usize| model.connectors[plan.connectors[at]].title();
         let mut care: Vec<_> = told.flags.into_iter().map(|(at, flag)| (title(at), flag)).collect();
@@ -216,8 +159,7 @@ impl Sequence<'_> {
             }
             told
         };
-        let places = (|at| jacobian.first_mpc_entry(at), columns);
-        let told = fill(mpcs, places, values, of_mpcs);
+        let told = fill(mpcs, |at| jacobian.first_mpc_entry(at), values, of_mpcs);
         *tally += told.tally;
         let title = |at: usize| model.mpcs[plan.mpcs[at]].title();
         care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));
@@ -234,8 +176,7 @@ impl Sequence<'_> {
             }
             told
         };
-        let places = (|at| jacobian.first_relation_entry(at), columns);
-        let told = fill(relation_nodes, places, values, of_relations);
+        let told = fill(relation_nodes, |at| jacobian.first_relation_entry(at), values, of_relations);
         *tally += told.tally;
         let title = |at: usize| model.relations[plan.relations[at]].title();
         care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));

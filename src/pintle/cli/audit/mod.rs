@@ -3,9 +3,9 @@
 mod budget;
 mod page;
 
-use super::eval::{Source, nothing, read, source};
+use super::eval::{Source, nothing, read, selected, source};
 use super::tell::{complain, show_diagnostic};
-use super::{ConditionOptions, Failure, Files, Sign, page_width};
+use super::{ConditionOptions, Failure, Files, Sign, one_of, page_width};
 pub(crate) use budget::Bar;
 use budget::{say_budget, seconds};
 use clap::{Args, ValueEnum};
@@ -16,7 +16,7 @@ use pintle_audit::{
 };
 use pintle_kinematics::catalog::TABLE;
 use pintle_kinematics::connector::Request;
-use pintle_model::evaluate::{Model, Plan, Selection};
+use pintle_model::evaluate::{Model, Plan};
 use pintle_report::audit as report;
 use pintle_scene::{Diagnostic, ForceFile, GALLERY, Scene, Severity, State};
 use std::collections::BTreeSet;
@@ -80,54 +80,6 @@ pub(crate) enum AuditFormat {
     Html,
 }
 
-/// A fault planted on purpose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Plant {
-    /// A derivative is wrong
-    WrongEntry,
-    /// A derivative has the wrong sign
-    WrongSign,
-    /// A second derivative and a nodal force are wrong
-    WrongSecond,
-    /// A value is wrong
-    WrongValue,
-    /// A rate is wrong
-    WrongRate,
-    /// An acceleration is wrong
-    WrongAcceleration,
-    /// A nodal force is wrong
-    WrongForce,
-    /// A slope of a friction force is wrong
-    WrongFriction,
-    /// Answers of the oracles are lost
-    LostAnswer,
-    /// All answers for a component are lost
-    LostWitness,
-    /// A component is lost
-    LostComponent,
-    /// One of two independent oracles lies
-    WrongAnswer,
-}
-
-impl From<Plant> for Planted {
-    fn from(plant: Plant) -> Self {
-        match plant {
-            Plant::WrongEntry => Self::WrongEntry,
-            Plant::WrongSign => Self::WrongSign,
-            Plant::WrongSecond => Self::WrongSecond,
-            Plant::WrongValue => Self::WrongValue,
-            Plant::WrongRate => Self::WrongRate,
-            Plant::WrongAcceleration => Self::WrongAcceleration,
-            Plant::WrongForce => Self::WrongForce,
-            Plant::WrongFriction => Self::WrongFriction,
-            Plant::LostAnswer => Self::LostAnswer,
-            Plant::LostWitness => Self::LostWitness,
-            Plant::LostComponent => Self::LostComponent,
-            Plant::WrongAnswer => Self::WrongAnswer,
-        }
-    }
-}
-
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
 pub(crate) struct Audit {
@@ -183,8 +135,8 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "FOLDER")]
     pub(super) plots: Option<PathBuf>,
     /// Plant a fault, to see the audit fail
-    #[arg(long, value_enum, hide = true)]
-    plant: Option<Plant>,
+    #[arg(long, value_parser = one_of(Planted::ALL, Planted::name), hide = true)]
+    plant: Option<Planted>,
     /// Findings of this code, of this group (model, assembly, coverage, rule …), all notes or all warnings, are errors: exit 1; after @,
     /// those of a file or line
     #[arg(long, value_name = "CODE[@FILE[:LINE]]", value_delimiter = ',')]
@@ -241,10 +193,7 @@ pub(crate) fn run(arguments: &Audit, files: Files) -> Result<(), Failure> {
         .iter()
         .map(|source| with_forces(*source, arguments, &levels))
         .collect::<Result<Vec<Loaded>, Failure>>()?;
-    let selection = match arguments.connector.as_slice() {
-        [] => Selection::All,
-        names => Selection::Named(names.to_vec()),
-    };
+    let selection = selected(&arguments.connector);
     let mut plans = Vec::new();
     for (source, Loaded { scene, model, .. }) in
         sources.iter().zip(&loaded).filter(|(_, loaded)| loaded.errors.is_empty())
@@ -394,7 +343,7 @@ fn settings(arguments: &Audit) -> Settings {
         near_singular_states: arguments.near_singular_states,
         drawn_states: arguments.drawn_states,
         seed: arguments.seed.clone(),
-        planted: arguments.plant.map(Planted::from),
+        planted: arguments.plant,
         conditions: (&arguments.conditions).into(),
         strict: arguments.strict,
         ..Settings::default()

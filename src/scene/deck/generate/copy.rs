@@ -6,7 +6,7 @@ use crate::deck::{Deck, generate};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::Label;
 use crate::label::MAX_LABEL;
-use crate::lexer::{Item, Items, Keyword};
+use crate::lexer::{Item, Keyword};
 use crate::orientation::{cross, minus};
 use crate::span::Span;
 use crate::written::Placement;
@@ -157,20 +157,20 @@ impl Image {
         let mut items = line.items();
         if reflect.is_none() {
             let node = items.maybe().map(|item| item.label("the pole")).transpose()?;
-            let given = three(&mut items)?;
+            let given = items.vector()?;
             let known = node.and_then(|node| deck.scene.nodes.get(&node));
             return Ok(Self::FromPole(known.map_or(given, |node| node.coordinates)));
         }
-        let a = three(&mut items)?;
+        let a = items.vector()?;
         if reflect == Some("POINT") {
             return Ok(Self::AcrossPoint(a));
         }
-        let b = minus(three(&mut items)?, a);
+        let b = minus(items.vector()?, a);
         let vector = if reflect == Some("LINE") {
             b
         } else {
             let Some(line) = deck.lexer.row()? else { return Err(missing()) };
-            cross(b, minus(three(&mut line.items())?, a))
+            cross(b, minus(line.items().vector()?, a))
         };
         let length = vector[0].hypot(vector[1]).hypot(vector[2]);
         if !(length > 0.0 && length.is_finite()) {
@@ -181,14 +181,6 @@ impl Image {
         let unit = vector.map(|part| part / length);
         Ok(if reflect == Some("LINE") { Self::AcrossLine(a, unit) } else { Self::AcrossPlane(a, unit) })
     }
-}
-
-fn three(items: &mut Items<'_>) -> Result<[f64; 3]> {
-    let mut vector = [0.0; 3];
-    for part in &mut vector {
-        *part = items.number()?.unwrap_or(0.0);
-    }
-    Ok(vector)
 }
 
 pub(in crate::deck) fn nodes(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {

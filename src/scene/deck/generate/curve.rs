@@ -53,10 +53,7 @@ impl Curve {
             is_given |= number.is_some();
             *coordinate = number.unwrap_or(0.0);
         }
-        let mut normal = [0.0; 3];
-        for part in &mut normal {
-            *part = items.number()?.unwrap_or(0.0);
-        }
+        let normal = items.vector()?;
         let defined = node.and_then(|node| scene.nodes.get(&node));
         let point = match (defined, node) {
             (Some(node), _) => node.coordinates,
