@@ -25,13 +25,12 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
     });
     let count = frames.len();
     // What is open is no number.
-    let forces = |of: &dyn Fn(&ConnectorFrame<R>, usize) -> (bool, R)| -> Vec<f64> {
-        let all =
-            frames.iter().flat_map(|frame| &frame.connectors).flat_map(|one| (0..6).map(|k| of(one, k)));
-        all.map(|(is_open, force)| if is_open { f64::NAN } else { force.to_f64() }).collect()
+    let known = |is_open: bool, force: R| if is_open { f64::NAN } else { force.to_f64() };
+    let forces = |of: &dyn Fn(&ConnectorFrame<R>) -> [f64; 6]| -> Vec<f64> {
+        frames.iter().flat_map(|frame| &frame.connectors).flat_map(of).collect()
     };
-    let total = forces(&|of, k| (of.open[k], of.total[k]));
-    let friction = forces(&|of, k| (of.open_friction[k], of.friction[k]));
+    let total = forces(&|of| std::array::from_fn(|k| known(of.open[k], of.total[k])));
+    let friction = forces(&|of| std::array::from_fn(|k| known(of.open_friction[k], of.friction[k])));
     vec![
         Array::numbers("time", vec![count], each(&|frame| vec![frame.time])),
         Array::words("node", nodes.iter().map(ToString::to_string).collect()),
