@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-CRATES = ("kinematics", "scene", "model", "assembly", "symbolic", "audit", "check", "element", "bench", "sweep", "report", "compare", "solve", "pintle")
+CRATES = ("kinematics", "scene", "model", "assembly", "symbolic", "audit", "check", "c/element", "bench", "sweep", "report", "compare", "solve", "pintle")
 # Folders whose files are data, each a case of the same kind.
 DATA = re.compile(r"(snapshots|faults|findings|seeds|regressions|work-precision|golden)\b")
 LONG, TOO_LONG = 30, 40

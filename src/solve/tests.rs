@@ -1374,6 +1374,18 @@ fn what_is_led_along_a_circle_rubs_along_its_tangent() {
     }
 }
 
+/// Initial velocities are along global axes, whatever axes *TRANSFORM gives a node; loads follow the latter.
+#[test]
+fn initial_velocities_are_global() {
+    let deck = "*NODE, NSET=N\n1, 0., 0., 0.\n*TRANSFORM, NSET=N\n0., 1., 0., -1., 0., 0.\n*ELEMENT, TYPE=MASS, ELSET=M\n21, 1\n*MASS, ELSET=M\n2.\n\
+        *INITIAL CONDITIONS, TYPE=VELOCITY\n1, 1, 3.\n*STEP\n*DYNAMIC\n0.01, 1.\n*CLOAD\n1, 1, 8.\n*END STEP\n";
+    let solution: Solution<f64> = solved(deck, &Options::default());
+    let moved = solution.frames.last().unwrap().nodes[0].displacement;
+    for (x, wanted) in moved.iter().zip([3.0, 2.0, 0.0]) {
+        assert!((x - wanted).abs() < 1e-13, "{moved:?}");
+    }
+}
+
 /// A mass that sets out from its stop against gravity comes back after 2 v/g, however slow it is.
 #[test]
 fn a_stop_just_left_closes_when_it_is_met() {
