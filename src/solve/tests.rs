@@ -1347,6 +1347,26 @@ fn a_static_slip_follows_a_tractrix() {
     }
 }
 
+/// A limit that grows with the slip, 0.2 (10 + 10 s): where a spring and friction balance a force F, 100 u + 2 + 2 u = F.
+#[test]
+fn a_static_limit_over_the_slip_is_that_of_now() {
+    let deck = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n101, 1, 2\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+        *CONNECTOR SECTION, ELSET=C, BEHAVIOR=DRY\nCARTESIAN,\nO,\n*CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR ELASTICITY, COMPONENT=1\n100.\n\
+        *CONNECTOR FRICTION, COMPONENT=1\n, 10., 0.\n, 20., 1.\n*FRICTION\n0.2\n*BOUNDARY\n1, 1, 6\n2, 2, 6\n*AMPLITUDE, NAME=A\n\
+        0., 0., 1., 1.\n*STEP\n*STATIC\n0.01, 1.\n*CLOAD, AMPLITUDE=A\n2, 1, 10.\n*END STEP\n";
+    let options = Options { times: vec![0.4, 0.7], ..Options::default() };
+    let solution: Solution<f64> = solved(deck, &options);
+    let slid = solution.frames.iter().filter(|frame| frame.time > 0.3);
+    let mut compared = 0;
+    for frame in slid {
+        let wanted = (10.0 * frame.time - 2.0) / 102.0;
+        let found = frame.connectors[0].displacement[0];
+        assert!((found - wanted).abs() < 1e-14, "{}: {found} for {wanted}", frame.time);
+        compared += 1;
+    }
+    assert_eq!(compared, 3);
+}
+
 /// A block that is led round a circle: its friction is along the tangent from the beginning, and does the work μ N r φ.
 #[test]
 fn what_is_led_along_a_circle_rubs_along_its_tangent() {
