@@ -1,5 +1,6 @@
 """Sweeps: one digest by every engine that is installed, any number of workers, and after a kill."""
 
+import contextlib
 import importlib.util
 import os
 import pickle
@@ -7,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -88,26 +88,23 @@ def large():
 
 
 def family(pid):
-    """The processes that a process has started, and those that they have: their commands by their numbers."""
-    parents, commands = {}, {}
-    for entry in Path("/proc").iterdir():
-        try:
-            words = (entry / "stat").read_text().rpartition(")")[2].split()
-            commands[int(entry.name)] = (entry / "cmdline").read_text().replace("\0", " ")
-            parents[int(entry.name)] = int(words[1])
-        except (ValueError, OSError):
-            continue
-    found = [pid]
-    for one in found:
-        found += [child for child, parent in parents.items() if parent == one]
-    return {one: commands[one] for one in found if one in commands}
+    """The processes that a process has started, and those that they have, with itself: their commands by their numbers."""
+    # Dask and Ray bring it.
+    import psutil
+
+    found = {}
+    with contextlib.suppress(psutil.NoSuchProcess):
+        parent = psutil.Process(pid)
+        for one in [parent, *parent.children(recursive=True)]:
+            with contextlib.suppress(psutil.Error):
+                found[one.pid] = " ".join(one.cmdline())
+    return found
 
 
 # How the command of a process begins that computes chunks, or what it contains.
 WORKERS = {"dask": "--multiprocessing-fork", "ray": "ray::chunk"}
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are listed by /proc")
 @pytest.mark.parametrize("victims", ["a worker", "the scheduler and all else"])
 @pytest.mark.parametrize("engine", ["dask", "ray"])
 def test_whoever_of_an_engine_is_killed(large, engine, victims, tmp_path):

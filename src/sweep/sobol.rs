@@ -1,8 +1,8 @@
 //! The Sobol sequence: of any 2ᵏ consecutive points from a multiple of 2ᵏ on, each of 2ᵏ equal parts of a coordinate holds one.
 //!
 //! Direction numbers are those of Joe and Kuo, "Constructing Sobol sequences with better two-dimensional projections" (2008), `new-joe-kuo-6`.
-//! A seed scrambles a coordinate as Owen proposed, "Randomly permuted (t,m,s)-nets and (t,s)-sequences" (1995): each bit is flipped or not, by a
-//! hash of the bits above it, which keeps what is said above. The hash has the form of Laine and Karras, "Stratified sampling for stochastic
+//! A seed scrambles a coordinate as Owen proposed, "Randomly permuted (t,m,s)-nets and (t,s)-sequences" (1995). Each bit is flipped or not, by a
+//! hash of the bits above it; that keeps what is said above. The hash has the form of Laine and Karras, "Stratified sampling for stochastic
 //! transparency" (2011).
 
 /// How many coordinates a point has.

@@ -117,6 +117,13 @@ impl<R: Number> Modes<R> {
         self.left.get(stop).copied().flatten()
     }
 
+    /// A stop is at its limit again: when it was left no longer matters.
+    pub(crate) fn meet(&mut self, stop: usize) {
+        if let Some(left) = self.left.get_mut(stop) {
+            *left = None;
+        }
+    }
+
     /// The same with no friction at all.
     pub(crate) fn without_friction(&self) -> Self {
         Self { frictions: Vec::new(), ..self.clone() }

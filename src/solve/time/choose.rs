@@ -90,9 +90,7 @@ impl<R: Number> Run<'_, R> {
             for (stop, side) in touching.iter().take(ALL) {
                 modes.stops[*stop] =
                     if rest.is_multiple_of(2) { Touch::Closed(*side) } else { Touch::Leaves(*side) };
-                if let Some(left) = modes.left.get_mut(*stop) {
-                    *left = None;
-                }
+                modes.meet(*stop);
                 rest /= 2;
             }
             // What stops hold does not slip.

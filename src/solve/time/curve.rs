@@ -1,8 +1,11 @@
 //! Slips of several components on a static path.
 //!
-//! Friction opposes slip: the rate of its positions is along its force, R_k ẋ_k = γ n_k with Σ n_k² = 1, and at each time there is equilibrium
-//! with the force μ F_N n. Collocation at the points c_i of Radau over a step of length h, R_k (x_i − x_0)_k = h Σ a_ij γ_j n_jk, is solved for
-//! the directions n_i by Newton's method. The x_i are those of the equilibria with these directions; γ may pass zero.
+//! Friction opposes slip: positions change along its force, R_k ẋ_k = γ n_k with Σ n_k² = 1. At each time there is equilibrium with the force
+//! μ F_N n, f_k = μ F_N R_k n_k (force, or moment by the radius R_k).
+//!
+//! A step of length h is collocated at the points c_i of Radau IIA (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5):
+//! R_k (x_i − x_0)_k = h Σ a_ij γ_j n_jk. Newton's method solves for the directions n_i. The x_i are those of the equilibria with these
+//! directions. γ may pass zero.
 
 use crate::motion::linear::System;
 use crate::motion::mode::{Does, Switch};

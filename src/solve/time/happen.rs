@@ -277,9 +277,7 @@ impl<R: Number> Run<'_, R> {
             {
                 slow = larger(slow, rate);
             }
-            if let Some(left) = self.modes.left.get_mut(of) {
-                *left = None;
-            }
+            self.modes.meet(of);
             if self.mechanism.is_given(joint, k, self.step) {
                 return Err(Refusal::of(
                     self.joint_title(joint),
@@ -337,9 +335,7 @@ impl<R: Number> Run<'_, R> {
             && let Some(side) = touch.side()
         {
             *touch = Touch::Leaves(side);
-            if let Some(left) = modes.left.get_mut(stop) {
-                *left = None;
-            }
+            modes.meet(stop);
             // A friction that stands at the limit holds on from here.
             let limit = self.mechanism.stops[stop].limit(side);
             for (slider, mode) in self.mechanism.sliders.iter().zip(&mut modes.frictions) {
@@ -461,9 +457,7 @@ impl<R: Number> Run<'_, R> {
             for (i, (stop, side)) in touching.iter().enumerate() {
                 let is_closed = combination >> i & 1 == 0;
                 modes.stops[*stop] = if is_closed { Touch::Closed(*side) } else { Touch::Leaves(*side) };
-                if let Some(left) = modes.left.get_mut(*stop) {
-                    *left = None;
-                }
+                modes.meet(*stop);
             }
             let found = self.assembled(&modes).map_err(|trouble| self.say(trouble))?;
             let layout = match Layout::new(&self.mechanism, &found, &modes) {
