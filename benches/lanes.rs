@@ -12,7 +12,7 @@ mod hand;
 
 use pintle_audit::case::exact_state;
 use pintle_bench::worse;
-use pintle_kinematics::batch::{Batch, HessianRow, History, Row, Section, Tile};
+use pintle_kinematics::batch::{Batch, Columns12, Four, HessianRow, History, Row, Section, Tile};
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{Branch, Connector, Definition, Increment, Output, Request, State, Tally};
 use pintle_kinematics::draw::Draw;
@@ -232,6 +232,70 @@ impl Case {
     }
 }
 
+/// J̇v and Σ λ ∂²c of the tiles of a case.
+struct Products {
+    velocities: Vec<Columns12>,
+    multipliers: Vec<Four>,
+    bias: Vec<Four>,
+    stiffness: Vec<[Columns12; 12]>,
+}
+
+impl Products {
+    fn new(case: &Case) -> Self {
+        let (tiles, draw) = (case.tiles.len(), &mut Draw::new("products"));
+        let mut number = || draw.vector(1.0)[0];
+        let mut four = || [number(), number(), number(), number()];
+        let rows = tiles * case.batch.rows();
+        Self {
+            velocities: (0..tiles).map(|_| std::array::from_fn(|_| four())).collect(),
+            multipliers: (0..rows).map(|_| four()).collect(),
+            bias: vec![[0.0; 4]; rows],
+            stiffness: vec![[[[0.0; 4]; 12]; 12]; tiles],
+        }
+    }
+
+    fn bias(&mut self, case: &Case) {
+        let Case { batch, tiles, sections, histories, .. } = case;
+        batch
+            .bias_of(black_box(tiles), sections, histories, &self.velocities, black_box(&mut self.bias))
+            .unwrap();
+    }
+
+    fn stiffness(&mut self, case: &Case) {
+        let Case { batch, tiles, sections, histories, .. } = case;
+        let out = black_box(&mut self.stiffness);
+        batch.geometric_stiffness_of(black_box(tiles), sections, histories, &self.multipliers, out).unwrap();
+    }
+
+    /// Asserts both against the second derivatives of the 237-bit scalar.
+    fn assert_exact(&mut self, case: &Case) {
+        (self.bias(case), self.stiffness(case));
+        let each = case.batch.rows();
+        let check = |found: f64, terms: &mut dyn Iterator<Item = f64>, what: &str| {
+            let (sum, size) = terms.fold((0.0, 1.0_f64), |(sum, size), x| (sum + x, size + x.abs()));
+            assert!((found - sum).abs() < BOUND_OF_SECOND * size, "{}: {what} {found}, not {sum}", case.name);
+        };
+        for (i, truth) in case.truth.iter().take(4 * TILES_OF_SECOND).enumerate() {
+            let (tile, lane) = (i / 4, i % 4);
+            let v = self.velocities[tile].map(|four| four[lane]);
+            for (r, (_, _, hessian)) in truth.iter().enumerate() {
+                let terms = &mut (0..144).map(|k| hessian[k / 12][k % 12] * v[k / 12] * v[k % 12]);
+                check(self.bias[tile * each + r][lane], terms, "J̇v");
+            }
+            for k in 0..144 {
+                let of = |(r, (_, _, hessian)): (usize, &Truth)| {
+                    self.multipliers[tile * each + r][lane] * hessian[k / 12][k % 12]
+                };
+                check(
+                    self.stiffness[tile][k / 12][k % 12][lane],
+                    &mut truth.iter().enumerate().map(of),
+                    "Σ λ ∂²c",
+                );
+            }
+        }
+    }
+}
+
 fn main() {
     if commit::is_told() {
         return;
@@ -346,8 +410,9 @@ fn every_type() {
     let mut cases: Vec<Case> = names().filter_map(case).collect();
     // The rows of such tiles are computed a second time; what they are compared with are those of the principal sheet.
     cases.extend(case_of("ROTATION beyond half a turn", "ROTATION", true, true));
-    let mut least = vec![[f64::INFINITY; 2]; cases.len()];
+    let mut least = vec![[f64::INFINITY; 4]; cases.len()];
     for case in &cases {
+        Products::new(case).assert_exact(case);
         let mut room = Room::new(case, 0);
         case.rows(room.rows());
         case.hessians(room.second());
@@ -360,13 +425,20 @@ fn every_type() {
             let second_of = (4 * TILES_OF_SECOND * case.batch.rows()) as f64;
             let first = time(100, || case.rows(room.rows())) / rows_of;
             let both = time(50, || case.hessians(room.second())) / second_of;
-            *least = [least[0].min(first), least[1].min(both)];
+            let mut products = Products::new(case);
+            let bias = time(100, || products.bias(case)) / rows_of;
+            let stiffness = time(50, || products.stiffness(case)) / rows_of;
+            for (least, time) in least.iter_mut().zip([first, both, bias, stiffness]) {
+                *least = least.min(time);
+            }
         }
     }
     println!(
-        "ns for a row: first derivatives, with second; each over that of the dearer half, where the aim is 2.00"
+        "ns for a row: first derivatives, with second; each over that of the dearer half, where the aim is 2.00; \
+         J̇v and Σ λ ∂²c over the time of rows, where the aim is 2.50"
     );
     let mut dearest = [("", 0.0_f64); 2];
+    let mut logs = [0.0_f64; 2];
     let left_out: Vec<&str> = names().filter(|name| cases.iter().all(|case| case.name != *name)).collect();
     let of = |name: &str| cases.iter().position(|case| case.name == name).map(|i| least[i]);
     for (case, own) in cases.iter().zip(&least) {
@@ -374,7 +446,7 @@ fn every_type() {
         let dearer = halves
             .filter(|half| half.name != case.name)
             .filter_map(|half| of(half.name))
-            .reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+            .reduce(|a, b| [0, 1, 2, 3].map(|i| a[i].max(b[i])));
         for (which, dearest) in dearest.iter_mut().enumerate() {
             let over = dearer.map_or(0.0, |half| own[which] / half[which]);
             if case.name == &case.connector.connection().name[..] && over > dearest.1 {
@@ -383,8 +455,20 @@ fn every_type() {
         }
         let over =
             |which: usize| dearer.map_or("–".into(), |half| format!("{:.2}", own[which] / half[which]));
-        println!("{:27} {:6.2} {:7.2}  {:>4} {:>4}", case.name, own[0], own[1], over(0), over(1));
+        let products = [own[2] / own[0], own[3] / own[0]];
+        logs.iter_mut().zip(products).for_each(|(log, of)| *log += of.ln() / cases.len() as f64);
+        let [bias, stiffness] = products;
+        println!(
+            "{:27} {:6.2} {:7.2}  {:>4} {:>4}  {bias:4.2} {stiffness:5.2}",
+            case.name,
+            own[0],
+            own[1],
+            over(0),
+            over(1)
+        );
     }
+    let [bias, stiffness] = logs.map(f64::exp);
+    println!("geometric means: J̇v {bias:.2}, Σ λ ∂²c {stiffness:.2} times the rows");
     let [(first, over_first), (second, over_second)] = dearest;
     println!("at most {over_first:.2} ({first}), with second derivatives {over_second:.2} ({second})");
     println!("not in batches, for columns of material flow or rows of one-forms: {}", left_out.join(", "));

@@ -100,6 +100,20 @@ def rows(
     columns: Literal[14, 12, 9, "sparse"] | Sequence[int] | None = None,
     out: tuple[_Array, _Array] | None = None,
 ) -> tuple[_Array, _Array]: ...
+def bias(
+    of: str,
+    x_a: _Array,
+    triad_a: _Array,
+    x_b: _Array,
+    triad_b: _Array,
+    v_a: _Array,
+    w_a: _Array,
+    v_b: _Array,
+    w_b: _Array,
+) -> _Array: ...
+def geometric_stiffness(
+    of: str, x_a: _Array, triad_a: _Array, x_b: _Array, triad_b: _Array, forces: _Array | Sequence[float]
+) -> _Array: ...
 def pattern(of: str) -> tuple[_Array, _Array]: ...
 def initial(of: str) -> tuple[_Array, _Array, _Array]: ...
 

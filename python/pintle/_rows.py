@@ -85,3 +85,34 @@ def rows(of, x_a, triad_a, x_b, triad_b, *, columns=None, out=None):
         array[...] = numpy.nan
         array[:, has] = numbers
     return tuple(found)
+
+
+def bias(of, x_a, triad_a, x_b, triad_b, v_a, w_a, v_b, w_b):
+    """J̇v (n, 6) of a connection type at n states: the acceleration c̈ of each component that velocities alone make.
+
+    c̈ = J v̇ + J̇v with v = (ẋ_a, ω_a, ẋ_b, ω_b), J the rows of `rows` with columns=12, and J̇v = ∂²c[v, v] along x and
+    exp(δθ^) C. `v_a`, `w_a`, `v_b`, `w_b` are (n, 3), global axes, length/time and rad/time; the other arrays are as in
+    `rows`. An array of one state holds for all n. Components that the type has not are NaN. No second
+    derivative of a row is formed. Raises as `rows` does.
+    """
+    one = compiled(of)
+    found = one.bias([x_a, triad_a, x_b, triad_b], [v_a, w_a, v_b, w_b])
+    whole = numpy.full((len(found), 6), numpy.nan)
+    whole[:, one.components] = found
+    return whole
+
+
+def geometric_stiffness(of, x_a, triad_a, x_b, triad_b, forces):
+    """Σ_k λ_k ∂²c_k (n, 12, 12) of a connection type at n states: symmetric, by x_a, θ_a, x_b, θ_b.
+
+    `forces` (n, 6) or (6,) are the λ of the components: multipliers of constraints, forces and moments of others; what the
+    type has not is not read. Rotations vary along exp(δθ^) C. The other arrays are as in `rows`. Raises as `rows` does.
+    """
+    one = compiled(of)
+    given = [x_a, triad_a, x_b, triad_b]
+    n = one.count(given)
+    forces = numpy.asarray(forces, dtype=float)
+    if forces.shape not in ((6,), (1, 6), (n, 6)):
+        raise ValueError(f"forces has shape {forces.shape}, not ({n}, 6) or (6,)")
+    each = numpy.ascontiguousarray(numpy.broadcast_to(forces, (n, 6))[:, one.components])
+    return one.geometric_stiffness(given, each).reshape(n, 12, 12)

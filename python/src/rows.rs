@@ -1,12 +1,15 @@
 //! Rows of one connection type, many states at a time.
 
 use crate::work;
-use numpy::ndarray::{ArrayViewD, Axis, Slice};
+use numpy::ndarray::{Array2, ArrayViewD, Axis, Slice};
 use numpy::{
-    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
-    PyUntypedArrayMethods,
+    IntoPyArray, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray2,
+    PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
-use pintle::batch::{Array, Batch, COMPACT, Columns, Fours, History, Nodes, Orientation, Section, States};
+use pintle::batch::{
+    Array, Batch, BatchError, COMPACT, Columns, Fours, History, Nodes, Orientation, Section, States,
+    Velocities,
+};
 use pintle::connector::{Connector, Increment, Tally};
 use pintle::node::Pair;
 use pintle_kinematics::batch::{LANES, Tile};
@@ -160,13 +163,12 @@ impl Rows {
         (0..states.count).step_by(LANES).map(of).collect()
     }
 
-    /// Values and rows of some states.
-    fn fill(
+    /// Does something with some states, as a batch takes them.
+    fn at(
         &self,
         given: &mut [Given<'_>; 4],
         range: &Range<usize>,
-        wanted: &Wanted,
-        out: [&mut [f64]; 2],
+        then: impl FnOnce(&States<'_>) -> Result<(), BatchError>,
     ) -> Result<(), String> {
         let sections = [Section::new(&[&self.connector; LANES])];
         let [x_a, triad_a, x_b, triad_b] = given;
@@ -189,9 +191,28 @@ impl Rows {
         };
         let histories = self.histories(&states);
         states.histories = &histories;
-        let [values, rows] = out;
-        self.batch.rows_of_states(&states, wanted.columns(), values, rows).map_err(|error| error.to_string())
+        then(&states).map_err(|error| error.to_string())
     }
+}
+
+/// Parts of `count` states, each as long as may be computed at a time.
+fn parts(count: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..count).step_by(AT_ONCE).map(move |first| first..count.min(first + AT_ONCE))
+}
+
+/// Those of some states, in an array that has `width` numbers for each.
+fn own<'a>(of: &'a mut [f64], range: &Range<usize>, width: usize) -> &'a mut [f64] {
+    of.get_mut(range.start * width..range.end * width).unwrap_or_default()
+}
+
+/// Work without Python. Loops that are not optimised need more of a stack than the caller may have.
+fn detached(py: Python<'_>, work: impl FnOnce() -> Result<(), String> + Send) -> PyResult<()> {
+    let done = if cfg!(debug_assertions) { work::apart(py, work)? } else { py.detach(work) };
+    done.map_err(PyValueError::new_err)
+}
+
+fn unwritable(error: &dyn std::fmt::Display) -> PyErr {
+    PyValueError::new_err(format!("out cannot be written: {error}"))
 }
 
 #[pymethods]
@@ -236,7 +257,7 @@ impl Rows {
     /// How many states arrays hold.
     #[staticmethod]
     fn count(arrays: Vec<Bound<'_, PyAny>>) -> PyResult<usize> {
-        count(&given(&readonly(&arrays)?)?)
+        count(&NAMES, &given(&readonly(&NAMES, &arrays)?)?)
     }
 
     /// Writes values (n, m) and rows (n, width) of n states, of the m components that the type has, into arrays in C order.
@@ -248,16 +269,14 @@ impl Rows {
         values: &Bound<'_, PyArrayDyn<f64>>,
         rows: &Bound<'_, PyArrayDyn<f64>>,
     ) -> PyResult<()> {
-        let read = readonly(&arrays)?;
+        let read = readonly(&NAMES, &arrays)?;
         let mut given = given(&read)?;
         let wanted = Wanted::new(columns)?;
-        let refused =
-            |error: &dyn std::fmt::Display| PyValueError::new_err(format!("out cannot be written: {error}"));
-        let mut values = values.try_readwrite().map_err(|error| refused(&error))?;
-        let mut rows = rows.try_readwrite().map_err(|error| refused(&error))?;
-        let values = values.as_slice_mut().map_err(|error| refused(&error))?;
-        let rows = rows.as_slice_mut().map_err(|error| refused(&error))?;
-        let count = count(&given)?;
+        let mut values = values.try_readwrite().map_err(|error| unwritable(&error))?;
+        let mut rows = rows.try_readwrite().map_err(|error| unwritable(&error))?;
+        let values = values.as_slice_mut().map_err(|error| unwritable(&error))?;
+        let rows = rows.as_slice_mut().map_err(|error| unwritable(&error))?;
+        let count = count(&NAMES, &given)?;
         let (each, width) = (self.batch.rows(), self.batch.width(wanted.columns()));
         if values.len() != count * each || rows.len() != count * width {
             let (v, r) = (values.len(), rows.len());
@@ -265,55 +284,127 @@ impl Rows {
                 "out has {v} values and {r} numbers of rows, not {count} × {each} and {count} × {width}"
             )));
         }
-        let work = || -> Result<(), String> {
-            for first in (0..count).step_by(AT_ONCE) {
-                let range = first..count.min(first + AT_ONCE);
-                let value = values.get_mut(range.start * each..range.end * each);
-                let row = rows.get_mut(range.start * width..range.end * width);
-                let (Some(value), Some(row)) = (value, row) else { break };
-                self.fill(&mut given, &range, &wanted, [value, row])?;
+        detached(py, || {
+            for range in parts(count) {
+                let (values, rows) = (own(values, &range, each), own(rows, &range, width));
+                self.at(&mut given, &range, |states| {
+                    self.batch.rows_of_states(states, wanted.columns(), values, rows)
+                })?;
             }
             Ok(())
-        };
-        // Loops that are not optimised need more of a stack than the caller may have.
-        let done = if cfg!(debug_assertions) { work::apart(py, work)? } else { py.detach(work) };
-        done.map_err(PyValueError::new_err)
+        })
+    }
+
+    /// J̇v (n, m) of n states that move with v_a, w_a, v_b, w_b.
+    fn bias<'py>(
+        &self,
+        py: Python<'py>,
+        arrays: Vec<Bound<'py, PyAny>>,
+        velocities: Vec<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let read = readonly(&NAMES, &arrays)?;
+        let mut given = given(&read)?;
+        let read = readonly(&VELOCITIES, &velocities)?;
+        let mut moving = of_vectors(&read)?;
+        let all = given.iter().chain(&moving);
+        let names: Vec<&str> = NAMES.into_iter().chain(VELOCITIES).collect();
+        let (count, each) = (count(&names, all)?, self.batch.rows());
+        let mut out = vec![0.0; count * each];
+        detached(py, || {
+            for range in parts(count) {
+                let [v_a, w_a, v_b, w_b] = moving.each_mut().map(|of| of.array(&range));
+                let velocities = [(v_a, w_a), (v_b, w_b)]
+                    .map(|(velocity, angular_velocity)| Velocities { velocity, angular_velocity });
+                let out = own(&mut out, &range, each);
+                self.at(&mut given, &range, |states| self.batch.bias_of_states(states, velocities, out))?;
+            }
+            Ok(())
+        })?;
+        shaped(py, out, (count, each))
+    }
+
+    /// Σ λ ∂²c (n, 144) of n states with multipliers (n, m).
+    fn geometric_stiffness<'py>(
+        &self,
+        py: Python<'py>,
+        arrays: Vec<Bound<'py, PyAny>>,
+        multipliers: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let read = readonly(&NAMES, &arrays)?;
+        let mut given = given(&read)?;
+        let (count, each) = (count(&NAMES, &given)?, self.batch.rows());
+        let multipliers = multipliers.as_slice().map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let mut out = vec![0.0; count * 144];
+        detached(py, || {
+            for range in parts(count) {
+                let own_multipliers =
+                    multipliers.get(range.start * each..range.end * each).unwrap_or_default();
+                let out = own(&mut out, &range, 144);
+                self.at(&mut given, &range, |states| {
+                    self.batch.geometric_stiffness_of_states(states, own_multipliers, out)
+                })?;
+            }
+            Ok(())
+        })?;
+        shaped(py, out, (count, 144))
     }
 }
 
+/// Numbers as an array.
+fn shaped(py: Python<'_>, of: Vec<f64>, shape: (usize, usize)) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let array =
+        Array2::from_shape_vec(shape, of).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(array.into_pyarray(py))
+}
+
 /// How many states there are: one of an array holds for all.
-fn count(given: &[Given<'_>; 4]) -> PyResult<usize> {
-    let counts = given.each_ref().map(|one| one.count);
-    let count = counts.into_iter().find(|count| *count != 1).unwrap_or(1);
+fn count<'g, 'a: 'g>(names: &[&str], given: impl IntoIterator<Item = &'g Given<'a>>) -> PyResult<usize> {
+    let counts: Vec<usize> = given.into_iter().map(|one| one.count).collect();
+    let count = counts.iter().copied().find(|count| *count != 1).unwrap_or(1);
     if counts.iter().all(|one| *one == count || *one == 1) {
         return Ok(count);
     }
-    let told: Vec<String> = NAMES.iter().zip(counts).map(|(name, count)| format!("{name} {count}")).collect();
+    let told: Vec<String> = names.iter().zip(counts).map(|(name, count)| format!("{name} {count}")).collect();
     Err(PyValueError::new_err(format!("states: {}; one, or as many in each array", told.join(", "))))
 }
 
 const NAMES: [&str; 4] = ["x_a", "triad_a", "x_b", "triad_b"];
+const VELOCITIES: [&str; 4] = ["v_a", "w_a", "v_b", "w_b"];
 
-fn readonly<'py>(arrays: &[Bound<'py, PyAny>]) -> PyResult<[PyReadonlyArrayDyn<'py, f64>; 4]> {
-    let [x_a, triad_a, x_b, triad_b] = arrays else {
+const VECTOR: &[&[usize]] = &[&[3]];
+
+fn readonly<'py>(
+    names: &[&str; 4],
+    arrays: &[Bound<'py, PyAny>],
+) -> PyResult<[PyReadonlyArrayDyn<'py, f64>; 4]> {
+    let [first, second, third, fourth] = arrays else {
         return Err(PyValueError::new_err(format!("{} arrays where 4 are needed", arrays.len())));
     };
     Ok([
-        doubles(NAMES[0], x_a)?,
-        doubles(NAMES[1], triad_a)?,
-        doubles(NAMES[2], x_b)?,
-        doubles(NAMES[3], triad_b)?,
+        doubles(names[0], first)?,
+        doubles(names[1], second)?,
+        doubles(names[2], third)?,
+        doubles(names[3], fourth)?,
     ])
 }
 
 fn given<'a>(of: &'a [PyReadonlyArrayDyn<'_, f64>; 4]) -> PyResult<[Given<'a>; 4]> {
-    const X: &[&[usize]] = &[&[3]];
     const TRIAD: &[&[usize]] = &[&[3, 3], &[4], &[3]];
     let [x_a, triad_a, x_b, triad_b] = of;
     Ok([
-        Given::new(NAMES[0], x_a.as_array(), X)?,
+        Given::new(NAMES[0], x_a.as_array(), VECTOR)?,
         Given::new(NAMES[1], triad_a.as_array(), TRIAD)?,
-        Given::new(NAMES[2], x_b.as_array(), X)?,
+        Given::new(NAMES[2], x_b.as_array(), VECTOR)?,
         Given::new(NAMES[3], triad_b.as_array(), TRIAD)?,
+    ])
+}
+
+fn of_vectors<'a>(of: &'a [PyReadonlyArrayDyn<'_, f64>; 4]) -> PyResult<[Given<'a>; 4]> {
+    let [v_a, w_a, v_b, w_b] = of;
+    Ok([
+        Given::new(VELOCITIES[0], v_a.as_array(), VECTOR)?,
+        Given::new(VELOCITIES[1], w_a.as_array(), VECTOR)?,
+        Given::new(VELOCITIES[2], v_b.as_array(), VECTOR)?,
+        Given::new(VELOCITIES[3], w_b.as_array(), VECTOR)?,
     ])
 }

@@ -243,6 +243,42 @@ def test_rotations_and_columns_of_every_form(name):
         pintle.rows(name, x_a, still, x_b, q, columns=[12])
 
 
+@pytest.mark.parametrize("name", ["REVOLUTE", "CARTESIAN CARDAN", "ROTATION", "EULER", "SLIDE-PLANE", "LINK", "BUSHING"])
+def test_products_with_second_derivatives_are_rates_of_rows(name):
+    random = numpy.random.default_rng(11)
+    n, h = 40, 1e-5
+    x_a, triad_a, x_b, triad_b = some(n)
+    v = random.normal(size=(4, n, 3))
+    forces = random.normal(size=(n, 6))
+
+    def rows(t):
+        def moved(x, triad, velocity, spin):
+            angle = t * numpy.linalg.norm(spin, axis=1)[:, None]
+            q = numpy.concatenate([numpy.cos(angle / 2), t * numpy.sinc(angle / (2 * numpy.pi)) / 2 * spin], axis=1)
+            return x + t * velocity, (turned(q) @ triad.transpose(0, 2, 1)).transpose(0, 2, 1)
+
+        a, b = moved(x_a, triad_a, *v[:2]), moved(x_b, triad_b, *v[2:])
+        return pintle.rows(name, *a, *b, columns=12)[1]
+
+    rate = (rows(h) - rows(-h)) / (2 * h)
+    whole = v.transpose(1, 0, 2).reshape(n, 12)
+    has = numpy.flatnonzero(numpy.isfinite(pintle.rows(name, x_a, triad_a, x_b, triad_b)[0][0]))
+    bias = pintle.bias(name, x_a, triad_a, x_b, triad_b, *v)
+    assert numpy.isnan(numpy.delete(bias, has, axis=1)).all()
+    size = 1 + numpy.abs(rate).max(axis=2)
+    assert (numpy.abs(bias[:, has] - numpy.einsum("nmj,nj->nm", rate, whole)) < 1e-6 * size**2).all()
+    stiffness = pintle.geometric_stiffness(name, x_a, triad_a, x_b, triad_b, forces)
+    numpy.testing.assert_array_equal(stiffness, stiffness.transpose(0, 2, 1))
+    quadratic = numpy.einsum("nij,ni,nj->n", stiffness, whole, whole)
+    numpy.testing.assert_allclose(quadratic, (forces[:, has] * bias[:, has]).sum(axis=1), rtol=1e-10, atol=1e-10 * size.max() ** 2)
+    alone = pintle.geometric_stiffness(name, x_a[:1], triad_a[:1], x_b, triad_b, forces[0])
+    assert alone.shape == (n, 12, 12)
+    with pytest.raises(ValueError, match="forces has shape"):
+        pintle.geometric_stiffness(name, x_a, triad_a, x_b, triad_b, forces[:, :5])
+    with pytest.raises(ValueError, match="v_b 39"):
+        pintle.bias(name, x_a, triad_a, x_b, triad_b, v[0], v[1], v[2][1:], v[3])
+
+
 def test_what_is_no_such_array():
     x_a, triad_a, x_b, triad_b = some(4)
     cases = [

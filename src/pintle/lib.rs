@@ -110,7 +110,7 @@ pub mod relation {
 pub mod batch {
     pub use pintle_kinematics::batch::{
         Array, Batch, BatchError, COMPACT, Columns, CompactRow, Fours, HessianRow, History, Nodes,
-        Orientation, Poses, Row, Section, States, Tile, Triads,
+        Orientation, Poses, Row, Section, States, Tile, Triads, Velocities,
     };
 }
 

@@ -1,8 +1,8 @@
 //! States from arrays of any form, rows into arrays of any form: the numbers of tiles.
 
 use pintle_kinematics::batch::{
-    Array, Batch, BatchError, COMPACT, Columns, History, LANES, Nodes, Orientation, Row, Section, States,
-    Tile,
+    Array, Batch, BatchError, COMPACT, Columns, Four, HessianRow, History, LANES, Nodes, Orientation, Row,
+    Section, States, Tile, Velocities,
 };
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{Connector, Definition};
@@ -51,13 +51,18 @@ fn case(connection: &ConnectionType, draw: &mut Draw, count: usize) -> Option<Ca
 }
 
 impl Case {
-    /// The rows of tiles.
-    fn expected(&self) -> Vec<Vec<Found>> {
+    /// The states by fours; beyond the last stands the last again.
+    fn tiles(&self) -> Vec<Tile> {
         let count = self.pairs.len();
         let at = |s: usize| self.pairs[s.min(count - 1)];
-        let tiles: Vec<Tile> = (0..count.div_ceil(4))
+        (0..count.div_ceil(4))
             .map(|t| Tile::new(&[at(4 * t), at(4 * t + 1), at(4 * t + 2), at(4 * t + 3)]))
-            .collect();
+            .collect()
+    }
+
+    /// The rows of tiles.
+    fn expected(&self) -> Vec<Vec<Found>> {
+        let (count, tiles) = (self.pairs.len(), self.tiles());
         let (sections, histories) =
             (vec![self.sections[0]; tiles.len()], vec![self.histories[0]; tiles.len()]);
         let each = self.batch.rows();
@@ -278,5 +283,114 @@ fn arrays_lie_as_they_do() {
             case.batch.rows_of_states(&states, Columns::Chosen(&[3, 12]), &mut values, &mut rows),
             Err(BatchError::Column(12))
         );
+    }
+}
+
+/// J̇v and Σ λ ∂²c of every type, from tiles and from arrays: the second derivatives of its rows, contracted.
+#[test]
+fn products_are_those_of_second_derivatives() {
+    const COUNT: usize = 45;
+    let draw = &mut Draw::new("rows, products");
+    let mut compared = 0;
+    for connection in TABLE {
+        let Some(case) = case(connection, draw, COUNT) else { continue };
+        for batch in [case.batch.clone(), case.batch.clone().baseline()] {
+            let (each, tiles) = (batch.rows(), case.tiles());
+            let (sections, histories) =
+                (vec![case.sections[0]; tiles.len()], vec![case.histories[0]; tiles.len()]);
+            let mut second = vec![HessianRow::default(); tiles.len() * each];
+            batch.rows_of(&tiles, &sections, &histories, &mut second).unwrap();
+            let mut velocities = vec![[[0.0; 4]; 12]; tiles.len()];
+            velocities.as_flattened_mut().as_flattened_mut().fill_with(|| draw.vector(2.0)[0]);
+            let mut multipliers = vec![[0.0; 4]; tiles.len() * each];
+            multipliers.as_flattened_mut().fill_with(|| draw.vector(2.0)[0]);
+            let mut bias = vec![[f64::NAN; 4]; tiles.len() * each];
+            batch.bias_of(&tiles, &sections, &histories, &velocities, &mut bias).unwrap();
+            let mut stiffness = vec![[[[f64::NAN; 4]; 12]; 12]; tiles.len()];
+            batch
+                .geometric_stiffness_of(&tiles, &sections, &histories, &multipliers, &mut stiffness)
+                .unwrap();
+            let is_near = |found: f64, terms: &[f64], what: &str| {
+                let (sum, size): (f64, f64) = (terms.iter().sum(), terms.iter().map(|x| x.abs()).sum());
+                let is_near = (found - sum).abs() <= 1e-13 * size.max(1.0);
+                assert!(is_near, "{}, {what}: {found} for {sum}", connection.name);
+            };
+            for t in 0..tiles.len() {
+                for lane in 0..4 {
+                    let entry = |r: usize, i: usize, j: usize| second[t * each + r].hessian[i][j][lane];
+                    let v = velocities[t].map(|of| of[lane]);
+                    for r in 0..each {
+                        let terms: Vec<f64> =
+                            (0..144).map(|k| entry(r, k / 12, k % 12) * v[k / 12] * v[k % 12]).collect();
+                        is_near(bias[t * each + r][lane], &terms, "bias");
+                    }
+                    for k in 0..144 {
+                        let (i, j) = (k / 12, k % 12);
+                        let of = |r: usize| multipliers[t * each + r][lane] * entry(r, i, j);
+                        is_near(
+                            stiffness[t][i][j][lane],
+                            &(0..each).map(of).collect::<Vec<f64>>(),
+                            "stiffness",
+                        );
+                        compared += 1;
+                    }
+                }
+            }
+            compared += case.products_of_arrays(&batch, &velocities, &multipliers, (&bias, &stiffness));
+        }
+    }
+    assert!(compared > 500_000, "{compared}");
+}
+
+impl Case {
+    /// The same from arrays, bit by bit.
+    fn products_of_arrays(
+        &self,
+        batch: &Batch,
+        velocities: &[[Four; 12]],
+        multipliers: &[Four],
+        (bias, stiffness): (&[Four], &[[[Four; 12]; 12]]),
+    ) -> usize {
+        let (count, each) = (self.pairs.len(), batch.rows());
+        let reference = self.flat(|s| self.pairs[s].reference);
+        let displacement =
+            [self.flat(|s| self.pairs[s].a.displacement), self.flat(|s| self.pairs[s].b.displacement)];
+        let triad =
+            [self.flat(|s| nine(&self.pairs[s].a.triad)), self.flat(|s| nine(&self.pairs[s].b.triad))];
+        let node = |end: usize| Nodes {
+            displacement: Array::new(&displacement[end], 3),
+            orientation: Orientation::Triad(Array::new(&triad[end], 9)),
+        };
+        let states = States {
+            count,
+            reference: Array::new(&reference, 3),
+            nodes: [node(0), node(1)],
+            sections: &self.sections,
+            histories: &self.histories,
+        };
+        let moving: Vec<f64> = self.flat(|s| velocities[s / 4].map(|of| of[s % 4]));
+        let of = |first: usize| Velocities {
+            velocity: Array::new(&moving[first..], 12),
+            angular_velocity: Array::new(&moving[first + 3..], 12),
+        };
+        let loads: Vec<f64> = (0..count * each)
+            .map(|at| multipliers[at / each / 4 * each + at % each][at / each % 4])
+            .collect();
+        let (mut rates, mut matrices) = (vec![f64::NAN; count * each], vec![f64::NAN; count * 144]);
+        batch.bias_of_states(&states, [of(0), of(6)], &mut rates).unwrap();
+        batch.geometric_stiffness_of_states(&states, &loads, &mut matrices).unwrap();
+        for s in 0..count {
+            for r in 0..each {
+                assert_eq!(rates[s * each + r], bias[s / 4 * each + r][s % 4]);
+            }
+            for k in 0..144 {
+                assert_eq!(matrices[s * 144 + k], stiffness[s / 4][k / 12][k % 12][s % 4]);
+            }
+        }
+        let refused = batch.bias_of_states(&states, [of(0), of(6)], &mut rates[1..]).unwrap_err();
+        assert!(matches!(refused, BatchError::Length { what: "numbers", .. }));
+        let refused = batch.geometric_stiffness_of_states(&states, &loads[1..], &mut matrices).unwrap_err();
+        assert!(matches!(refused, BatchError::Length { what: "multipliers", .. }));
+        rates.len() + matrices.len()
     }
 }

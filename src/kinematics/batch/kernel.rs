@@ -10,12 +10,13 @@ use crate::scalar::{Seeded, unrolled};
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// One pass over all tiles, from row `first` of each on, the rows of each `rows` after those of the one before.
 ///
 /// It is handed on by reference: of few tiles, copies of it would be a tenth of the time.
 #[derive(Debug)]
-struct Loop<'a, L> {
+pub(super) struct Loop<'a, L> {
     arch: Arch,
     rows: usize,
     first: usize,
@@ -27,22 +28,59 @@ struct Loop<'a, L> {
 
 /// A pass whose rows go where it says.
 #[derive(Debug)]
-pub struct Placed<'l, 'a, L> {
+pub(super) struct Placed<'l, 'a, L> {
     pass: &'l Pass,
     all: &'l mut Loop<'a, L>,
 }
 
+/// Tiles, each with a section and a history, or one for all.
+#[derive(Clone, Copy, Debug)]
+pub struct Slices<'a> {
+    pub(super) tiles: &'a [Tile],
+    pub(super) sections: &'a [Section],
+    pub(super) histories: &'a [History],
+}
+
+impl<'a> Slices<'a> {
+    /// Some of them.
+    pub(super) fn part(self, these: Range<usize>) -> Option<Self> {
+        fn of<'a, T>(all: &'a [T], these: &Range<usize>) -> Option<&'a [T]> {
+            if all.len() == 1 { Some(all) } else { all.get(these.clone()) }
+        }
+        let (sections, histories) = (of(self.sections, &these)?, of(self.histories, &these)?);
+        Some(Self { tiles: self.tiles.get(these)?, sections, histories })
+    }
+}
+
 /// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`]. Nothing outside of this crate can implement it.
-pub trait Layout: Put {
-    /// Runs the loop of a pass.
+pub trait Layout: Copy + Default {
+    /// Writes the rows of tiles: there is room for those of each.
     #[doc(hidden)]
+    fn fill(batch: &Batch, of: Slices<'_>, out: &mut [Self]);
+}
+
+impl Layout for Row {
+    fn fill(batch: &Batch, of: Slices<'_>, out: &mut [Self]) {
+        loops(batch, of, out);
+    }
+}
+
+impl Layout for CompactRow {
+    fn fill(batch: &Batch, of: Slices<'_>, out: &mut [Self]) {
+        loops(batch, of, out);
+    }
+}
+
+/// What the loops write.
+pub(super) trait Looped: Put {
+    /// Runs the loop of a pass.
     fn run(placed: Placed<'_, '_, Self>);
 }
 
 /// Functions that are not generic, so that they and the loops belong to this crate.
 macro_rules! compiled_here {
     ($($layout:ty),+) => {
-        $(impl Layout for $layout {
+        $(impl Looped for $layout {
             #[inline(never)]
             fn run(placed: Placed<'_, '_, Self>) {
                 placed.pass.dispatch(placed);
@@ -53,7 +91,24 @@ macro_rules! compiled_here {
 
 compiled_here!(Row, CompactRow, HessianRow);
 
-impl<L: Layout> Task for Placed<'_, '_, L> {
+/// Runs the passes of a batch: one after the other over all tiles, or over some of them at a time.
+pub(super) fn loops<L: Looped>(batch: &Batch, of: Slices<'_>, out: &mut [L]) {
+    let (arch, rows, count) = (batch.arch, batch.rows(), of.tiles.len());
+    let at_once = if batch.passes.len() > 1 { TILES_AT_ONCE } else { count };
+    let mut done = 0;
+    while done < count {
+        let these = done..count.min(done + at_once);
+        done = these.end;
+        let out = out.get_mut(these.start * rows..these.end * rows);
+        let (Some(Slices { tiles, sections, histories }), Some(out)) = (of.part(these), out) else { break };
+        let all = &mut Loop { arch, rows, first: 0, tiles, sections, histories, out };
+        for pass in &batch.passes {
+            L::run(Placed { pass, all });
+        }
+    }
+}
+
+impl<L: Put> Task for Placed<'_, '_, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<F: Formula<M>, const M: usize>(self) {
         let Self { pass, all } = self;
@@ -69,13 +124,12 @@ impl<L: Layout> Task for Placed<'_, '_, L> {
 }
 
 /// Rows that stand apart, or of which some are not wanted: computed for one tile after another, and copied.
-fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: &mut Loop<'_, L>) {
+fn scattered<F: Formula<M>, L: Put, const M: usize>(pass: &Pass, all: &mut Loop<'_, L>) {
     let Loop { arch, rows, tiles, sections, histories, ref mut out, .. } = *all;
     let mut computed = [L::default(); M];
-    let constants = sections.chunks(1).zip(histories.chunks(1));
-    for ((tiles, (sections, histories)), out) in
-        tiles.chunks(1).zip(constants).zip(out.chunks_exact_mut(rows))
-    {
+    let all = Slices { tiles, sections, histories };
+    for (i, out) in out.chunks_exact_mut(rows).enumerate() {
+        let Some(Slices { tiles, sections, histories }) = all.part(i..i + 1) else { return };
         F::apart(&mut Loop { arch, rows: M, first: 0, tiles, sections, histories, out: &mut computed });
         for (row, place) in computed.iter().zip(pass.rows) {
             if let Some(out) = out.get_mut(place) {
@@ -89,7 +143,7 @@ fn scattered<F: Formula<M>, L: Layout, const M: usize>(pass: &Pass, all: &mut Lo
 trait Apart<const M: usize>: Formula<M> + Sized {
     /// Runs the loop, on the vector unit there is. As a default method it belongs to the module of the formula.
     #[inline(never)]
-    fn apart<L: Layout>(all: &mut Loop<'_, L>) {
+    fn apart<L: Put>(all: &mut Loop<'_, L>) {
         all.arch.dispatch(LoopOf::<Self, L, M> { all, formula: PhantomData });
     }
 }
@@ -102,7 +156,7 @@ struct LoopOf<'l, 'a, F, L, const M: usize> {
     formula: PhantomData<F>,
 }
 
-impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, '_, F, L, M> {
+impl<F: Formula<M>, L: Put, const M: usize> WithSimd for LoopOf<'_, '_, F, L, M> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -112,18 +166,19 @@ impl<F: Formula<M>, L: Layout, const M: usize> WithSimd for LoopOf<'_, '_, F, L,
     }
 }
 
-impl<F: Formula<M>, L: Layout, const M: usize> LoopOf<'_, '_, F, L, M> {
+impl<F: Formula<M>, L: Put, const M: usize> LoopOf<'_, '_, F, L, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         let Loop { rows, first, tiles, sections, histories, ref mut out, .. } = *self.all;
-        let count = tiles.len();
-        let constants = (sections.get(..count), histories.get(..count));
-        let (Some(mut rest), (Some(sections), Some(histories))) = (out.get_mut(first..), constants) else {
-            return;
-        };
-        for i in 0..count {
-            let Some(target) = rest.first_chunk_mut::<M>() else { return };
-            differentiate::<F, L, M>(&tiles[i], &sections[i], &histories[i], target);
+        let Some(mut rest) = out.get_mut(first..) else { return };
+        let [of_section, of_history] = [sections.len(), histories.len()].map(|count| usize::from(count > 1));
+        for i in 0..tiles.len() {
+            let constants = (sections.get(i * of_section), histories.get(i * of_history));
+            let (Some(target), (Some(section), Some(history))) = (rest.first_chunk_mut::<M>(), constants)
+            else {
+                return;
+            };
+            differentiate::<F, L, M>(&tiles[i], section, history, target);
             // After the last tile there may be less left, and it does not matter.
             let Some((_, following)) = rest.split_at_mut_checked(rows) else { return };
             rest = following;
@@ -133,9 +188,11 @@ impl<F: Formula<M>, L: Layout, const M: usize> LoopOf<'_, '_, F, L, M> {
     #[inline(never)]
     fn one_by_one(self) {
         let Loop { rows, first, tiles, sections, histories, ref mut out, .. } = *self.all;
-        let constants = sections.iter().zip(histories);
-        for ((tile, (section, history)), rows) in tiles.iter().zip(constants).zip(out.chunks_exact_mut(rows))
-        {
+        let all = Slices { tiles, sections, histories };
+        for (i, (tile, rows)) in tiles.iter().zip(out.chunks_exact_mut(rows)).enumerate() {
+            let Some(Slices { sections: [section], histories: [history], .. }) = all.part(i..i + 1) else {
+                return;
+            };
             for (row, measure) in rows.iter_mut().skip(first).zip(F::MEASURES) {
                 *row = single::row(measure, tile, section, history);
             }
@@ -148,7 +205,7 @@ impl<F: Formula<M>, L: Layout, const M: usize> LoopOf<'_, '_, F, L, M> {
 /// Its arguments are references of its own so that the compiler knows them to be apart, and reads a tile when it needs a number of
 /// it, between the stores of the rows.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn differentiate<F: Formula<M>, L: Layout, const M: usize>(
+fn differentiate<F: Formula<M>, L: Put, const M: usize>(
     tile: &Tile,
     section: &Section,
     history: &History,
@@ -198,7 +255,7 @@ impl Element {
     fn rows<F, L, const M: usize, const PRINCIPAL: bool>(&self, out: &mut [L; M]) -> bool
     where
         F: Formula<M>,
-        L: Layout,
+        L: Put,
     {
         // Constants, so that only one of these is compiled for each formula.
         if const { L::ORDER == 1 && F::NEEDED.of_position() } {
@@ -226,7 +283,7 @@ impl Element {
     where
         F: Formula<M>,
         S: Seeded<N, Real = Fused>,
-        L: Layout,
+        L: Put,
     {
         let needed = F::NEEDED;
         let relative = self.pair.seeded::<S, N>(needed, first);
@@ -244,7 +301,7 @@ impl Element {
     where
         F: Formula<M>,
         S: Seeded<N, Real = Fused>,
-        L: Layout,
+        L: Put,
     {
         const { assert!(M <= 3, "a formula of more than three measures") }
         self.put_one::<F, S, L, M, N, 0>(&values, out, first);
@@ -266,7 +323,7 @@ impl Element {
     ) where
         F: Formula<M>,
         S: Seeded<N, Real = Fused>,
-        L: Layout,
+        L: Put,
     {
         let (Some(value), Some(row), Some(measure)) = (values.get(AT), out.get_mut(AT), F::MEASURES.get(AT))
         else {
@@ -315,29 +372,23 @@ impl Batch {
         histories: &[History],
         out: &mut [L],
     ) -> Result<(), BatchError> {
-        same_length("sections", sections.len(), tiles.len())?;
-        same_length("histories", histories.len(), tiles.len())?;
+        let slices = self.slices(tiles, sections, histories)?;
         same_length("rows", out.len(), tiles.len() * self.rows())?;
-        if self.rows() == 0 {
-            return Ok(());
-        }
-        let at_once = if self.passes.len() > 1 { TILES_AT_ONCE } else { tiles.len() };
-        let (arch, rows) = (self.arch, self.rows());
-        let mut done = 0;
-        while done < tiles.len() {
-            let these = done..tiles.len().min(done + at_once);
-            done = these.end;
-            let constants = sections.get(these.clone()).zip(histories.get(these.clone()));
-            let out = out.get_mut(these.start * rows..these.end * rows);
-            let (Some(tiles), Some((sections, histories)), Some(out)) = (tiles.get(these), constants, out)
-            else {
-                break;
-            };
-            let all = &mut Loop { arch, rows, first: 0, tiles, sections, histories, out };
-            for pass in &self.passes {
-                L::run(Placed { pass, all });
-            }
+        if self.rows() > 0 {
+            L::fill(self, slices, out);
         }
         Ok(())
+    }
+
+    /// Tiles, with as many sections and histories.
+    pub(super) fn slices<'a>(
+        &self,
+        tiles: &'a [Tile],
+        sections: &'a [Section],
+        histories: &'a [History],
+    ) -> Result<Slices<'a>, BatchError> {
+        same_length("sections", sections.len(), tiles.len())?;
+        same_length("histories", histories.len(), tiles.len())?;
+        Ok(Slices { tiles, sections, histories })
     }
 }

@@ -1,6 +1,7 @@
 //! What a row of four elements holds, and how the derivatives of a measure become it.
 
 use crate::batch::Four;
+use crate::measure::Measure;
 use crate::node::Dependence;
 use crate::scalar::lanes::Lanes;
 use crate::scalar::{Scalar, unrolled};
@@ -48,11 +49,14 @@ pub struct HessianRow {
     pub hessian: [[Four; 12]; 12],
 }
 
+/// Where the second derivatives by δ and δ, δ and ρ, ρ and ρ stand among those by all six.
+const BLOCKS: [(usize, usize); 3] = [(0, 0), (0, 3), (3, 3)];
+
 /// A vector unit multiplies and adds with one rounding.
 pub(super) type Fused = Lanes<true>;
 
-/// Where the derivatives of a measure go; nothing outside of this crate can implement it.
-pub trait Put: Copy + Default {
+/// Where the derivatives of a measure go.
+pub(super) trait Put: Copy + Default {
     /// The order of the derivatives.
     const ORDER: usize;
 
@@ -60,9 +64,42 @@ pub trait Put: Copy + Default {
     fn put(&mut self, value: Fused, of: &Derivatives);
 }
 
+/// How a measure depends on the nodes, as far as rows are made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    needed: Dependence,
+    turns_with_a: bool,
+    is_linear: bool,
+}
+
+impl Shape {
+    /// That of nothing.
+    pub(super) const NONE: Self = Self {
+        needed: Dependence { translation: false, rotation: false, flow: false },
+        turns_with_a: false,
+        is_linear: true,
+    };
+
+    pub(super) fn of(measure: Measure) -> Self {
+        let (needed, turns_with_a) = (measure.dependence(), measure.turns_with_a());
+        Self { needed, turns_with_a, is_linear: measure.is_linear() }
+    }
+
+    /// Whether there are second derivatives by δ and δ, δ and ρ, ρ and ρ.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    const fn blocks(self) -> [bool; 3] {
+        let Dependence { translation, rotation, .. } = self.needed;
+        [
+            translation && !self.is_linear,
+            translation && rotation && !self.is_linear,
+            rotation && !self.is_linear,
+        ]
+    }
+}
+
 /// The derivatives by the relative variations δ and ρ, and x_b − x_a.
-#[derive(Debug)]
-pub struct Derivatives {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Derivatives {
     pub(super) needed: Dependence,
     /// Whether a turn of a alone changes the value.
     pub(super) turns_with_a: bool,
@@ -119,6 +156,64 @@ impl Put for CompactRow {
             self.moving_b[i] = of.translation[i].0;
             self.turning_b[i] = of.rotation[i].0;
         }
+    }
+}
+
+/// The loops leave the derivatives by the relative variations here: g and h among the columns, and blocks of second derivatives in the
+/// first lines. [`HessianRow::read`] takes them, and [`HessianRow::put_nodal`] overwrites them. What a measure does not depend on is not written.
+impl Put for HessianRow {
+    const ORDER: usize = 2;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn put(&mut self, value: Fused, of: &Derivatives) {
+        self.row.value = value.0;
+        for i in 0..3 {
+            self.row.columns[i] = of.translation[i].0;
+            self.row.columns[3 + i] = of.rotation[i].0;
+        }
+        let is_there = of.is_there();
+        unrolled!(block < 3, {
+            if is_there[block] {
+                let (at, by) = BLOCKS[block];
+                unrolled!(i < 3, {
+                    unrolled!(j < 3, {
+                        self.hessian[block][3 * i + j] = of.second[at + i][by + j].0;
+                    })
+                });
+            }
+        });
+    }
+}
+
+impl HessianRow {
+    /// The value and the derivatives by the relative variations that the loops left here.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn read(&self, shape: Shape, separation: Vector<Fused>) -> (Fused, Derivatives) {
+        let mut second = [[Lanes::splat(0.0); 6]; 6];
+        let is_there = shape.blocks();
+        unrolled!(block < 3, {
+            if is_there[block] {
+                let (at, by) = BLOCKS[block];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        second[at + i][by + j] = Lanes(self.hessian[block][3 * i + j]);
+                    }
+                }
+            }
+        });
+        let Shape { needed, turns_with_a, is_linear } = shape;
+        let [g1, g2, g3, h1, h2, h3, ..] = self.row.columns;
+        let (translation, rotation) = ([g1, g2, g3].map(Lanes), [h1, h2, h3].map(Lanes));
+        let derivatives =
+            Derivatives { needed, turns_with_a, is_linear, separation, translation, rotation, second };
+        (Lanes(self.row.value), derivatives)
+    }
+
+    /// The row itself.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn put_nodal(&mut self, value: Fused, of: &Derivatives) {
+        self.row.put(value, of);
+        of.put_second(&mut self.hessian);
     }
 }
 
@@ -187,14 +282,58 @@ fn of_map(g: Vector<Fused>, separation: Vector<Fused>) -> (Block, Block) {
     (spin, centripetal)
 }
 
-impl Put for HessianRow {
-    const ORDER: usize = 2;
-
-    /// As [`Pair::nodal_hessian`], block by block: Lᵀ H L and the second variations of the map L.
+impl Derivatives {
+    /// Those of nothing.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn put(&mut self, value: Fused, of: &Derivatives) {
-        self.row.put(value, of);
-        let to = &mut self.hessian;
+    pub(super) fn none(turns_with_a: bool, separation: Vector<Fused>) -> Self {
+        let zero = Lanes::splat(0.0);
+        let needed = Dependence { translation: false, rotation: false, flow: false };
+        let (first, second) = ([zero; 3], [[zero; 6]; 6]);
+        Self {
+            needed,
+            turns_with_a,
+            is_linear: true,
+            separation,
+            translation: first,
+            rotation: first,
+            second,
+        }
+    }
+
+    /// Adds a multiple of others, as far as they are there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn add(&mut self, multiplier: Fused, of: &Self) {
+        self.needed = self.needed.or(of.needed);
+        self.is_linear &= of.is_linear;
+        for i in 0..3 {
+            self.translation[i] = multiplier.multiply_add(of.translation[i], self.translation[i]);
+            self.rotation[i] = multiplier.multiply_add(of.rotation[i], self.rotation[i]);
+        }
+        for ((at, by), is_there) in BLOCKS.into_iter().zip(of.is_there()) {
+            if is_there {
+                for i in at..at + 3 {
+                    for j in by..by + 3 {
+                        self.second[i][j] = multiplier.multiply_add(of.second[i][j], self.second[i][j]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether there are second derivatives by δ and δ, δ and ρ, ρ and ρ.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) const fn is_there(&self) -> [bool; 3] {
+        self.shape().blocks()
+    }
+
+    const fn shape(&self) -> Shape {
+        Shape { needed: self.needed, turns_with_a: self.turns_with_a, is_linear: self.is_linear }
+    }
+
+    /// The second derivatives as [`Pair::nodal_hessian`] has them, block by block: Lᵀ H L and the second variations of the map L.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn put_second(&self, to: &mut [[Four; 12]; 12]) {
+        let of = self;
         let zero = [[Lanes::splat(0.0); 3]; 3];
         let (g, h, separation) = (of.translation, of.rotation, of.separation);
         if of.is_linear {

@@ -9,7 +9,8 @@
 //! A connector takes the rotation that is nearest to its triads; a batch does not. Triads that are off by δ (of single precision,
 //! 1e−7) put its rotation vectors off by about 0.4 δ.
 //!
-//! Whoever has arrays of states takes [`Batch::rows_of_states`], which makes tiles of them and arrays of the rows.
+//! Whoever has arrays of states takes [`Batch::rows_of_states`], which makes tiles of them and arrays of the rows. So do
+//! [`Batch::bias_of_states`] (J̇v) and [`Batch::geometric_stiffness_of_states`] (Σ λ ∂²c), which form no second derivatives of a row.
 //!
 //! States come in [`Tile`]s: each number of a state as an array of four, one for each lane. Rows go to arrays of the same kind. The
 //! loops are made to be optimised: without optimisation they need a stack of more than 8 MB (here a thread that the page hides).
@@ -53,6 +54,7 @@ mod fours;
 mod kernel;
 mod layout;
 mod rows;
+mod second;
 mod single;
 mod tile;
 mod unit;
@@ -68,6 +70,7 @@ pub use fours::{Fours, Origin};
 pub use kernel::Layout;
 pub use layout::{CompactRow, HessianRow, Row};
 pub use rows::{Array, COMPACT, Columns, Nodes, Orientation, States};
+pub use second::{Columns12, Velocities};
 pub use tile::{Four, History, Poses, Section, Tile, Triads};
 
 /// Why connectors cannot be evaluated as a batch.

@@ -1,9 +1,10 @@
 //! Rows to rows: states from arrays as users have them, values and rows into arrays that they give.
 
+use crate::batch::kernel::Slices;
 use crate::batch::layout::CompactRow;
 use crate::batch::tile::Four;
 use crate::batch::unit::{Any, Unit};
-use crate::batch::{Batch, BatchError, History, Section, Tile, same_length};
+use crate::batch::{Batch, BatchError, History, Layout, Section, Tile, same_length};
 use crate::measure::Measure;
 use crate::node::{Dependence, Node, Pair};
 use crate::scalar::lanes::{LANES, Lanes};
@@ -31,7 +32,7 @@ impl<'a> Array<'a> {
     }
 
     /// The first N numbers of a state.
-    fn at<const N: usize>(self, state: usize) -> Option<&'a [f64; N]> {
+    pub(super) fn at<const N: usize>(self, state: usize) -> Option<&'a [f64; N]> {
         self.numbers.get(state.checked_mul(self.stride)?..)?.first_chunk::<N>()
     }
 
@@ -66,7 +67,7 @@ impl<'a> Array<'a> {
     }
 
     /// Whether there are `width` numbers for each of `count` states.
-    fn check(self, what: &'static str, count: usize, width: usize) -> Result<(), BatchError> {
+    pub(super) fn check(self, what: &'static str, count: usize, width: usize) -> Result<(), BatchError> {
         let expected = match count.checked_sub(1) {
             None => 0,
             Some(last) => last.saturating_mul(self.stride).saturating_add(width),
@@ -126,6 +127,23 @@ pub struct States<'a> {
 }
 
 impl States<'_> {
+    /// Whether there are as many numbers as it says.
+    pub(super) fn check(&self) -> Result<(), BatchError> {
+        let (count, tiles) = (self.count, self.count.div_ceil(LANES));
+        self.reference.check("numbers of the reference", count, 3)?;
+        for Nodes { displacement, orientation } in self.nodes {
+            displacement.check("numbers of displacements", count, 3)?;
+            let (array, width) = orientation.array();
+            array.check("numbers of rotations", count, width)?;
+        }
+        for (what, found) in [("sections", self.sections.len()), ("histories", self.histories.len())] {
+            if found != 1 {
+                same_length(what, found, tiles)?;
+            }
+        }
+        Ok(())
+    }
+
     /// The nodes of a state; NaN where an array ends before it.
     pub fn pair(&self, state: usize) -> Pair<f64> {
         let three = |array: Array<'_>| array.at(state).copied().unwrap_or([f64::NAN; 3]);
@@ -161,7 +179,7 @@ pub enum Columns<'a> {
 pub const COMPACT: [usize; 9] = [3, 4, 5, 6, 7, 8, 9, 10, 11];
 
 /// How many tiles are computed and written at a time: they stay in the first cache with their rows.
-const TILES: usize = 8;
+pub(super) const TILES: usize = 8;
 /// How many states are read before any is computed.
 const AT_ONCE: usize = 64;
 /// Of more states than the second cache holds with their rows, longer parts of their arrays are read at a time.
@@ -169,7 +187,7 @@ const MANY: usize = 16_384;
 const AT_ONCE_OF_MANY: usize = 2048;
 
 /// How many of `count` states are read at a time.
-const fn at_once(count: usize) -> usize {
+pub(super) const fn at_once(count: usize) -> usize {
     if count < MANY { AT_ONCE } else { AT_ONCE_OF_MANY }
 }
 
@@ -264,18 +282,7 @@ impl Batch {
         rows: &mut [f64],
     ) -> Result<(), BatchError> {
         let (count, each) = (states.count, self.rows());
-        let tiles = count.div_ceil(LANES);
-        states.reference.check("numbers of the reference", count, 3)?;
-        for Nodes { displacement, orientation } in states.nodes {
-            displacement.check("numbers of displacements", count, 3)?;
-            let (array, width) = orientation.array();
-            array.check("numbers of rotations", count, width)?;
-        }
-        for (what, found) in [("sections", states.sections.len()), ("histories", states.histories.len())] {
-            if found != 1 {
-                same_length(what, found, tiles)?;
-            }
-        }
+        states.check()?;
         if let Columns::Chosen(places) = columns
             && let Some(place) = places.iter().find(|place| **place >= NONE)
         {
@@ -301,7 +308,7 @@ impl Batch {
                 else {
                     break;
                 };
-                work.evaluate(self, states, &these)?;
+                work.evaluate(self, states, &these);
                 if is_dense && these.len().is_multiple_of(LANES) {
                     spread(self, &work.found, value, row.as_chunks_mut::<12>().0);
                     continue;
@@ -352,7 +359,7 @@ const IDENTITY: [[Four; 3]; 3] = [[ONE, ZERO, ZERO], [ZERO, ONE, ZERO], [ZERO, Z
 const STILL: Tile = Tile { reference: [ZERO; 3], displacement: [[ZERO; 3]; 2], triad: [IDENTITY, IDENTITY] };
 
 /// Room for a block of states, and for their rows.
-struct Work {
+pub(super) struct Work {
     reference: Vec<[f64; 3]>,
     displacement: [Vec<[f64; 3]>; 2],
     triad: [Vec<[f64; 9]>; 2],
@@ -360,8 +367,6 @@ struct Work {
     tiles: Vec<Tile>,
     /// The first state of the tiles.
     first: usize,
-    sections: Vec<Section>,
-    histories: Vec<History>,
     /// The rows of the tiles that there are now.
     found: Vec<CompactRow>,
     values: Vec<f64>,
@@ -369,7 +374,7 @@ struct Work {
 }
 
 impl Work {
-    fn new(batch: &Batch, states: &States<'_>) -> Self {
+    pub(super) fn new(batch: &Batch, states: &States<'_>) -> Self {
         let tiles = states.count.min(at_once(states.count)).div_ceil(LANES);
         let some = tiles.min(TILES);
         let needed = batch.measures().iter().map(|(_, measure)| measure.dependence());
@@ -380,8 +385,6 @@ impl Work {
             needed: needed.fold(Dependence::default(), Dependence::or),
             tiles: vec![STILL; tiles],
             first: 0,
-            sections: states.sections.first().map(|one| vec![*one; some]).unwrap_or_default(),
-            histories: states.histories.first().map(|one| vec![*one; some]).unwrap_or_default(),
             found: vec![CompactRow::default(); some * batch.rows()],
             values: Vec::new(),
             dense: Vec::new(),
@@ -389,7 +392,7 @@ impl Work {
     }
 
     /// Takes some states, in tiles; the last tile is filled with the last state.
-    fn fill(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
+    pub(super) fn fill(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
         let [a, b] = states.nodes;
         let ([x_a, x_b], [triad_a, triad_b]) = (&mut self.displacement, &mut self.triad);
         let block = Block {
@@ -405,28 +408,27 @@ impl Work {
         self.first = these.start;
     }
 
-    /// The rows of some of these states.
-    fn evaluate(
-        &mut self,
-        batch: &Batch,
-        states: &States<'_>,
-        these: &Range<usize>,
-    ) -> Result<(), BatchError> {
+    /// The tiles of some of these states, with what belongs to them.
+    pub(super) fn slices<'l>(&'l self, states: &States<'l>, these: &Range<usize>) -> Slices<'l> {
         let (count, first) = (these.len().div_ceil(LANES), these.start / LANES);
-        fn of<'a, T>(all: &'a [T], shared: &'a [T], first: usize, count: usize) -> &'a [T] {
-            let all = if all.len() == 1 { shared.get(..count) } else { all.get(first..first + count) };
-            all.unwrap_or_default()
+        fn of<T>(all: &[T], first: usize, count: usize) -> &[T] {
+            if all.len() == 1 { all } else { all.get(first..first + count).unwrap_or_default() }
         }
         let here = (these.start - self.first) / LANES;
-        let tiles = self.tiles.get(here..here + count).unwrap_or_default();
-        batch.rows_of(
-            tiles,
-            of(states.sections, &self.sections, first, count),
-            of(states.histories, &self.histories, first, count),
-            part(&mut self.found, count * batch.rows()),
-        )?;
-        self.found.truncate(count * batch.rows());
-        Ok(())
+        Slices {
+            tiles: self.tiles.get(here..here + count).unwrap_or_default(),
+            sections: of(states.sections, first, count),
+            histories: of(states.histories, first, count),
+        }
+    }
+
+    /// The rows of some of these states.
+    fn evaluate(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
+        let count = these.len().div_ceil(LANES) * batch.rows();
+        let mut found = std::mem::take(&mut self.found);
+        CompactRow::fill(batch, self.slices(states, these), part(&mut found, count));
+        found.truncate(count);
+        self.found = found;
     }
 
     /// The rows found, state by state, with those of the last tile that are too many, in room of their own.
@@ -452,12 +454,12 @@ struct Block<'a> {
 }
 
 /// What moves numbers.
-trait Moves {
+pub(super) trait Moves {
     fn on<U: Unit>(self, unit: U);
 }
 
 /// Does it on the vector unit that there is.
-fn on_unit(arch: Arch, moves: impl Moves) {
+pub(super) fn on_unit(arch: Arch, moves: impl Moves) {
     match arch {
         #[cfg(target_arch = "x86_64")]
         Arch::V3(unit) => Simd::vectorize(unit, On { unit, moves }),

@@ -1,0 +1,391 @@
+//! Second derivatives of many states: as matrices, and in the two products that solvers need.
+//!
+//! The loops give derivatives by the relative variations; all else is made of them here, once for all formulas. The products form no
+//! matrix of a row.
+
+use crate::batch::kernel::{Slices, loops};
+use crate::batch::layout::{Derivatives, Fused, HessianRow, Shape};
+use crate::batch::rows::{Array, Moves, States, TILES, Work, at_once, on_unit};
+use crate::batch::tile::Four;
+use crate::batch::unit::Unit;
+use crate::batch::{Batch, BatchError, History, Layout, Section, Tile, same_length};
+use crate::scalar::lanes::{LANES, Lanes};
+use crate::vector::{Vector, cross, dot, sub};
+use pulp::{Simd, WithSimd};
+use std::ops::Range;
+
+/// Twelve numbers of four states by columns: x_a, θ_a, x_b, θ_b.
+pub type Columns12 = [Four; 12];
+
+/// Rows that are found before anything is made of them: as matrices they stay in the first cache.
+const AT_ONCE: usize = 6;
+/// The most rows of a connector.
+const ROWS: usize = 6;
+
+/// What is made of the rows that loops left.
+trait Made {
+    /// Of tile number `at`.
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]);
+}
+
+struct Making<'l, M> {
+    first: usize,
+    tiles: &'l [Tile],
+    found: &'l mut [HessianRow],
+    shapes: &'l [Shape],
+    made: &'l mut M,
+}
+
+impl<M: Made> WithSimd for Making<'_, M> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_simd<V: Simd>(self, _: V) {
+        let Self { first, tiles, found, shapes, made } = self;
+        for ((i, tile), rows) in tiles.iter().enumerate().zip(found.chunks_exact_mut(shapes.len())) {
+            made.of_tile(first + i, tile.pair().separation(), rows, shapes);
+        }
+    }
+}
+
+impl Batch {
+    /// Finds the rows of some tiles at a time, and makes something of them. `room` has room for the rows of all tiles, or is used again.
+    fn make(&self, of: Slices<'_>, room: &mut [HessianRow], made: &mut impl Made) {
+        let (each, count) = (self.rows(), of.tiles.len());
+        let mut shapes = [Shape::NONE; ROWS];
+        for (shape, (_, measure)) in shapes.iter_mut().zip(self.measures()) {
+            *shape = Shape::of(*measure);
+        }
+        let (Some(shapes), Some(at_once)) = (shapes.get(..each), AT_ONCE.checked_div(each)) else { return };
+        let is_kept = room.len() >= count * each;
+        for first in (0..count).step_by(at_once) {
+            let these = first..count.min(first + at_once);
+            let from = if is_kept { first * each } else { 0 };
+            let found = room.get_mut(from..from + these.len() * each);
+            let (Some(found), Some(slices)) = (found, of.part(these)) else { return };
+            loops(self, slices, found);
+            self.arch.dispatch(Making { first, tiles: slices.tiles, found, shapes, made });
+        }
+    }
+
+    /// Room for rows of which nothing is kept.
+    fn room(&self, tiles: usize) -> Vec<HessianRow> {
+        let at_once = AT_ONCE.checked_div(self.rows()).unwrap_or_default();
+        vec![HessianRow::default(); tiles.min(at_once) * self.rows()]
+    }
+
+    /// The rate of each row along a motion whose velocities are constant, J̇v = ∂²c[v, v]: what is left of c̈ without accelerations.
+    ///
+    /// - `velocities`: of each tile ẋ_a, ω_a, ẋ_b, ω_b (length/time, rad/time), global components
+    /// - `out`: of each tile one number for each of [`Batch::rows`], (length or rad)/time²
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] for slices of another length.
+    pub fn bias_of(
+        &self,
+        tiles: &[Tile],
+        sections: &[Section],
+        histories: &[History],
+        velocities: &[Columns12],
+        out: &mut [Four],
+    ) -> Result<(), BatchError> {
+        let slices = self.slices(tiles, sections, histories)?;
+        same_length("velocities", velocities.len(), tiles.len())?;
+        same_length("numbers", out.len(), tiles.len() * self.rows())?;
+        self.make(slices, &mut self.room(tiles.len()), &mut Bias { velocities, each: self.rows(), out });
+        Ok(())
+    }
+
+    /// The geometric stiffness Σ_k λ_k ∂²c_k, symmetric, by x_a, θ_a, x_b, θ_b along x and exp(δθ^) C.
+    ///
+    /// - `multipliers`: of each tile λ for each of [`Batch::rows`] (force for lengths, moment for angles)
+    /// - `out`: of each tile twelve rows of twelve columns
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] for slices of another length.
+    pub fn geometric_stiffness_of(
+        &self,
+        tiles: &[Tile],
+        sections: &[Section],
+        histories: &[History],
+        multipliers: &[Four],
+        out: &mut [[Columns12; 12]],
+    ) -> Result<(), BatchError> {
+        let slices = self.slices(tiles, sections, histories)?;
+        same_length("multipliers", multipliers.len(), tiles.len() * self.rows())?;
+        same_length("matrices", out.len(), tiles.len())?;
+        self.make(
+            slices,
+            &mut self.room(tiles.len()),
+            &mut Stiffness { multipliers, each: self.rows(), out },
+        );
+        Ok(())
+    }
+}
+
+/// The velocities of a node in many states.
+#[derive(Clone, Copy, Debug)]
+pub struct Velocities<'a> {
+    /// ẋ (length/time), three numbers.
+    pub velocity: Array<'a>,
+    /// ω (rad/time), global components, three numbers.
+    pub angular_velocity: Array<'a>,
+}
+
+impl Batch {
+    /// J̇v of many states, into memory of the caller: [`Batch::bias_of`] from arrays in C order.
+    ///
+    /// - `velocities`: those of a and of b
+    /// - `out` (count, [`Batch::rows`]): (length or rad)/time²
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] where an array is too short, or `out` has another length.
+    pub fn bias_of_states(
+        &self,
+        states: &States<'_>,
+        velocities: [Velocities<'_>; 2],
+        out: &mut [f64],
+    ) -> Result<(), BatchError> {
+        let (count, each) = (states.count, self.rows());
+        states.check()?;
+        for of in velocities {
+            of.velocity.check("velocities", count, 3)?;
+            of.angular_velocity.check("angular velocities", count, 3)?;
+        }
+        same_length("numbers", out.len(), count.saturating_mul(each))?;
+        let arrays = velocities.map(|of| [of.velocity, of.angular_velocity]);
+        let mut rates = [[[0.0; LANES]; 12]; TILES];
+        let mut found = vec![[0.0; LANES]; TILES * each];
+        let mut room = self.room(TILES);
+        self.in_blocks(states, |these, slices| {
+            for (tile, rates) in rates.iter_mut().take(slices.tiles.len()).enumerate() {
+                for lane in 0..LANES {
+                    let state = (these.start + LANES * tile + lane).min(these.end - 1);
+                    for (three, array) in arrays.as_flattened().iter().enumerate() {
+                        let of = array.at(state).copied().unwrap_or([f64::NAN; 3]);
+                        (0..3).for_each(|i| rates[3 * three + i][lane] = of[i]);
+                    }
+                }
+            }
+            self.make(slices, &mut room, &mut Bias { velocities: &rates, each, out: &mut found });
+            let out = out.get_mut(these.start * each..these.end * each).unwrap_or_default();
+            for (state, to) in out.chunks_exact_mut(each).enumerate() {
+                let of = found.iter().skip(state / LANES * each);
+                to.iter_mut().zip(of).for_each(|(to, of)| *to = of[state % LANES]);
+            }
+        });
+        Ok(())
+    }
+
+    /// Σ_k λ_k ∂²c_k of many states, into memory of the caller: [`Batch::geometric_stiffness_of`] from arrays in C order.
+    ///
+    /// - `multipliers` (count, [`Batch::rows`]): λ (force for lengths, moment for angles)
+    /// - `out` (count, 12, 12): rows and columns x_a, θ_a, x_b, θ_b
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] where an array is too short, or `multipliers` or `out` has another length.
+    pub fn geometric_stiffness_of_states(
+        &self,
+        states: &States<'_>,
+        multipliers: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), BatchError> {
+        let (count, each) = (states.count, self.rows());
+        states.check()?;
+        same_length("multipliers", multipliers.len(), count.saturating_mul(each))?;
+        same_length("numbers of matrices", out.len(), count.saturating_mul(144))?;
+        let mut own = vec![[0.0; LANES]; TILES * each];
+        let mut found = [[[[0.0; LANES]; 12]; 12]; TILES];
+        let mut room = self.room(TILES);
+        self.in_blocks(states, |these, slices| {
+            for (at, own) in own.iter_mut().enumerate() {
+                let (tile, row) = (at / each, at % each);
+                let state = |lane: usize| (these.start + LANES * tile + lane).min(these.end - 1);
+                *own = [0, 1, 2, 3]
+                    .map(|lane| multipliers.get(state(lane) * each + row).copied().unwrap_or(f64::NAN));
+            }
+            self.make(slices, &mut room, &mut Stiffness { multipliers: &own, each, out: &mut found });
+            let out = out.get_mut(these.start * 144..these.end * 144).unwrap_or_default();
+            on_unit(self.arch, SpreadMatrices { found: &found, out: out.as_chunks_mut().0 });
+        });
+        Ok(())
+    }
+
+    /// Goes through states in blocks of [`TILES`] tiles; beyond the last state stands the last again.
+    fn in_blocks(&self, states: &States<'_>, mut of_block: impl FnMut(Range<usize>, Slices<'_>)) {
+        if self.rows() == 0 {
+            return;
+        }
+        let mut work = Work::new(self, states);
+        let at_once = at_once(states.count);
+        for first in (0..states.count).step_by(at_once) {
+            let these = first..states.count.min(first + at_once);
+            work.fill(self, states, &these);
+            for first in these.clone().step_by(LANES * TILES) {
+                let these = first..these.end.min(first + LANES * TILES);
+                of_block(these.clone(), work.slices(states, &these));
+            }
+        }
+    }
+}
+
+/// Matrices of tiles, state by state.
+struct SpreadMatrices<'l> {
+    found: &'l [[Columns12; 12]],
+    out: &'l mut [[f64; 144]],
+}
+
+impl Moves for SpreadMatrices<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn on<U: Unit>(self, unit: U) {
+        let Self { found, out } = self;
+        for (tile, states) in found.iter().zip(out.chunks_mut(LANES)) {
+            for (at, four) in tile.as_flattened().as_chunks::<4>().0.iter().enumerate() {
+                let lanes = unit.transposed(*four);
+                for (to, of) in states.iter_mut().zip(lanes) {
+                    to[4 * at..4 * at + 4].copy_from_slice(&of);
+                }
+            }
+        }
+    }
+}
+
+impl Layout for HessianRow {
+    fn fill(batch: &Batch, of: Slices<'_>, out: &mut [Self]) {
+        batch.make(of, out, &mut Matrices);
+    }
+}
+
+/// Matrices of each row, in its place.
+struct Matrices;
+
+impl Made for Matrices {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_tile(&mut self, _: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]) {
+        for (row, shape) in rows.iter_mut().zip(shapes) {
+            let (value, derivatives) = row.read(*shape, separation);
+            row.put_nodal(value, &derivatives);
+        }
+    }
+}
+
+/// ∂²c[v, v] of each row.
+struct Bias<'l> {
+    velocities: &'l [Columns12],
+    each: usize,
+    out: &'l mut [Four],
+}
+
+impl Made for Bias<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]) {
+        let out = self.out.get_mut(at * self.each..(at + 1) * self.each);
+        let (Some(v), Some(out)) = (self.velocities.get(at), out) else { return };
+        let part =
+            |from: usize| -> Vector<Fused> { [Lanes(v[from]), Lanes(v[from + 1]), Lanes(v[from + 2])] };
+        let motion = Motion::new([part(0), part(3), part(6), part(9)], separation);
+        for ((row, shape), to) in rows.iter().zip(shapes).zip(out) {
+            let (_, derivatives) = row.read(*shape, separation);
+            *to = derivatives.bias(&motion).0;
+        }
+    }
+}
+
+/// The relative variations of a motion whose velocities are constant, and their rates.
+struct Motion {
+    /// ẋ_b − ẋ_a and ω_b.
+    of_b: [Vector<Fused>; 2],
+    /// δ̇ = ẋ_b − ẋ_a + D × ω_a and ρ̇ = ω_b − ω_a.
+    rate: [Vector<Fused>; 2],
+    /// δ̈ = ω_a × (ω_a × D − 2 (ẋ_b − ẋ_a)) and ρ̈ = ω_b × ω_a.
+    second: [Vector<Fused>; 2],
+}
+
+impl Motion {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new([x_a, w_a, x_b, w_b]: [Vector<Fused>; 4], separation: Vector<Fused>) -> Self {
+        let apart = sub(x_b, x_a);
+        let swept = cross(w_a, separation);
+        Self {
+            of_b: [apart, w_b],
+            rate: [sub(apart, swept), sub(w_b, w_a)],
+            second: [
+                cross(w_a, sub(swept, [apart[0] + apart[0], apart[1] + apart[1], apart[2] + apart[2]])),
+                cross(w_b, w_a),
+            ],
+        }
+    }
+}
+
+impl Derivatives {
+    /// ∂²c[v, v] = g·δ̈ + h·ρ̈ + the second derivatives by δ̇ and ρ̇, twice.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bias(&self, of: &Motion) -> Fused {
+        let [dd, dr, rr] = self.is_there();
+        let [by_delta, by_rho] = if self.turns_with_a { of.rate } else { of.of_b };
+        let quadratic = |at: usize, left: Vector<Fused>, by: usize, right: Vector<Fused>| {
+            let line = |i: usize| {
+                let of = &self.second[at + i];
+                dot([of[by], of[by + 1], of[by + 2]], right)
+            };
+            dot(left, [line(0), line(1), line(2)])
+        };
+        let mut sum = Lanes::splat(0.0);
+        if dd {
+            sum = quadratic(0, by_delta, 0, by_delta);
+        }
+        if dr {
+            let both = quadratic(0, by_delta, 3, by_rho);
+            sum = sum + (both + both);
+        }
+        if rr {
+            sum = sum + quadratic(3, by_rho, 3, by_rho);
+        }
+        if self.turns_with_a {
+            if self.needed.translation {
+                sum = sum + dot(self.translation, of.second[0]);
+            }
+            if self.needed.rotation {
+                sum = sum + dot(self.rotation, of.second[1]);
+            }
+        }
+        sum
+    }
+}
+
+/// Σ λ ∂²c.
+struct Stiffness<'l> {
+    multipliers: &'l [Four],
+    each: usize,
+    out: &'l mut [[Columns12; 12]],
+}
+
+impl Made for Stiffness<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]) {
+        let multipliers = self.multipliers.get(at * self.each..(at + 1) * self.each);
+        let (Some(multipliers), Some(out)) = (multipliers, self.out.get_mut(at)) else { return };
+        // What does not change as a turns has columns of zeros, and is no part of the other sum.
+        let mut sums = [true, false].map(|turns| Derivatives::none(turns, separation));
+        let mut is_there = [false; 2];
+        for ((row, shape), multiplier) in rows.iter().zip(shapes).zip(multipliers) {
+            let (_, derivatives) = row.read(*shape, separation);
+            let which = usize::from(!derivatives.turns_with_a);
+            sums[which].add(Lanes(*multiplier), &derivatives);
+            is_there[which] = true;
+        }
+        match is_there {
+            [true, false] => sums[0].put_second(out),
+            [false, _] => sums[1].put_second(out),
+            [true, true] => {
+                sums[0].put_second(out);
+                let mut other = [[[0.0; 4]; 12]; 12];
+                sums[1].put_second(&mut other);
+                for (to, of) in out.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
+                    let sum: Fused = Lanes(*to) + Lanes(*of);
+                    *to = sum.0;
+                }
+            }
+        }
+    }
+}
