@@ -524,11 +524,17 @@ fn array_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
     table_rows(file, all, map)
 }
 
-/// The motions of nodes that `pintle states --format npz` writes: by state, node and component, with the labels of the nodes.
+/// What `pintle solve` writes into its arrays besides the motions of nodes.
+const OF_SOLUTIONS: [&str; 10] =
+    ["element", "CU", "CV", "CTF", "CSF", "sticks", "energies", "event_time", "event", "event_element"];
+
+/// The motions of nodes that `pintle states --format npz` and `pintle solve` write: by state, node and component, with the labels of the
+/// nodes.
 fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
     let (mut labels, mut by_state, mut by_node) = (Vec::new(), Vec::new(), Vec::new());
     let mut sizes: Option<(usize, usize)> = None;
-    for mut array in all {
+    let is_solution = all.iter().any(|array| array.name == "energies");
+    for mut array in all.into_iter().filter(|of| !(is_solution && OF_SOLUTIONS.contains(&of.name.as_str()))) {
         if array.name == "node" {
             labels = array.labels().map_err(|why| format!("{file}: node: {why}"))?;
             continue;
@@ -538,13 +544,13 @@ fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
             "state" => vec![Column::State],
             "time" => vec![Column::Time],
             "flow" => vec![Column::Motion(Motion::Flow)],
-            "u" => (0..3).map(|i| Column::Motion(Motion::Displacement(i))).collect(),
+            "u" | "U" => (0..3).map(|i| Column::Motion(Motion::Displacement(i))).collect(),
             "quaternion" => (0..4).map(|i| Column::Motion(Motion::Quaternion(i))).collect(),
-            "rotation_vector" => (0..3).map(|i| Column::Motion(Motion::Rotation(i))).collect(),
-            "velocity" => (0..3).map(|i| Column::Motion(Motion::Velocity(i))).collect(),
-            "angular_velocity" => (0..3).map(|i| Column::Motion(Motion::AngularVelocity(i))).collect(),
-            "acceleration" => (0..3).map(|i| Column::Motion(Motion::Acceleration(i))).collect(),
-            "angular_acceleration" => {
+            "rotation_vector" | "UR" => (0..3).map(|i| Column::Motion(Motion::Rotation(i))).collect(),
+            "velocity" | "V" => (0..3).map(|i| Column::Motion(Motion::Velocity(i))).collect(),
+            "angular_velocity" | "VR" => (0..3).map(|i| Column::Motion(Motion::AngularVelocity(i))).collect(),
+            "acceleration" | "A" => (0..3).map(|i| Column::Motion(Motion::Acceleration(i))).collect(),
+            "angular_acceleration" | "AR" => {
                 (0..3).map(|i| Column::Motion(Motion::AngularAcceleration(i))).collect()
             }
             "flow_velocity" => vec![Column::Motion(Motion::FlowVelocity)],

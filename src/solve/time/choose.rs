@@ -1,7 +1,7 @@
 //! At an event: which frictions stick and which slip, by trying all that is consistent.
 
 use crate::motion::equations::Solved;
-use crate::motion::mechanism::{Hold, Slider, Stop};
+use crate::motion::mechanism::{Hold, Slider, Stop, TableOf};
 use crate::motion::mode::{Branches, Does, Mode, Modes, Side, TIE, Touch};
 use crate::motion::rows::{Assembled, Layout};
 use crate::motion::slide::length;
@@ -651,9 +651,42 @@ impl<R: Number> Run<'_, R> {
         }
         self.is_new = !(modes.frictions.is_empty() && modes.stops.is_empty());
         self.modes = modes;
+        self.span_ahead(found, solved);
         self.layout = layout;
         self.branch(solved);
         self.project()
+    }
+
+    /// Where what sets out is at the row of a table of rates, the table goes on to the side that it sets out to: that in which a friction slips,
+    /// else that of the acceleration.
+    fn span_ahead(&mut self, found: &Assembled<R>, solved: &Solved<R>) {
+        let least = R::from_f64(1e-12 * self.speed());
+        for (of, table) in self.mechanism.tables.iter().enumerate().filter(|(_, table)| table.is_rate) {
+            let TableOf::Joint(joint, k) = table.of else { continue };
+            let now = self.mechanism.argument(table, found);
+            let is_here = |row: &f64| !least.less((R::from_f64(*row) - now).magnitude());
+            let Some(row) = table.rows.iter().position(is_here) else { continue };
+            let mut frictions = self.mechanism.sliders.iter().zip(&self.modes.frictions);
+            let slipping = frictions.find_map(|(slider, mode)| match &mode.does {
+                Does::Slips(along)
+                    if slider.joint == joint && slider.components.iter().any(|of| of.0 == k) =>
+                {
+                    Some(along[k])
+                }
+                _ => None,
+            });
+            let is_at_rest = !least.less(now.magnitude());
+            let ahead = slipping
+                .filter(|_| is_at_rest)
+                .unwrap_or_else(|| self.second_rate(found, solved, (joint, k))[0]);
+            if let Some(span) = self.modes.spans.get_mut(of) {
+                match ahead.less(R::ZERO) {
+                    true => *span = row,
+                    false if R::ZERO.less(ahead) => *span = row + 1,
+                    false => {}
+                }
+            }
+        }
     }
 
     /// Refuses a slip that other friction forces fit as well, where κ does not exclude that.

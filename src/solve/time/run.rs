@@ -783,6 +783,7 @@ impl<'a, R: Number> Run<'a, R> {
             rotation: pose.vector,
             velocity: six(&self.state.rates[node]),
             acceleration: six(&accelerations[node]),
+            flow: [pose.flow, self.state.rates[node][DOFS - 1], accelerations[node][DOFS - 1]],
             reaction: [0, 1, 2, 3, 4, 5].map(|k| {
                 let dof = DOFS * node + k;
                 if held[dof] { reactions[dof] } else { R::ZERO }

@@ -19,6 +19,8 @@ pub struct NodeFrame<R> {
     pub velocity: [R; 6],
     /// Their time derivatives.
     pub acceleration: [R; 6],
+    /// The material flow Ψ with its two time derivatives (length).
+    pub flow: [R; 3],
     /// RF and RM: what supports exert on it, global components; 0 where none holds it.
     pub reaction: [R; 6],
     /// Which degrees of freedom are held, with a reaction that is the only one.

@@ -11,6 +11,10 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         let numbers = each(&|frame| frame.nodes.iter().flat_map(of).collect());
         Array::numbers(name, vec![frames.len(), nodes.len(), 3], numbers)
     };
+    let flow = |name, k: usize| {
+        let numbers = each(&|frame| frame.nodes.iter().map(|node| node.flow[k]).collect());
+        Array::numbers(name, vec![frames.len(), nodes.len()], numbers)
+    };
     let of_connectors = |name, of: &dyn Fn(&ConnectorFrame<R>) -> [R; 6]| {
         let numbers = each(&|frame| frame.connectors.iter().flat_map(of).collect());
         Array::numbers(name, vec![frames.len(), connectors.len(), 6], numbers)
@@ -40,6 +44,9 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         of_nodes("VR", &|node| node.velocity[3..].to_vec()),
         of_nodes("A", &|node| node.acceleration[..3].to_vec()),
         of_nodes("AR", &|node| node.acceleration[3..].to_vec()),
+        flow("flow", 0),
+        flow("flow_velocity", 1),
+        flow("flow_acceleration", 2),
         Array::words("element", connectors.iter().map(|(label, _)| label.to_string()).collect()),
         of_connectors("CU", &|of| of.displacement),
         of_connectors("CV", &|of| of.velocity),

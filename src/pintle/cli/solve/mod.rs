@@ -371,7 +371,9 @@ fn state<R: Number>(number: usize, frame: &Frame<R>, solution: &Solution<R>) -> 
             angular_velocity: three(&node.velocity[3..]),
             acceleration: three(&node.acceleration[..3]),
             angular_acceleration: three(&node.acceleration[3..]),
-            ..NodeMotion::default()
+            flow: node.flow[0].to_f64(),
+            flow_velocity: node.flow[1].to_f64(),
+            flow_acceleration: node.flow[2].to_f64(),
         };
         (*label, motion)
     });
