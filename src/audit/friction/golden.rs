@@ -8,6 +8,7 @@ use crate::friction::criterion::{PARTS, magnitudes};
 use crate::friction::{Judged, checks};
 use crate::judge::outcome::Check;
 use crate::judge::table::{Entry, ResultTable};
+use crate::oracles::golden::inflated;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use pintle_kinematics::catalog::{ConnectionType, FORCE};
@@ -65,8 +66,9 @@ struct Update {
 }
 
 /// Nothing where the file cannot be read, which the test suite would notice.
-static FILE: LazyLock<Option<File>> =
-    LazyLock::new(|| serde_json::from_str(include_str!("../oracles/golden/friction.json")).ok());
+static FILE: LazyLock<Option<File>> = LazyLock::new(|| {
+    serde_json::from_str(&inflated(include_bytes!(concat!(env!("OUT_DIR"), "/friction")))).ok()
+});
 
 /// The checks of the predefined friction of a type, at every state of the file; none where JAX is not asked.
 pub(crate) fn audit_golden(connection: &ConnectionType, settings: &Settings) -> Vec<Check> {

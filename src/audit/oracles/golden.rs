@@ -2,8 +2,8 @@
 //!
 //! The numbers are those that `scripts/reference/reference.py` and `scripts/reference/reference_forces.py` wrote and `--check` recomputes
 //! (`verify/golden`): values, rows and rates at every state, second derivatives and geometric stiffness at some, each with an estimate
-//! of its own error. They are embedded as they are, three megabytes of text, of which a state is read when it is judged: a second copy
-//! of some of them would have to be kept in step, for less evidence. Elsewhere JAX says nothing. The test suite reads the files by a reader of its
+//! of its own error. They are embedded as they are, but deflated, and a state is read when it is judged: a second copy of some of them
+//! would have to be kept in step, for less evidence. Elsewhere JAX says nothing. The test suite reads the files by a reader of its
 //! own (`verify/golden.rs`), which takes no field that it does not know.
 
 use crate::case::quantity::{Entries, Numbers, Quantity};
@@ -18,6 +18,7 @@ use crate::judge::verdict::{Summand, Wanted};
 use crate::oracles::force::product_with_forces as product;
 use crate::oracles::oracle::{Answer, Narrow, Oracle};
 use crate::settings::Settings;
+use flate2::read::DeflateDecoder;
 use pintle_kinematics::catalog::{ConnectionType, FORCE, TABLE};
 use pintle_kinematics::connector::{Components, Definition, Increment, State};
 use pintle_kinematics::node::{DOF, DOFS, Node, Pair};
@@ -29,14 +30,24 @@ use pintle_kinematics::vector::{Matrix, Vector, product as matrix_product, scale
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::sync::LazyLock;
 
 type Square = [[f64; DOFS]; DOFS];
 
+/// The text of a file that the build deflated; empty where it cannot be read.
+pub(crate) fn inflated(deflated: &[u8]) -> String {
+    let mut text = String::new();
+    let read = DeflateDecoder::new(deflated).read_to_string(&mut text);
+    read.map(|_| text).unwrap_or_default()
+}
+
 /// The numbers of the kinematics, a state a line.
-const KINEMATICS: &str = include_str!("golden/jax.json");
+static KINEMATICS: LazyLock<String> =
+    LazyLock::new(|| inflated(include_bytes!(concat!(env!("OUT_DIR"), "/jax"))));
 /// The nodal forces, at the same states.
-const FORCES: &str = include_str!("golden/forces.json");
+static FORCES: LazyLock<String> =
+    LazyLock::new(|| inflated(include_bytes!(concat!(env!("OUT_DIR"), "/forces"))));
 
 #[derive(Deserialize)]
 struct File<'a> {
@@ -68,9 +79,9 @@ static INDEX: LazyLock<BTreeMap<String, Vec<(String, Texts)>>> = LazyLock::new(|
         cases.into_iter().filter_map(head).collect()
     };
     let of_state = |(head, text): (Head, &'static str)| ((head.r#type, head.name), text);
-    let forces: BTreeMap<(String, String), &'static str> = read(FORCES).into_iter().map(of_state).collect();
+    let forces: BTreeMap<(String, String), &'static str> = read(&FORCES).into_iter().map(of_state).collect();
     let mut found: BTreeMap<String, Vec<(String, Texts)>> = BTreeMap::new();
-    for (head, kinematics) in read(KINEMATICS) {
+    for (head, kinematics) in read(&KINEMATICS) {
         let key = (head.r#type, head.name);
         let forces = forces.get(&key).copied();
         found.entry(key.0).or_default().push((key.1, Texts { kinematics, forces }));
