@@ -12,8 +12,8 @@ use pintle_kinematics::so3;
 use pintle_kinematics::vector::{
     Matrix, Vector, apply, apply_transposed, identity, product, transpose, transposed_product,
 };
-use serde::Deserialize;
-use std::fmt::Write as _;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The columns of a row, as the protocol names them.
 pub(crate) const COLUMNS: [&str; DOFS] = [
@@ -23,7 +23,7 @@ pub(crate) const COLUMNS: [&str; DOFS] = [
 
 pintle_kinematics::named! {
     /// Which variation of a rotation the columns of a row belong to.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Variation {
         /// δC = δθ^ C, along global axes.
@@ -87,7 +87,7 @@ fn successive(c: &Matrix<f64>, [i, j, k]: [usize; 3]) -> [f64; 2] {
 }
 
 /// The variation of both nodes' rotations, or of each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Variations {
     /// The same of both.
@@ -114,7 +114,7 @@ impl Variations {
 
 pintle_kinematics::named! {
     /// The unit of an angle.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
     pub enum Angle {
         /// Radians.
         #[default]
@@ -141,7 +141,7 @@ impl Angle {
 }
 
 /// How rows are stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Storage {
     /// A list of components, each a list of columns.
@@ -152,7 +152,7 @@ pub enum Storage {
 }
 
 /// Along which axes a row differentiates by displacements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Frame {
     /// Along global axes.
@@ -182,7 +182,7 @@ impl Frame {
 }
 
 /// Along which axes the components of a vector are given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Axes {
     /// Of node a, as the type declares them.
@@ -216,7 +216,7 @@ pub fn is_vector(connector: &Connector<f64>, first: usize) -> bool {
 }
 
 /// What a value of a component is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Positions {
     /// CU from the initial state; of what is constrained, its residual.
@@ -248,7 +248,7 @@ impl Positions {
 }
 
 /// How the routine reads a triad.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Triads {
     /// A list of e1, e2, e3.
@@ -259,7 +259,7 @@ pub enum Triads {
 }
 
 /// The order of a quaternion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quaternions {
     /// The scalar first.
@@ -270,7 +270,7 @@ pub enum Quaternions {
 }
 
 /// What a quaternion and a rotation vector turn into what.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sense {
     /// Initial axes into present ones.
@@ -281,7 +281,7 @@ pub enum Sense {
 }
 
 /// Whether angles go on through half a turn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Turns {
     /// They go on from the values before.
@@ -292,7 +292,7 @@ pub enum Turns {
 }
 
 /// What the stiffness of an element of springs is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stiffness {
     /// The derivatives of its forces along spatial rotations.
@@ -312,7 +312,7 @@ impl Stiffness {
 }
 
 /// On which side nodal forces are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Forces {
     /// The transposed rows times the forces of components.
@@ -332,7 +332,7 @@ impl Forces {
 }
 
 /// The conventions of a routine. Those left out are pintle's own.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Convention {
     /// The columns of a row, in the routine's order; those left out are zero.
@@ -376,6 +376,7 @@ pub struct Convention {
     /// How rows are stored.
     pub storage: Storage,
     /// Where states are drawn; lengths in the scene's unit, angles in rad.
+    #[serde(skip_serializing)]
     pub domain: Domain,
 }
 
@@ -410,48 +411,17 @@ impl Default for Convention {
 impl Convention {
     /// The TOML document that declares them; what is pintle's own is left out.
     pub fn to_toml(&self) -> String {
-        let own = Self::default();
-        let mut text = String::new();
-        let mut line = |key: &str, value: String, is_own: bool| {
-            if !is_own {
-                let _ = writeln!(text, "{key} = {value}");
+        let fields = |of: &Self| serde_json::to_value(of).unwrap_or_default();
+        let (all, own) = (fields(self), fields(&Self::default()));
+        // Words, numbers and lists of them are written alike in JSON and in TOML.
+        let written = |value: &Value| match value {
+            Value::Array(list) => {
+                format!("[{}]", list.iter().map(Value::to_string).collect::<Vec<_>>().join(", "))
             }
+            one => one.to_string(),
         };
-        let list = |names: &[String]| format!("{names:?}");
-        line("columns", list(&self.columns), self.columns == own.columns);
-        line("rows", list(&self.rows), self.rows == own.rows);
-        let rotations = match self.rotations {
-            Variations::Both(both) => format!("{:?}", both.name()),
-            Variations::Each(each) => format!("{:?}", each.map(Variation::name)),
-        };
-        line("rotations", rotations, self.rotations == own.rotations);
-        let lower = |debug: String| format!("{:?}", debug.to_lowercase());
-        line(
-            "displacements",
-            lower(format!("{:?}", self.displacements)),
-            self.displacements == own.displacements,
-        );
-        line("axes", lower(format!("{:?}", self.axes)), self.axes == own.axes);
-        line("positions", lower(format!("{:?}", self.positions)), self.positions == own.positions);
-        line("as_angle", list(&self.as_angle), self.as_angle == own.as_angle);
-        line("triads", lower(format!("{:?}", self.triads)), self.triads == own.triads);
-        line("quaternion", lower(format!("{:?}", self.quaternion)), self.quaternion == own.quaternion);
-        line("sense", lower(format!("{:?}", self.sense)), self.sense == own.sense);
-        line("turns", lower(format!("{:?}", self.turns)), self.turns == own.turns);
-        line("stiffness", lower(format!("{:?}", self.stiffness)), self.stiffness == own.stiffness);
-        line("forces", lower(format!("{:?}", self.forces)), self.forces == own.forces);
-        line("angles", format!("{:?}", self.angles.name()), self.angles == own.angles);
-        line(
-            "column_angles",
-            format!("{:?}", self.column_angles.name()),
-            self.column_angles == own.column_angles,
-        );
-        line("length", format!("{:?}", self.length), self.length == own.length);
-        line("row_length", format!("{:?}", self.row_length), self.row_length == own.row_length);
-        line("column_length", format!("{:?}", self.column_length), self.column_length == own.column_length);
-        line("factors", format!("{:?}", self.factors), self.factors == own.factors);
-        line("storage", lower(format!("{:?}", self.storage)), self.storage == own.storage);
-        text
+        let said = all.as_object().into_iter().flatten().filter(|(key, value)| own.get(*key) != Some(*value));
+        said.map(|(key, value)| format!("{key} = {}\n", written(value))).collect()
     }
 
     /// Those that a TOML document declares.
