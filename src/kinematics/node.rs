@@ -49,16 +49,6 @@ pub const THETA_B: usize = 10;
 /// The material flow Ψb.
 pub const PSI_B: usize = 13;
 
-/// Node a or node b of a connector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum End {
-    /// The first node.
-    A,
-    /// The second node.
-    B,
-}
-
 /// One node at one instant.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound(serialize = "S: Serialize", deserialize = "S: Deserialize<'de>"))]

@@ -10,29 +10,20 @@ use pintle_kinematics::vector::Vector;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// Where the numbers of a state come from: the n-th is a matter of its index and a key alone.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Generator {
-    /// Philox4x32-10: random ones.
-    #[default]
-    Philox,
-    /// The Sobol sequence, scrambled by the key: points that lie more evenly than random ones.
-    Sobol,
+pintle_kinematics::named! {
+    /// Where the numbers of a state come from: the n-th is a matter of its index and a key alone.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Generator {
+        /// Philox4x32-10: random ones.
+        #[default]
+        Philox = "philox",
+        /// The Sobol sequence, scrambled by the key: points that lie more evenly than random ones.
+        Sobol = "sobol",
+    }
 }
 
 impl Generator {
-    /// Every generator.
-    pub const ALL: [Self; 2] = [Self::Philox, Self::Sobol];
-
-    /// Its name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Philox => "philox",
-            Self::Sobol => "sobol",
-        }
-    }
-
     /// The one of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|one| one.name() == name)

@@ -78,17 +78,19 @@ pub struct Sweep {
     planted: Option<Planted>,
 }
 
-/// A fault that is put into numbers, to see it found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Planted {
-    /// One column of one state is 16 roundings off.
-    Column,
-    /// One number of one state is none.
-    NotANumber,
-    /// One entry of what is judged is changed.
-    Judged,
-    /// Rotations about two axes are exchanged, of both nodes, so that no rigid motion tells.
-    Axes,
+pintle_kinematics::named! {
+    /// A fault that is put into numbers, to see it found.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Planted {
+        /// One column of one state is 16 roundings off.
+        Column = "column",
+        /// One number of one state is none.
+        NotANumber = "not-a-number",
+        /// One entry of what is judged is changed.
+        Judged = "judged",
+        /// Rotations about two axes are exchanged, of both nodes, so that no rigid motion tells.
+        Axes = "axes",
+    }
 }
 
 /// A connector of the plan.

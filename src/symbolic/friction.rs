@@ -29,8 +29,6 @@ pub struct FrictionModel {
     pub gradient: Vec<Id>,
     /// ∂²Φ by two forces, rows one after the other.
     pub hessian: Vec<Id>,
-    /// The gradients of P and of F_N.
-    pub parts: [Vec<Id>; 2],
 }
 
 /// Why a friction cannot be traced.
@@ -135,11 +133,10 @@ impl FrictionModel {
         let one = graph.integer(1);
         let mut along: Vec<Derivation> =
             (0..names.len() as u32).map(|number| Derivation::along([(number, one)])).collect();
-        let [tangential, _, normal, criterion] = point;
         let mut gradient_of =
             |id: Id| along.iter_mut().map(|derivation| derivation.of(&mut graph, id)).collect::<Vec<Id>>();
-        let (gradient, of_p, of_n) = (gradient_of(criterion), gradient_of(tangential), gradient_of(normal));
+        let gradient = gradient_of(point[3]);
         let hessian = gradient.iter().flat_map(|entry| gradient_of(*entry)).collect();
-        Self { graph, inputs, forces: names.len(), names, point, gradient, hessian, parts: [of_p, of_n] }
+        Self { graph, inputs, forces: names.len(), names, point, gradient, hessian }
     }
 }

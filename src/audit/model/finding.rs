@@ -1,6 +1,5 @@
 //! What is found in a model: code, severity, place, what it is about, and what to do.
 
-use pintle_kinematics::node::End;
 use pintle_scene::{Code, Diagnostic, Label, Scene, Severity, Span};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -17,9 +16,6 @@ pub struct About {
     /// Nodes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub nodes: Vec<Label>,
-    /// The end of the connector.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub end: Option<End>,
     /// Components of relative motion, `u1` … `ur3`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<String>,

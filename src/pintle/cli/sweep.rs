@@ -2,7 +2,7 @@
 
 use super::audit::Bar;
 use super::subject::{in_scene, model_of_scene, named, type_of};
-use super::{Failure, Files, page_width};
+use super::{Failure, Files, one_of, page_width};
 use clap::{Args, ValueEnum};
 use pintle_audit::{Against, CounterExample, Given, Oracle, Quantity, Question};
 use pintle_check::{Convention, Patience, Process, Session};
@@ -127,8 +127,8 @@ pub(crate) struct SweepOf {
     #[arg(long, value_name = "FILE", requires = "routine")]
     convention: Option<PathBuf>,
     /// Put a fault into the numbers, to see it found
-    #[arg(long, value_enum, hide = true, conflicts_with_all = ["out", "merge", "state"])]
-    plant: Option<Plant>,
+    #[arg(long, value_parser = one_of(Planted::ALL, Planted::name), hide = true, conflicts_with_all = ["out", "merge", "state"])]
+    plant: Option<Planted>,
 }
 
 /// [`Generator`].
@@ -146,26 +146,6 @@ impl From<Generated> for Generator {
         match generated {
             Generated::Philox => Self::Philox,
             Generated::Sobol => Self::Sobol,
-        }
-    }
-}
-
-/// [`Planted`].
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Plant {
-    Column,
-    NotANumber,
-    Judged,
-    Axes,
-}
-
-impl From<Plant> for Planted {
-    fn from(plant: Plant) -> Self {
-        match plant {
-            Plant::Column => Self::Column,
-            Plant::NotANumber => Self::NotANumber,
-            Plant::Judged => Self::Judged,
-            Plant::Axes => Self::Axes,
         }
     }
 }
@@ -265,7 +245,7 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     let named = routine.as_ref().map(|(command, _)| command.clone());
     let drawn = (Generator::from(arguments.generator), arguments.seed.as_str());
     let text = planned(&arguments.of, drawn, arguments.oracle_share, named)?;
-    let sweep = Sweep::new(&text)?.planting(arguments.plant.map(Planted::from));
+    let sweep = Sweep::new(&text)?.planting(arguments.plant);
     if let Some(index) = arguments.state {
         return state(&sweep, index);
     }
