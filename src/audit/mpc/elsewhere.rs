@@ -5,9 +5,9 @@ use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::table::Convention;
 use crate::mpc::numbers_of;
-use crate::mutants::diagnosis::{Cause, MULTIPLES};
+use crate::mutants::diagnosis::{Cause, MULTIPLES, PARAMETERS};
 use pintle_kinematics::mpc::{
-    Body, Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
+    Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
     Translation, XM,
 };
 use pintle_kinematics::so3;
@@ -61,7 +61,10 @@ impl Elsewhere {
 }
 
 const VALUES: [Quantity; 1] = [Quantity::Value];
+const ROWS_ALONE: [Quantity; 1] = [Quantity::FirstDerivatives];
 const FIRST: [Quantity; 3] = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate];
+const BUT_SECOND: [Quantity; 4] =
+    [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
 const RATES: [Quantity; 2] = [Quantity::Rate, Quantity::Acceleration];
 
 /// The equations of a vector: δ where there are three, ρ.
@@ -89,6 +92,15 @@ fn put_column(into: &mut Rows<Dofs<f64>>, start: usize, j: usize, v: Vector<f64>
             row[j] = x;
         }
     }
+}
+
+/// The numbers of ρ alone.
+fn of_rotations(got: &Evaluation<f64>) -> Evaluation<f64> {
+    let mut alone = got.clone();
+    for k in (0..RHO).chain([FLOW]) {
+        (alone.residual[k], alone.jacobian[k], alone.residual_rate[k]) = (None, None, None);
+    }
+    alone
 }
 
 fn part(of: &Dofs<f64>, at: usize) -> Vector<f64> {
@@ -134,7 +146,7 @@ impl MpcCase {
             Cause::NodesSwapped,
             "what is expected with S and M exchanged",
             &swapped,
-            &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
+            &BUT_SECOND,
         ));
         let hinges = self.constraint.kind().entry().angles.len();
         if hinges > 0 {
@@ -157,12 +169,7 @@ impl MpcCase {
                     .iter_mut()
                     .flatten()
                     .for_each(|row| row[PHI..].iter_mut().for_each(|x| *x *= factor));
-                found.push(Elsewhere::new(
-                    cause,
-                    relation,
-                    &other,
-                    &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
-                ));
+                found.push(Elsewhere::new(cause, relation, &other, &BUT_SECOND));
                 if factor != 0.0 {
                     // In the rotation alone.
                     let other =
@@ -203,60 +210,49 @@ impl MpcCase {
                 let name = if start == 0 { "δ" } else { "ρ" };
                 let relation =
                     format!("what is expected with {name}{} in the place of {name}{}", j + 1, i + 1);
-                let of =
-                    [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
-                found.push(Elsewhere::new(Cause::RowsSwapped, &relation, &other, &of));
+                found.push(Elsewhere::new(Cause::RowsSwapped, &relation, &other, &BUT_SECOND));
             }
         }
-        let rest = |body: &Body<f64>| Body { rotation: identity(), ..*body };
-        type Change = fn(&mut State<f64>, &dyn Fn(&Body<f64>) -> Body<f64>);
-        let left_out: [(&str, Change); 2] = [
-            ("what is expected with the rotation of S left out", |state, rest| {
-                state.slave = rest(&state.slave)
-            }),
-            ("what is expected with the rotation of M left out", |state, rest| {
-                state.master = rest(&state.master);
-            }),
-        ];
-        for (relation, change) in left_out {
-            let other = self.changed(|state, _| change(state, &rest));
-            found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &VALUES));
-        }
-        if hinges == 2 {
-            let other = self.changed(|state, constraint| {
-                let [first, second] = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0; 3]));
-                *constraint = Constraint::with_axes(constraint.kind(), constraint.arm(), [second, first]);
-                state.angles = [got.taken[1], got.taken[0]].map(Some);
-                state.velocity.swap(PHI, PHI + 1);
-                state.acceleration.swap(PHI, PHI + 1);
+        for (name, is_master) in [("S", false), ("M", true)] {
+            let other = self.changed(|state, _| {
+                let body = if is_master { &mut state.master } else { &mut state.slave };
+                body.rotation = identity();
             });
-            let mut other = other;
-            other.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
-            found.push(Elsewhere::new(
+            let relation = format!("what is expected with the rotation of {name} left out");
+            found.push(Elsewhere::new(Cause::MotionIgnored, &relation, &other, &VALUES));
+        }
+        // Of two hinges the angles, the axes, or both.
+        let exchanged = [
+            (
                 Cause::OtherOrder,
+                [true, true],
                 "what is expected with C(φ1 a1) C(φ2 a2) for C(φ2 a2) C(φ1 a1)",
-                &other,
-                &[Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration],
-            ));
-        }
-        if hinges == 2 {
-            let mut other = self.changed(|state, _| {
-                state.angles = [got.taken[1], got.taken[0]].map(Some);
-                state.velocity.swap(PHI, PHI + 1);
-                state.acceleration.swap(PHI, PHI + 1);
+            ),
+            (Cause::ParametersSwapped, [true, false], "what is expected with φ1 and φ2 exchanged"),
+            (
+                Cause::ParametersSwapped,
+                [false, true],
+                "what is expected with the axes of the hinges exchanged",
+            ),
+        ];
+        for (cause, [angles, axes], relation) in exchanged.into_iter().filter(|_| hinges == 2) {
+            let mut other = self.changed(|state, constraint| {
+                if axes {
+                    let [first, second] = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0; 3]));
+                    *constraint = Constraint::with_axes(constraint.kind(), constraint.arm(), [second, first]);
+                }
+                if angles {
+                    state.angles = [got.taken[1], got.taken[0]].map(Some);
+                    state.velocity.swap(PHI, PHI + 1);
+                    state.acceleration.swap(PHI, PHI + 1);
+                }
             });
-            other.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
-            let relation = "what is expected with φ1 and φ2 exchanged";
-            let of = [Quantity::Value, Quantity::FirstDerivatives, Quantity::Rate, Quantity::Acceleration];
-            found.push(Elsewhere::new(Cause::ParametersSwapped, relation, &other, &of));
-        }
-        if hinges == 2 {
-            let other = self.changed(|_, constraint| {
-                let [first, second] = constraint.initial_axes().map(|axis| axis.unwrap_or([0.0; 3]));
-                *constraint = Constraint::with_axes(constraint.kind(), constraint.arm(), [second, first]);
-            });
-            let relation = "what is expected with the axes of the hinges exchanged";
-            found.push(Elsewhere::new(Cause::ParametersSwapped, relation, &other, &all));
+            let mut of: &[Quantity] = &all;
+            if angles {
+                other.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
+                of = &BUT_SECOND;
+            }
+            found.push(Elsewhere::new(cause, relation, &other, of));
         }
         match self.constraint.kind().entry().translation {
             Translation::Carried => {
@@ -289,8 +285,7 @@ impl MpcCase {
                             row[THETA_M..THETA_M + 3].copy_from_slice(&cross(axis, arm));
                         }
                     }
-                    let of = [Quantity::FirstDerivatives];
-                    found.push(Elsewhere::new(Cause::InitialTurned, relation, &other, &of));
+                    found.push(Elsewhere::new(Cause::InitialTurned, relation, &other, &ROWS_ALONE));
                 }
             }
             _ => {}
@@ -468,8 +463,7 @@ impl MpcCase {
                     row
                 });
                 let relation = "the row along the link at first, (X_S − X_M)/|X_S − X_M|";
-                let of = [Quantity::FirstDerivatives];
-                found.push(Elsewhere::new(Cause::Linearised, relation, &still, &of));
+                found.push(Elsewhere::new(Cause::Linearised, relation, &still, &ROWS_ALONE));
             }
             Translation::Carried | Translation::Equal => {
                 let mut other = got.clone();
@@ -490,7 +484,7 @@ impl MpcCase {
         let rho = vector(&got.residual, RHO);
         let angle = dot(rho, rho).sqrt();
         let mut add_mapped = |cause: Cause, relation: &str, value: Option<f64>, map: &Matrix<f64>| {
-            let mut other = got.clone();
+            let mut other = of_rotations(got);
             if let Some(factor) = value {
                 put(&mut other.residual, RHO, scale(rho, factor));
                 put(&mut other.residual_rate, RHO, apply(map, vector(&got.residual_rate, RHO)));
@@ -498,31 +492,12 @@ impl MpcCase {
             for j in 0..DOFS {
                 put_column(&mut other.jacobian, RHO, j, apply(map, column(&got.jacobian, RHO, j)));
             }
-            let of: &[Quantity] = if value.is_some() { &FIRST } else { &[Quantity::FirstDerivatives] };
-            // The equations of translation are not concerned.
-            other.residual[..RHO].fill(None);
-            other.jacobian[..RHO].fill(None);
-            other.residual_rate[..RHO].fill(None);
-            other.residual[FLOW] = None;
-            other.jacobian[FLOW] = None;
-            other.residual_rate[FLOW] = None;
+            let of: &[Quantity] = if value.is_some() { &FIRST } else { &ROWS_ALONE };
             found.push(Elsewhere::new(cause, relation, &other, of));
         };
         if angle > 1e-3 {
-            let (sine, half, cosine) = (angle.sin(), angle / 2.0, (angle / 2.0).cos());
-            // f(θ) ρ/θ and f′(θ).
-            for (relation, f, slope) in [
-                ("sin θ n, the axial vector", sine, angle.cos()),
-                ("sin(θ/2) n, the quaternion's vector", half.sin(), cosine / 2.0),
-                ("2 sin(θ/2) n, twice the quaternion's vector", 2.0 * half.sin(), cosine),
-                ("tan(θ/2) n, the Rodrigues vector", half.tan(), 0.5 / (cosine * cosine)),
-                ("2 tan(θ/2) n, twice the Rodrigues vector", 2.0 * half.tan(), 1.0 / (cosine * cosine)),
-                (
-                    "4 tan(θ/4) n, the Wiener-Milenković vector",
-                    4.0 * (half / 2.0).tan(),
-                    (half / 2.0).cos().powi(-2),
-                ),
-            ] {
+            for (relation, length) in PARAMETERS {
+                let [f, slope, _] = length(angle);
                 let n = scale(rho, 1.0 / angle);
                 let across = f / angle;
                 let map = [0, 1, 2].map(|i| {
@@ -583,7 +558,7 @@ impl MpcCase {
                 true => "δθS − δθM − Σ a δφ, the rows of small rotations",
                 false => "δθS − δθM, the rows of small rotations",
             };
-            found.push(Elsewhere::new(Cause::Linearised, relation, &other, &[Quantity::FirstDerivatives]));
+            found.push(Elsewhere::new(Cause::Linearised, relation, &other, &ROWS_ALONE));
         }
         found
     }
@@ -600,15 +575,13 @@ impl MpcCase {
                        cause: Cause,
                        through: Option<&Matrix<f64>>,
                        turned: &dyn Fn(Vector<f64>) -> Vector<f64>| {
-            let mut other = got.clone();
-            other.jacobian[..RHO].fill(None);
-            other.jacobian[FLOW] = None;
+            let mut other = of_rotations(got);
             for (h, axis) in hinges.iter().enumerate() {
                 let axis = turned(*axis);
                 let column = through.map_or_else(|| scale(axis, -1.0), |through| apply(through, axis));
                 put_column(&mut other.jacobian, RHO, PHI + h, column);
             }
-            found.push(Elsewhere::new(cause, relation, &other, &[Quantity::FirstDerivatives]));
+            found.push(Elsewhere::new(cause, relation, &other, &ROWS_ALONE));
         };
         let carried = |axis| apply(&master.rotation, axis);
         if !hinges.is_empty() {
@@ -626,30 +599,16 @@ impl MpcCase {
             add(relation, Cause::MotionIgnored, Some(&spun), &carried);
         }
         if hinges.len() == 2 {
-            let mut swapped = got.clone();
-            swapped.jacobian[..RHO].fill(None);
-            swapped.jacobian[FLOW] = None;
+            let mut swapped = of_rotations(got);
             swapped.jacobian.iter_mut().flatten().for_each(|row| row.swap(PHI, PHI + 1));
             let relation = "what is expected of each other in the columns of φ1 and φ2";
-            found.push(Elsewhere::new(
-                Cause::ColumnsSwapped,
-                relation,
-                &swapped,
-                &[Quantity::FirstDerivatives],
-            ));
-            let mut summed = got.clone();
-            summed.jacobian[..RHO].fill(None);
-            summed.jacobian[FLOW] = None;
+            found.push(Elsewhere::new(Cause::ColumnsSwapped, relation, &swapped, &ROWS_ALONE));
+            let mut summed = of_rotations(got);
             for row in summed.jacobian.iter_mut().flatten() {
                 (row[PHI], row[PHI + 1]) = (row[PHI] + row[PHI + 1], 0.0);
             }
             let relation = "what is expected of φ1 and φ2 together, in the column of φ1";
-            found.push(Elsewhere::new(
-                Cause::ColumnsSwapped,
-                relation,
-                &summed,
-                &[Quantity::FirstDerivatives],
-            ));
+            found.push(Elsewhere::new(Cause::ColumnsSwapped, relation, &summed, &ROWS_ALONE));
         }
         found
     }

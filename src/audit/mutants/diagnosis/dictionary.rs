@@ -124,6 +124,30 @@ const FUNCTIONS: [Function; 18] = {
     ]
 };
 
+/// What is the length of parameters where the rotation vector has the length θ, with Taylor coefficients f, f′, f″/2.
+type Length = fn(f64) -> [f64; 3];
+
+/// The parameters of a rotation by θ about n that are not its rotation vector.
+pub(crate) const PARAMETERS: [(&str, Length); 7] = [
+    ("sin θ n, the axial vector", |x| [x.sin(), x.cos(), -x.sin() / 2.0]),
+    ("2 sin θ n, twice the axial vector", |x| [2.0 * x.sin(), 2.0 * x.cos(), -x.sin()]),
+    ("2 sin(θ/2) n, twice the quaternion's vector", |x| {
+        [2.0 * (x / 2.0).sin(), (x / 2.0).cos(), -(x / 2.0).sin() / 4.0]
+    }),
+    ("sin(θ/2) n, the quaternion's vector", |x| {
+        [(x / 2.0).sin(), (x / 2.0).cos() / 2.0, -(x / 2.0).sin() / 8.0]
+    }),
+    ("2 tan(θ/2) n, twice the Rodrigues vector", |x| {
+        [2.0 * (x / 2.0).tan(), TAN_SLOPE(x / 2.0), TAN_HALF(x / 2.0) / 2.0]
+    }),
+    ("tan(θ/2) n, the Rodrigues vector", |x| {
+        [(x / 2.0).tan(), TAN_SLOPE(x / 2.0) / 2.0, TAN_HALF(x / 2.0) / 4.0]
+    }),
+    ("4 tan(θ/4) n, the Wiener-Milenković vector", |x| {
+        [4.0 * (x / 4.0).tan(), TAN_SLOPE(x / 4.0), TAN_HALF(x / 4.0) / 4.0]
+    }),
+];
+
 /// Lengths: coordinates of d = x_b − x_a, and distances, by the axes of any frame.
 fn lengths<S: Scalar<Real = f64>>(
     pair: &Pair<S>,
@@ -299,32 +323,12 @@ fn angles<S: Scalar<Real = f64>>(
         let length = norm(vector);
         add_item(cause, Formula::one(format!("the whole angle of {of}")), length);
         add_item(cause, Formula::one(format!("the torsion of {of}")), so3::torsion(&r));
-        type Length = fn(f64) -> [f64; 3];
-        let functions: [(&str, Length); 7] = [
-            ("sin θ n, the axial vector,", |x| [x.sin(), x.cos(), -x.sin() / 2.0]),
-            ("2 sin θ n, twice the axial vector,", |x| [2.0 * x.sin(), 2.0 * x.cos(), -x.sin()]),
-            ("2 sin(θ/2) n, twice the quaternion's vector,", |x| {
-                [2.0 * (x / 2.0).sin(), (x / 2.0).cos(), -(x / 2.0).sin() / 4.0]
-            }),
-            ("sin(θ/2) n, the quaternion's vector,", |x| {
-                [(x / 2.0).sin(), (x / 2.0).cos() / 2.0, -(x / 2.0).sin() / 8.0]
-            }),
-            ("2 tan(θ/2) n, twice the Rodrigues vector,", |x| {
-                [2.0 * (x / 2.0).tan(), TAN_SLOPE(x / 2.0), TAN_HALF(x / 2.0) / 2.0]
-            }),
-            ("tan(θ/2) n, the Rodrigues vector,", |x| {
-                [(x / 2.0).tan(), TAN_SLOPE(x / 2.0) / 2.0, TAN_HALF(x / 2.0) / 4.0]
-            }),
-            ("4 tan(θ/4) n, the Wiener-Milenković vector,", |x| {
-                [4.0 * (x / 4.0).tan(), TAN_SLOPE(x / 4.0), TAN_HALF(x / 4.0) / 4.0]
-            }),
-        ];
         let along = direction(vector);
-        for (name, function) in functions {
+        for (name, function) in PARAMETERS {
             let made = lift(length, function(length.real()));
             for (i, x) in along.into_iter().enumerate() {
-                let words = format!("component {} of {name} of {of}", i + 1);
-                let all = format!("{name} of {of}");
+                let words = format!("component {} of {name}, of {of}", i + 1);
+                let all = format!("{name}, of {of}");
                 add_item(Cause::OtherParameters, Formula::of_three(i, words, &all), x * made);
             }
         }

@@ -47,6 +47,7 @@ use serde::Serialize;
 
 pub use crate::mutants::cause::Cause;
 pub use component::{Symptoms, conventions, diagnose, diagnose_all};
+pub(crate) use dictionary::PARAMETERS;
 pub use places::{Places, places};
 pub use sample::Sample;
 pub use seen::Seen;

@@ -5,6 +5,7 @@ use crate::case::{Case, Step};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::MULTIPLES;
 use crate::mutants::diagnosis::columns::along;
+use crate::mutants::diagnosis::dictionary::PARAMETERS;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces;
 use pintle_kinematics::connector::{Components, Output, Request};
@@ -363,23 +364,14 @@ fn of_rotation(
     let is_bent = !is_vector && rotational.iter().flatten().any(is_flexion);
     let (now, first) = if is_bent { flexions.map(bent).into() } else { (now, first) };
     if let (Some(now), Some(first), true) = (now, first, is_vector || is_bent) {
-        type Length = fn(f64) -> f64;
-        let functions: [(&str, Length); 6] = [
-            ("sin θ n, the axial vector", f64::sin),
-            ("2 sin(θ/2) n, twice the quaternion's vector", |x| 2.0 * (x / 2.0).sin()),
-            ("sin(θ/2) n, the quaternion's vector", |x| (x / 2.0).sin()),
-            ("2 tan(θ/2) n, twice the Rodrigues vector", |x| 2.0 * (x / 2.0).tan()),
-            ("tan(θ/2) n, the Rodrigues vector", |x| (x / 2.0).tan()),
-            ("4 tan(θ/4) n, the Wiener-Milenković vector", |x| 4.0 * (x / 4.0).tan()),
-        ];
-        let to = |length: Length, v: [f64; 3]| {
-            let angle = norm(v);
-            if angle > 0.0 { scale(v, length(angle) / angle) } else { v }
-        };
         // The torsion beside a flexion is another number.
         let alone = |[x, y, z]: [f64; 3]| if is_bent { [x, y, f64::NAN] } else { [x, y, z] };
-        for (what, length) in functions {
-            add_as(Cause::OtherParameters, what, alone(to(length, now)), alone(to(length, first)));
+        for (what, length) in PARAMETERS {
+            let to = |v: [f64; 3]| {
+                let angle = norm(v);
+                if angle > 0.0 { scale(v, length(angle)[0] / angle) } else { v }
+            };
+            add_as(Cause::OtherParameters, what, alone(to(now)), alone(to(first)));
         }
         if is_bent {
             return found;
