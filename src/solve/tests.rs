@@ -788,6 +788,61 @@ fn times_that_are_asked_for_change_no_event() {
     assert!(lists >= 50 && events >= 100, "{lists} lists, {events} events");
 }
 
+/// Rotation vectors tell their turns, however often states are asked for.
+#[test]
+fn rotation_vectors_are_the_same_at_any_times() {
+    let mut compared = 0;
+    for (name, end) in [("top", 2.0), ("free_top", 1.0)] {
+        let [few, many] = [20, 340].map(|count: u32| -> Solution<f64> {
+            let times = (1..=count).map(|i| end * f64::from(i) / f64::from(count)).collect();
+            solved(reference(name), &Options { times, until: Some(end), ..Options::default() })
+        });
+        for frame in &few.frames {
+            let same = |other: &&crate::Frame<f64>| (other.time - frame.time).abs() < 1e-12;
+            let Some(other) = many.frames.iter().find(same) else { continue };
+            for (one, two) in frame.nodes.iter().zip(&other.nodes) {
+                for (x, y) in one.rotation.iter().zip(two.rotation) {
+                    assert!((x - y).abs() < 1e-8, "{name} at {}: {x}, not {y}", frame.time);
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared >= 120, "{compared}");
+}
+
+/// A damper whose table has a row at rest, beside a friction that a slow ramp breaks either way: the table goes on to the side of the slip. It
+/// is the damper of that side, which is linear.
+#[test]
+fn a_table_with_a_row_at_rest_goes_the_way_of_the_slip() {
+    let deck = |load: f64, damping: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n101, 1, 2\n\
+             *CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nCARTESIAN\n\
+             *CONNECTOR BEHAVIOR, NAME=B, EXTRAPOLATION=LINEAR\n*CONNECTOR ELASTICITY, COMPONENT=2\n150.\n\
+             *CONNECTOR FRICTION, COMPONENT=1, CONTACT FORCE=2\n*FRICTION\n0.2\n\
+             *CONNECTOR DAMPING, COMPONENT=1{damping}\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 2\n*MASS, ELSET=M\n0.75\n\
+             *BOUNDARY\n1, 1, 1\n1, 3, 6\n2, 2, 6\n*AMPLITUDE, NAME=RAMP\n0., 0., 3., 1.\n*AMPLITUDE, NAME=ON\n0., 1., 3., 1.\n\
+             *STEP\n*DYNAMIC\n0.01, 3.\n*CLOAD, AMPLITUDE=RAMP\n2, 1, {load}\n\
+             *BOUNDARY, AMPLITUDE=ON\n1, 2, 2, 0.1\n*END STEP\n"
+        )
+    };
+    let table = ", NONLINEAR\n-1.2, -2.\n0., 0.\n0.4, 2.";
+    let mut compared = 0;
+    for (load, slope) in [(-4.3, 0.6), (4.3, 0.2), (-5.171, 0.6), (6.07, 0.2)] {
+        for method in [Method::Extrapolation, Method::Collocation] {
+            let options = Options { method, ..Options::default() };
+            let one: Solution<f64> = solved(&deck(load, table), &options);
+            let other: Solution<f64> = solved(&deck(load, &format!("\n{slope}")), &options);
+            let ends = [&one, &other].map(|of| of.frames.last().unwrap().connectors[0].displacement[0]);
+            assert!((ends[0] - ends[1]).abs() < 1e-11 && ends[0] * load > 0.01, "{load}: {ends:?}");
+            assert_eq!([one.events.len(), other.events.len()], [1, 1], "{load}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 8);
+}
+
 /// A slip of two components that has passed rest within a step is not missed, wherever its steps end.
 #[test]
 fn rest_is_met_wherever_steps_end() {

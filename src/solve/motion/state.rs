@@ -3,10 +3,12 @@
 use crate::fault::{Fault, has};
 use crate::number::Number;
 use pintle_kinematics::connector::Branch;
+use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector, add};
+use pintle_kinematics::vector::{Matrix, Vector, add, scale, sub};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// Degrees of freedom of a node: x, θ, Ψ.
 pub(crate) const DOFS: usize = 7;
@@ -47,12 +49,30 @@ impl<R: Number> Pose<R> {
         let vector = match turns.iter().filter(|turns| **turns).count() {
             1 => told,
             _ if !with_vector => told,
-            _ => {
-                let log = so3::continuous_log(&rotation, told);
-                if log.is_reference() { log.phi } else { told }
-            }
+            _ => self.followed(turn),
         };
         Self { displacement, rotation, vector, flow: self.flow + flow }
+    }
+
+    /// The rotation vector after a turn about one axis, followed in pieces: which of the vectors of a rotation is the next one does not depend on
+    /// how often it is asked for. Beside a whole turn, where the vector swings, pieces are shorter.
+    fn followed(&self, turn: Vector<R>) -> Vector<R> {
+        /// The longest piece (rad), the shortest, and the part of the way to the next whole turn that is one.
+        const PIECES: [f64; 3] = [0.1, 1e-4, 0.25];
+        let [longest, shortest, part] = PIECES;
+        let whole = norm(turn).to_f64();
+        let (mut vector, mut before, mut done) = (self.vector, [R::ZERO; 3], 0.0);
+        while done < whole {
+            let length = norm(vector).to_f64();
+            let turns = (length / TAU).round().max(1.0);
+            done += ((length - TAU * turns).abs() * part).clamp(shortest, longest);
+            let reached = if done < whole { scale(turn, R::from_f64(done / whole)) } else { turn };
+            let rotation = vector::product(&so3::turn(reached), &self.rotation);
+            let log = so3::continuous_log(&rotation, vector);
+            vector = if log.is_reference() { log.phi } else { add(vector, sub(reached, before)) };
+            before = reached;
+        }
+        vector
     }
 }
 

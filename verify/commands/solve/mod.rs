@@ -42,6 +42,29 @@ fn a_block_is_solved_read_back_and_continued() {
     assert!((rest - 0.206_933_032_589_514_2).abs() < 1e-13, "{rest}");
 }
 
+/// States of a retractor have the flow of its belt, as a table and as arrays: its constraints hold where they are evaluated.
+#[test]
+fn states_have_the_material_flow() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solve_flow");
+    fs::create_dir_all(&folder).unwrap();
+    let deck = "references/retractor_drum/deck.inp";
+    let mut compared = 0;
+    for name in ["run.csv", "run.json", "run.npz"] {
+        let path = folder.join(name);
+        let path = path.to_str().unwrap();
+        pintle(&["--force", "solve", deck, "--every", "0.2", "-o", path]).assert().success();
+        let done = pintle(&["eval", deck, "--states", path, "--outputs", "RES", "--format", "csv"]);
+        let told = stdout(&done.assert().success());
+        let mut lines = told.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let at = lines.next().unwrap().iter().position(|cell| *cell == "RES").unwrap();
+        for residual in lines.filter_map(|cells| cells.get(at)?.parse::<f64>().ok()) {
+            assert!(residual.abs() < 1e-12, "{name}: {residual}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 30, "{compared}");
+}
+
 #[test]
 fn what_is_not_solved_is_refused_by_name() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solve_0");
