@@ -54,8 +54,14 @@ pub(crate) fn shortest_period(scene: &Scene) -> f64 {
     TAU / scene.amplitudes.values().map(frequency).fold(0.0, f64::max)
 }
 
+/// By which part of their length steps are shorter from one trial to the next.
+const SLOWER: f64 = 0.15;
+
 /// After how many steps without an event a stiff motion is looked for, again and again.
 const EVERY: usize = 16;
+
+/// How many steps tell how many are to come.
+pub(crate) const WINDOW: usize = 256;
 
 /// Since the last event.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -63,6 +69,22 @@ pub(crate) struct Quiet {
     steps: usize,
     /// Whether motion is stiff: implicit steps.
     is_stiff: bool,
+    /// When the first of the last [`WINDOW`] steps began.
+    #[serde(default)]
+    since: f64,
+}
+
+impl Quiet {
+    /// How long [`WINDOW`] steps have gone that end now.
+    pub(crate) fn window(&mut self, now: f64) -> Option<f64> {
+        let is_first = self.steps <= 1;
+        let is_whole = self.steps.is_multiple_of(WINDOW);
+        let passed = now - self.since;
+        if is_first || is_whole {
+            self.since = now;
+        }
+        (is_whole && !is_first).then_some(passed)
+    }
 }
 
 /// Where nodes are, how fast, and how far each has turned.
@@ -398,6 +420,7 @@ impl<R: Number> Run<'_, R> {
         let goal = end - end.magnitude() * R::from_f64(below);
         let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
         let longest = shortest_period(self.scene) / PARTS;
+        let pace = 1.0 - SLOWER * f64::from(self.options.trial);
         let mut halvings = 0;
         while self.state.time.less(goal) {
             self.keep(false);
@@ -441,7 +464,7 @@ impl<R: Number> Run<'_, R> {
             if std::mem::take(&mut self.is_new) {
                 self.h *= CAREFUL;
             }
-            let mut wanted = R::from_f64(self.h.min(longest));
+            let mut wanted = R::from_f64((self.h.min(longest) * pace).min(self.until_lock()?));
             if let Some((_, Some(rest))) = nearest {
                 wanted = wanted.lesser(rest * R::from_f64(APPROACH));
             }
@@ -489,6 +512,7 @@ impl<R: Number> Run<'_, R> {
                     let time = if is_last { goal } else { base.time + h };
                     self.commit(&base, time, &tried.end)?;
                     self.look_for_decay()?;
+                    self.crawls()?;
                 }
                 Some(Crossing::Inside(part)) => {
                     // Back before the end of the step: what is negative within it must be so at its end.
@@ -615,6 +639,9 @@ impl<R: Number> Run<'_, R> {
     }
 
     pub(crate) fn stuck_in_time(&self) -> Refusal {
+        if let Some(why) = self.singular() {
+            return why;
+        }
         Refusal::of(
             "the solution",
             &format!("steps become too short at time {}", self.state.time.to_f64()),
@@ -873,7 +900,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// From the beginning of the run to its end.
-    fn duration(&self) -> f64 {
+    pub(crate) fn duration(&self) -> f64 {
         let schedule = &self.mechanism.schedule;
         let last = schedule.len().checked_sub(1).and_then(|last| schedule.span(last));
         let end = last.map_or(1.0, |([_, end], _)| end);
@@ -922,6 +949,9 @@ impl<R: Number> Run<'_, R> {
         match owner {
             Owner::Joint(_, k) if k >= 3 => R::integer(1),
             Owner::Mpc(_, row) if (3..6).contains(&row) => R::integer(1),
+            Owner::Given(of) if self.mechanism.velocities.get(of).is_some_and(|(_, k, _)| *k >= 3) => {
+                R::integer(1)
+            }
             _ => R::from_f64(self.mechanism.length),
         }
     }
