@@ -1,6 +1,6 @@
 //! How a run begins: velocities that a deck has rounded, a state to go on from.
 
-use crate::{Options, Solution, solve};
+use crate::{Method, Options, Solution, solve};
 use pintle_scene::{NodeMotion, Rotation, Scene, State};
 
 /// A bar that swings about the ground, with all the velocities of its end given.
@@ -201,4 +201,63 @@ fn a_dead_position_is_named() {
     println!("{} steps, at {}: {why}", ended.solution.steps, ended.time);
     assert!(ended.solution.steps < 5_000, "{}", ended.solution.steps);
     assert!(why.contains("singular position"), "{why}");
+}
+
+/// A collar that its weight presses, and a small load drives along its shaft, while it is turned to and fro as 1 − cos 3t. With the turning it comes
+/// to rest every π/3, and sets out again the other way.
+const TO_AND_FRO: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 0., 0., 0.
+*ELEMENT, TYPE=CONN3D2, ELSET=SHAFT
+101, 1, 2
+*ORIENTATION, NAME=AX
+1., 0., 0., 0., 1., 0.
+*CONNECTOR SECTION, ELSET=SHAFT, BEHAVIOR=DRY
+CYLINDRICAL,
+AX,
+*CONNECTOR BEHAVIOR, NAME=DRY
+*CONNECTOR FRICTION, PREDEFINED
+0.05
+*FRICTION
+0.2
+*ELEMENT, TYPE=MASS, ELSET=M
+201, 2
+*MASS, ELSET=M
+1.5
+*ELEMENT, TYPE=ROTARYI, ELSET=I
+202, 2
+*ROTARY INERTIA, ELSET=I
+0.004, 0.02, 0.02
+*BOUNDARY
+1, 1, 6
+*AMPLITUDE, NAME=A, DEFINITION=PERIODIC
+1, 3., 0., 1.
+-1., 0.
+*STEP
+*DYNAMIC
+0.01, 1.5
+*CONNECTOR MOTION, AMPLITUDE=A
+SHAFT, 4, 1.
+*CLOAD
+2, 1, 1.
+*DLOAD
+M, GRAV, 10., 0., 0., -1.
+*END STEP
+";
+
+/// What is driven through rest goes on, by both methods: it was restarted before its rest, ever again.
+#[test]
+fn a_drive_through_rest_goes_on() {
+    let scene = Scene::parse("deck.inp", TO_AND_FRO).unwrap();
+    let run = |method| {
+        let options = Options { method, most_steps: 2_000, ..Options::default() };
+        solve::<f64>(&scene, &options).map_err(|ended| format!("at {}: {}", ended.time, ended.why))
+    };
+    let [one, other] = [Method::Extrapolation, Method::Collocation].map(|method| run(method).unwrap());
+    let apart = one.difference(&other, 1.0);
+    let last = one.frames.last().unwrap();
+    println!("{} and {} steps, {apart:?}, {:?}", one.steps, other.steps, last.connectors[0].displacement);
+    assert!(apart.largest() < 1e-11, "{apart:?}");
+    assert!(last.energies.balance.abs() < 1e-12, "{:?}", last.energies);
 }

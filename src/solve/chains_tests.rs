@@ -46,7 +46,7 @@ fn chain(seed: u64) -> String {
     for i in 0..count {
         let along = match is_planar {
             true => {
-                let angle = random.within(0.0, 6.28);
+                let angle = random.within(0.0, std::f64::consts::TAU);
                 [angle.cos(), angle.sin(), 0.0]
             }
             false => random.direction(),

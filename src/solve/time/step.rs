@@ -456,7 +456,8 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             let nearest = self.rests_in(&solved)?;
-            if let Some((slider, None)) = nearest {
+            if let Some((slider, rest, true)) = nearest {
+                self.go_to_rest(slider, rest, goal)?;
                 self.happens(slider, Cause::Stops)?;
                 continue;
             }
@@ -465,7 +466,7 @@ impl<R: Number> Run<'_, R> {
                 self.h *= CAREFUL;
             }
             let mut wanted = R::from_f64((self.h.min(longest) * pace).min(self.until_lock()?));
-            if let Some((_, Some(rest))) = nearest {
+            if let Some((_, rest, false)) = nearest {
                 wanted = wanted.lesser(rest * R::from_f64(APPROACH));
             }
             let left = goal - self.state.time;
@@ -649,11 +650,31 @@ impl<R: Number> Run<'_, R> {
         )
     }
 
-    /// The friction of several components that comes to rest first, and in how long; `None` for a time where it rests now. Its direction has no
+    /// What is prescribed goes on while what is left to go is rounding: the state goes to where it rests, at the zero of its rate or at a break.
+    fn go_to_rest(&mut self, slider: usize, rest: R, goal: R) -> Result<(), Refusal> {
+        /// A rate that vanishes as (T − t)ⁿ has n times as long to go as its deceleration tells.
+        const SMOOTH: f64 = 4.0;
+        let of = &self.mechanism.sliders[slider];
+        if !of.components.iter().any(|(k, _)| self.mechanism.is_given(of.joint, *k, self.step)) {
+            return Ok(());
+        }
+        let now = self.state.time;
+        let latest = now + rest * R::from_f64(SMOOTH);
+        let breaks = self.breaks().into_iter().map(R::from_f64);
+        let next = breaks.filter(|time| now.less(*time) && !latest.less(*time)).reduce(R::lesser);
+        let to = next.unwrap_or(now + rest).lesser(goal);
+        if now.less(to) {
+            self.state.time = to;
+            self.project()?;
+        }
+        Ok(())
+    }
+
+    /// The friction of several components that comes to rest first, in how long, and whether it rests now. Its direction has no
     /// meaning at rest, so that it is approached: each step goes a part of the way.
-    fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, Option<R>)>, Refusal> {
+    fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, R, bool)>, Refusal> {
         let zero = R::ZERO;
-        let mut found: Option<(usize, Option<R>)> = None;
+        let mut found: Option<(usize, R, bool)> = None;
         let several = |s: &usize| {
             self.mechanism.sliders[*s].components.len() > 1 && !self.modes.frictions[*s].is_stuck()
         };
@@ -672,22 +693,18 @@ impl<R: Number> Run<'_, R> {
             if !change.less(zero) {
                 continue;
             }
-            if rate.to_f64() <= tolerance {
-                return Ok(Some((s, None)));
-            }
             // d|v|/dt = v·a/|v|.
             let rest = rate * rate / -change;
+            if rate.to_f64() <= tolerance {
+                return Ok(Some((s, rest, true)));
+            }
             // What is prescribed goes to rest as slowly as it likes: what it has left to go counts.
             let is_given = |(k, _): &(usize, f64)| self.mechanism.is_given(slider.joint, *k, self.step);
             if slider.components.iter().any(is_given) && (rate * rest).to_f64() <= self.least_way() {
-                return Ok(Some((s, None)));
+                return Ok(Some((s, rest, true)));
             }
-            let is_first = match found {
-                Some((_, Some(other))) => rest.less(other),
-                _ => true,
-            };
-            if is_first {
-                found = Some((s, Some(rest)));
+            if found.is_none_or(|(_, other, _)| rest.less(other)) {
+                found = Some((s, rest, false));
             }
         }
         Ok(found)
