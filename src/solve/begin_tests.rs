@@ -1,6 +1,6 @@
 //! How a run begins: velocities that a deck has rounded, a state to go on from.
 
-use crate::{Method, Options, Solution, solve};
+use crate::{Method, Options, Solution, What, solve};
 use pintle_scene::{NodeMotion, Rotation, Scene, State};
 
 /// A bar that swings about the ground, with all the velocities of its end given.
@@ -260,4 +260,22 @@ fn a_drive_through_rest_goes_on() {
     println!("{} and {} steps, {apart:?}, {:?}", one.steps, other.steps, last.connectors[0].displacement);
     assert!(apart.largest() < 1e-11, "{apart:?}");
     assert!(last.energies.balance.abs() < 1e-12, "{:?}", last.energies);
+}
+
+/// A drive that ends in mid-step, smoothly, rests when it ends: both methods know the instant, and it sticks from there.
+#[test]
+fn a_drive_that_ends_in_mid_step_rests_there() {
+    let deck = TO_AND_FRO
+        .replace(
+            "DEFINITION=PERIODIC\n1, 3., 0., 1.\n-1., 0.",
+            "DEFINITION=SMOOTH STEP\n0., 0., 0.5, 0., 2.4, 3.",
+        )
+        .replace("0.01, 1.5", "0.01, 2.5");
+    let scene = Scene::parse("deck.inp", &deck).unwrap();
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let solution = solve::<f64>(&scene, &Options { method, ..Options::default() }).unwrap();
+        let events: Vec<_> = solution.events.iter().map(|event| (event.what, event.time)).collect();
+        let [(What::Slips, _), (What::Sticks, rest)] = events[..] else { panic!("{events:?}") };
+        assert!((rest - 2.4).abs() < 1e-14, "{rest}");
+    }
 }
