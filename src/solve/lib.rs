@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `motion` | the mechanics at one instant |
 //! | `time` | steps, events, modes |
+//! | `estimate` | how far from the truth, where rounding grows? |
 //! | [`REFERENCES`] | decks to begin with |
 //! | `number` | doubles, or 237 bits |
 //!
@@ -33,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod estimate;
 mod fault;
 mod motion;
 mod number;
@@ -40,6 +42,7 @@ mod references;
 mod refusal;
 mod time;
 
+pub use estimate::estimate;
 pub use number::Number;
 pub use references::REFERENCES;
 pub use refusal::Refusal;
@@ -50,5 +53,9 @@ pub use time::solution::{
     ConnectorFrame, Difference, Energies, Event, Frame, NodeFrame, Scales, Solution, What,
 };
 
+#[cfg(test)]
+mod begin_tests;
+#[cfg(test)]
+mod chains_tests;
 #[cfg(test)]
 mod tests;

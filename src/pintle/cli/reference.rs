@@ -3,7 +3,7 @@
 use super::Failure;
 use pintle_model::evaluate::Model;
 use pintle_scene::{GALLERY, Scene};
-use pintle_solve::{Difference, Method, Options, REFERENCES, Refusal, Solution, solve};
+use pintle_solve::{Difference, Method, Options, REFERENCES, Refusal, Solution, estimate, solve};
 
 /// The scene of `references/NAME`, and of `gallery:NAME` where the gallery has none of that name.
 pub(super) fn reference(name: &str) -> Option<Result<Scene, Failure>> {
@@ -22,7 +22,9 @@ pub(super) fn both(scene: &Scene, times: Vec<f64>) -> Result<(Solution<f64>, Dif
     let (one, other) = rayon::join(|| solve(scene, &options), || solve(scene, &witness));
     let [one, other] = [one, other].map(|of| of.map_err(|ended| Failure::Input(told(&ended.why))));
     let one = one?;
-    let difference = one.difference(&other?, size(scene));
+    let length = size(scene);
+    let difference = one.difference(&other?, length);
+    let difference = estimate(scene, &options, (&one, difference), length);
     Ok((one, difference))
 }
 

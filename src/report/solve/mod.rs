@@ -42,22 +42,33 @@ impl Facts<'_> {
     fn doubt(&self) -> String {
         match self.witness_ended {
             Some(why) => format!("collocation ended early {why}"),
-            None => "extrapolation and collocation find other events".to_string(),
+            None => format!("extrapolation and collocation find other events{}", self.others_from()),
         }
+    }
+
+    /// From when on events are others, where that is known.
+    fn others_from(&self) -> String {
+        let when = self.difference.and_then(|of| of.others_from);
+        when.map_or_else(String::new, |when| format!(" from time {when:.6} on"))
     }
 
     /// The digits that the error leaves.
     fn digits<R: Number>(&self) -> usize {
         let most = if R::ROUNDING < f64::EPSILON / 4.0 { self.digits } else { self.digits.min(16) };
         let Some(difference) = self.difference else { return most.min(6) };
-        // Two methods that agree share roundings: of doubles so many, and a digit besides.
+        // Two methods that agree share roundings: of doubles so many, and a digit besides. Errors of doubles have half of that digit already.
         const SHARED: f64 = 3e-14;
         const SURE: f64 = 10.0;
+        const SURE_OF_DOUBLES: f64 = SURE / 3.0;
         let error = difference.largest();
         if error.is_nan() || error >= NO_DIGIT {
             return 1;
         }
-        let error = if R::ROUNDING < f64::EPSILON / 4.0 { SURE * error } else { (SURE * error).max(SHARED) };
+        let error = if R::ROUNDING < f64::EPSILON / 4.0 {
+            SURE * error
+        } else {
+            (SURE_OF_DOUBLES * error).max(SHARED)
+        };
         if error <= 0.0 { most } else { most.min((-error.log10()).floor().max(1.0) as usize) }
     }
 
@@ -119,9 +130,17 @@ pub fn human<R: Number>(
         Some(difference) if difference.same_events => say(
             "error",
             &format!(
-                "{:.0e}, {}: extrapolation and collocation differ by no more, in {} numbers and {} events",
+                "{:.0e}, {}: {}, in {} numbers and {} events",
                 difference.largest(),
                 facts.level::<R>(),
+                match difference.runs {
+                    0..=2 if R::ROUNDING < f64::EPSILON / 4.0 => {
+                        "extrapolation and collocation differ by no more".to_string()
+                    }
+                    0..=2 => "extrapolation and collocation differ by a third of that at most".to_string(),
+                    runs =>
+                        format!("rounding grows; {runs} runs that round otherwise differ by a part of that"),
+                },
                 difference.compared,
                 solution.events.len()
             ),
@@ -145,6 +164,15 @@ pub fn human<R: Number>(
         say("unique", &told)?;
     } else {
         say("unique", &format!("not certain: κ = {:.3} is not below 1", solution.lipschitz))?;
+    }
+    if solution.changed > 0.0 {
+        say(
+            "start",
+            &format!(
+                "the velocities given were changed by {:.0e} of the largest, to fit the constraints",
+                solution.changed
+            ),
+        )?;
     }
     say("rows", &format!("violated by {:.0e} at most", solution.violation))?;
     let open: usize = last
@@ -265,7 +293,10 @@ fn state<R: Number>(
         out,
         "energies: kinetic {}, stored {}, dissipated {}, external work {}; balance {:.0e}",
         known(energies.kinetic, scales.energy),
-        known(energies.stored, scales.energy),
+        match solution.stored_is_open {
+            true => "open".to_string(),
+            false => known(energies.stored, scales.energy),
+        },
         known(energies.dissipated, scales.energy),
         known(energies.external, scales.energy),
         energies.balance.to_f64()
@@ -351,7 +382,7 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
                 "connectors": connectors,
                 "energies": {
                     "kinetic": number(energies.kinetic),
-                    "stored": number(energies.stored),
+                    "stored": if solution.stored_is_open { Value::Null } else { number(energies.stored) },
                     "dissipated": number(energies.dissipated),
                     "external": number(energies.external),
                     "balance": number(energies.balance),
@@ -368,6 +399,7 @@ pub fn json<R: Number>(out: &mut dyn Write, solution: &Solution<R>, facts: Facts
         "error_is": facts.level::<R>(),
         "lipschitz": solution.lipschitz,
         "violation": solution.violation,
+        "velocities_changed": solution.changed,
         "ties": solution.ties.iter().map(|(time, of)| json!({"time": time, "connector": label(*of)})).collect::<Vec<_>>(),
         "rigid_stick": facts.rigid,
         "steps": solution.steps,

@@ -150,9 +150,10 @@ impl<'a, R: Number> Drawn<'a, R> {
     }
 
     fn energies(&self) -> Vec<Plot> {
+        let stored = if self.solution.stored_is_open { "stored since the first state" } else { "stored" };
         let curves = [
             self.curve("kinetic".into(), |frame| frame.energies.kinetic),
-            self.curve("stored".into(), |frame| frame.energies.stored),
+            self.curve(stored.into(), |frame| frame.energies.stored),
             self.curve("dissipated".into(), |frame| frame.energies.dissipated),
             self.curve("external work".into(), |frame| frame.energies.external),
         ];

@@ -142,7 +142,7 @@ impl<R: Number> Mechanism<R> {
     }
 
     /// The nodes of a connector with their velocities.
-    fn pair_state(&self, index: usize, at: &Instant<'_, R>) -> PairState<R> {
+    pub(crate) fn pair_state(&self, index: usize, at: &Instant<'_, R>) -> PairState<R> {
         let zero = R::ZERO;
         let joint = &self.joints[index];
         let still = [zero; DOFS];

@@ -103,6 +103,9 @@ impl Layout {
             }
             let left = norm(&vector);
             if left > ZERO {
+                if self.nearest.is_none_or(|(least, _)| left < least) {
+                    self.nearest = Some((left, row.owner));
+                }
                 vector.iter_mut().for_each(|x| *x /= left);
                 made.iter_mut().for_each(|x| *x /= left);
                 basis.push((vector, made));

@@ -172,6 +172,9 @@ pub(crate) struct Layout {
     pub(crate) carried: Vec<(usize, usize)>,
     /// Sets of unknowns that equations alone determine, each with these equations.
     pub(crate) determined: Vec<(Vec<usize>, Vec<usize>)>,
+    /// The equation that is nearest to a combination of those before it, and the part of it that is not.
+    #[serde(skip)]
+    pub(crate) nearest: Option<(f64, Owner)>,
     /// The order in which unknowns and forces of equations are eliminated; empty until it is known.
     #[serde(default)]
     pub(crate) order: Vec<usize>,

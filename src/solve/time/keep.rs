@@ -1,15 +1,18 @@
-//! A run is kept as it goes, and goes on from there.
+//! A run is kept as it goes, and goes on from there, or from a state that is given.
 
 use crate::motion::mode::Modes;
-use crate::motion::rows::{Beginnings, Layout};
+use crate::motion::rows::{Beginnings, Instant, Layout};
 use crate::motion::state::State;
 use crate::number::Number;
-use crate::time::run::Run;
+use crate::refusal::Refusal;
+use crate::time::run::{Run, Stick};
 use crate::time::solution::{Event, Frame};
 use crate::time::step::Quiet;
+use pintle_kinematics::vector::Vector;
+use pintle_model::behavior::{Conditions, Motion};
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use std::{fmt, time};
 
 /// A solution in the making: all that its next step depends on, and what it has found.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -38,6 +41,10 @@ pub struct Kept<R> {
     evaluations: usize,
     violation: f64,
     #[serde(default)]
+    changed: f64,
+    #[serde(default)]
+    stored_is_open: bool,
+    #[serde(default)]
     liveliest: f64,
 }
 
@@ -45,13 +52,13 @@ pub struct Kept<R> {
 pub struct Keeping<'a, R> {
     every: Duration,
     take: Box<dyn FnMut(Kept<R>) + 'a>,
-    last: Instant,
+    last: time::Instant,
 }
 
 impl<'a, R> Keeping<'a, R> {
     /// Hands the run on as often as that, and at its end.
     pub fn new(every: Duration, take: impl FnMut(Kept<R>) + 'a) -> Self {
-        Self { every, take: Box::new(take), last: Instant::now() }
+        Self { every, take: Box::new(take), last: time::Instant::now() }
     }
 }
 
@@ -90,9 +97,11 @@ impl<R: Number> Run<'_, R> {
             steps: self.solution.steps,
             evaluations: self.solution.evaluations,
             violation: self.solution.violation,
+            changed: self.solution.changed,
+            stored_is_open: self.solution.stored_is_open,
             liveliest: self.solution.liveliest,
         });
-        keeping.last = Instant::now();
+        keeping.last = time::Instant::now();
     }
 
     /// Goes back to where a run was kept; whether that is its end.
@@ -117,9 +126,73 @@ impl<R: Number> Run<'_, R> {
         self.solution.steps = kept.steps;
         self.solution.evaluations = kept.evaluations;
         self.solution.violation = kept.violation;
+        self.solution.changed = kept.changed;
+        self.solution.stored_is_open = kept.stored_is_open;
         self.solution.liveliest = kept.liveliest;
         self.is_launched = true;
         self.is_resumed = true;
         kept.is_done
+    }
+
+    /// The energy in springs; none where one of them has no potential.
+    pub(crate) fn held_by_springs(&self, state: &State<R>) -> Result<Option<R>, Refusal> {
+        let still = vec![[R::ZERO; 3]; state.poses.len()];
+        let instant = Instant::of(state, self.step, &still);
+        let found = self.mechanism.assemble(&instant, &Modes::none(), &self.beginnings);
+        let found = found.map_err(|trouble| self.say(trouble))?;
+        let conditions = Conditions::default();
+        let mut sum = R::ZERO;
+        for (joint, now) in self.mechanism.joints.iter().zip(&found.joints) {
+            let elasticity = &joint.behavior.behavior.elasticity;
+            let is_belt = joint.connector.connection().is_belt();
+            let motion = Motion { position: now.position, constitutive: now.motion, velocity: now.velocity };
+            let energy = elasticity.energy(&motion, &conditions);
+            let has_potential = !is_belt || !elasticity.components().contains(&true);
+            let Some(energy) = energy.filter(|_| has_potential) else { return Ok(None) };
+            sum = sum + energy;
+        }
+        for (spring, [stretch, _]) in self.mechanism.springs.iter().zip(&found.springs) {
+            let Ok(energy) = spring.law.energy(*stretch, &conditions) else { return Ok(None) };
+            sum = sum + energy;
+        }
+        Ok(Some(sum))
+    }
+
+    /// Refuses to go on from a later state where what follows depends on more than a state tells.
+    pub(crate) fn refuse_forgotten(&self) -> Result<(), Refusal> {
+        if self.state.time.to_f64() <= 0.0 {
+            return Ok(());
+        }
+        let mechanism = &self.mechanism;
+        let remedy = "solve it from the beginning: --keep and --resume go on exactly";
+        let refused = |joint: usize, what: &str| {
+            let why = format!("a state does not tell {what}, on which what follows depends");
+            Err(Refusal::of(self.joint_title(joint), &why, remedy))
+        };
+        if let Some(criterion) = mechanism.criteria.first() {
+            let what = if criterion.is_failure { "whether it has failed" } else { "where it has locked" };
+            return refused(criterion.joint, what);
+        }
+        for slider in &mechanism.sliders {
+            if slider.ring.is_some() {
+                return refused(slider.joint, "how far its belt has run over the ring");
+            }
+            if self.options.stick == Stick::Elastic {
+                return refused(slider.joint, "how far the spring of its stick is stretched");
+            }
+            if mechanism.friction(slider).is_some_and(|of| of.criterion.depends_on_slip()) {
+                return refused(slider.joint, "how far it has slipped");
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the histories of connectors to a state that is given: the whole rotation is their increment.
+    pub(crate) fn follow_given(&mut self) {
+        let turned: Vec<Vector<R>> = self.state.poses.iter().map(|pose| pose.vector).collect();
+        let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
+        if let Ok(found) = self.mechanism.assemble(&instant, &Modes::none(), &self.beginnings) {
+            self.state.branches = found.joints.iter().map(|now| now.branch).collect();
+        }
     }
 }

@@ -4,7 +4,7 @@ use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, TIE, Touch};
-use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Row, Trouble};
+use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
@@ -14,7 +14,6 @@ use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution
 use crate::time::step::Quiet;
 use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::scalar::Wide;
-use pintle_kinematics::vector::Vector;
 use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
 use pintle_scene::{Rotation, Scene};
@@ -50,6 +49,8 @@ pub struct Options {
     pub stick: Stick,
     /// The most steps.
     pub most_steps: usize,
+    /// Which of several runs that differ by their steps and rounding alone; 0 is the run itself.
+    pub trial: u8,
     /// Where the time is kept that has been reached, as the bits of a double: for those who wait.
     pub reached: Option<Arc<AtomicU64>>,
 }
@@ -64,6 +65,7 @@ impl Default for Options {
             from: None,
             stick: Stick::default(),
             most_steps: 1_000_000,
+            trial: 0,
             reached: None,
         }
     }
@@ -95,6 +97,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) modes: Modes<R>,
     pub(crate) layout: Layout,
     pub(crate) kinetic: R,
+    /// What springs hold at the state that is gone on from.
+    continued: R,
     pub(crate) solution: Solution<R>,
     /// The length of the next step.
     pub(crate) h: f64,
@@ -208,6 +212,8 @@ impl<R> Solution<R> {
             steps: 0,
             evaluations: 0,
             violation: 0.0,
+            changed: 0.0,
+            stored_is_open: false,
             liveliest: 0.0,
         }
     }
@@ -264,6 +270,7 @@ impl<'a, R: Number> Run<'a, R> {
                     + mechanism.turning().map(|(_, all)| all.len()).sum::<usize>()
             ],
         };
+        let initial = state.clone();
         if let Some(from) = &options.from {
             state.time = R::from_f64(from.time.unwrap_or(0.0));
             for (body, (pose, rates)) in
@@ -303,6 +310,7 @@ impl<'a, R: Number> Run<'a, R> {
             modes: Modes::none(),
             layout: Layout::default(),
             kinetic: zero,
+            continued: zero,
             state,
             solution,
             mechanism,
@@ -319,48 +327,17 @@ impl<'a, R: Number> Run<'a, R> {
             keeping: None,
         };
         if options.from.is_some() {
+            let initial = run.held_by_springs(&initial)?;
             run.refuse_forgotten()?;
             run.follow_given();
+            let now = run.held_by_springs(&run.state)?;
+            match (now, initial) {
+                (Some(now), Some(initial)) => run.state.sums[2] = now - initial,
+                _ => run.solution.stored_is_open = true,
+            }
+            run.continued = run.state.sums[2];
         }
         Ok(run)
-    }
-
-    /// Refuses to go on from a later state where what follows depends on more than a state tells.
-    fn refuse_forgotten(&self) -> Result<(), Refusal> {
-        if self.state.time.to_f64() <= 0.0 {
-            return Ok(());
-        }
-        let mechanism = &self.mechanism;
-        let remedy = "solve it from the beginning: --keep and --resume go on exactly";
-        let refused = |joint: usize, what: &str| {
-            let why = format!("a state does not tell {what}, on which what follows depends");
-            Err(Refusal::of(self.joint_title(joint), &why, remedy))
-        };
-        if let Some(criterion) = mechanism.criteria.first() {
-            let what = if criterion.is_failure { "whether it has failed" } else { "where it has locked" };
-            return refused(criterion.joint, what);
-        }
-        for slider in &mechanism.sliders {
-            if slider.ring.is_some() {
-                return refused(slider.joint, "how far its belt has run over the ring");
-            }
-            if self.options.stick == Stick::Elastic {
-                return refused(slider.joint, "how far the spring of its stick is stretched");
-            }
-            if mechanism.friction(slider).is_some_and(|of| of.criterion.depends_on_slip()) {
-                return refused(slider.joint, "how far it has slipped");
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes the histories of connectors to a state that is given: the whole rotation is their increment.
-    pub(crate) fn follow_given(&mut self) {
-        let turned: Vec<Vector<R>> = self.state.poses.iter().map(|pose| pose.vector).collect();
-        let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
-        if let Ok(found) = self.mechanism.assemble(&instant, &Modes::none(), &self.beginnings) {
-            self.state.branches = found.joints.iter().map(|now| now.branch).collect();
-        }
     }
 
     pub(crate) fn all(&mut self) -> Result<(), Refusal> {
@@ -570,6 +547,7 @@ impl<'a, R: Number> Run<'a, R> {
         self.prepare()?;
         if !std::mem::replace(&mut self.is_launched, true) {
             self.launch()?;
+            self.round_otherwise()?;
         }
         self.touch()?;
         self.stiffen()?;
@@ -580,7 +558,7 @@ impl<'a, R: Number> Run<'a, R> {
         self.begin_modes()?;
         if self.solution.frames.is_empty() {
             let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-            self.kinetic = found.kinetic();
+            self.kinetic = found.kinetic() + self.continued;
         }
         Ok(())
     }
@@ -612,50 +590,6 @@ impl<'a, R: Number> Run<'a, R> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
         if self.solution.frames.is_empty() { self.project() } else { self.jump() }
-    }
-
-    /// The rates at the beginning: those given, and of all others the ones of least energy that fit the equations.
-    fn launch(&mut self) -> Result<(), Refusal> {
-        if self.mechanism.velocities.is_empty() {
-            return Ok(());
-        }
-        let mut found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
-        let zero = R::ZERO;
-        for (given, (node, k, amount)) in self.mechanism.velocities.iter().enumerate() {
-            let coefficients = vec![(DOFS * node + k, R::integer(1))];
-            let now = self.state.rates[*node][*k];
-            found.rows.push(Row {
-                owner: Owner::Given(given),
-                force: None,
-                coefficients,
-                residual: None,
-                rate: Some(now - *amount),
-                bias: zero,
-                driven: zero,
-            });
-        }
-        let layout = Layout::new(&self.mechanism, &found, &self.modes)?;
-        let (change, _) = found.correction(&layout, |row| row.rate).map_err(|trouble| self.say(trouble))?;
-        let rates = found.rows.iter().filter_map(|row| row.rate);
-        let most = rates.fold(0.0, |most: f64, rate| most.max(rate.to_f64().abs()));
-        for row in &found.rows {
-            let moved = row.coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
-            let gap = (row.rate.unwrap_or(zero) + moved).to_f64().abs();
-            // Rounding alone leaves a part of the largest.
-            let size = row.rate.map_or(0.0, |rate| rate.to_f64().abs()).max(moved.to_f64().abs());
-            if row.rate.is_some() && gap > 1e-9 * size.max(1e-3 * most) {
-                return Err(Refusal::of(
-                    &self.mechanism.named(row.owner),
-                    "the velocities given at the beginning do not fit the constraints",
-                    "give those of one node of each rigid body, or make them agree",
-                ));
-            }
-        }
-        for (dof, by) in change.iter().enumerate() {
-            let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
-            *rate = *rate + *by;
-        }
-        Ok(())
     }
 
     /// The stick stiffness of each friction, where stick is elastic: once, at the beginning.

@@ -66,13 +66,13 @@ pub struct ConnectorFrame<R> {
 pub struct Energies<R> {
     /// ½ Σ v·M v.
     pub kinetic: R,
-    /// Work of loads, gravity and what is prescribed.
+    /// Work of loads, gravity and what is prescribed, since the state that the run begins with.
     pub external: R,
-    /// What friction, dampers and impacts took.
+    /// What friction, dampers and impacts took, since then.
     pub dissipated: R,
-    /// What springs hold.
+    /// What springs hold, more than in the initial state of the scene.
     pub stored: R,
-    /// kinetic + stored + dissipated − external − kinetic at the beginning: zero but for the error.
+    /// kinetic + stored + dissipated − external, less what it is as the run begins: zero but for the error.
     pub balance: R,
 }
 
@@ -171,6 +171,10 @@ pub struct Solution<R> {
     pub evaluations: usize,
     /// The most that equations were violated by at any frame: lengths by the size of the model, angles (rad).
     pub violation: f64,
+    /// By what velocities that are given were changed to fit the constraints, of the largest: 0 where they fit.
+    pub changed: f64,
+    /// Whether what springs hold is counted from the state that is gone on from: one of them has no potential.
+    pub stored_is_open: bool,
     /// The largest kinetic energy on the way.
     pub liveliest: f64,
 }
@@ -192,8 +196,12 @@ pub struct Difference {
     pub event: f64,
     /// Whether both have the same events in the same order.
     pub same_events: bool,
+    /// From when on the events are others.
+    pub others_from: Option<f64>,
     /// How many numbers were compared.
     pub compared: usize,
+    /// How many runs there are: two methods, or four runs where rounding grows.
+    pub runs: usize,
 }
 
 impl Difference {
@@ -272,7 +280,7 @@ impl<R: Number> Solution<R> {
 
     /// How far another solution with the same frames is from this one. `length` is the size of the model.
     pub fn difference(&self, other: &Self, length: f64) -> Difference {
-        let mut found = Difference { same_events: true, ..Difference::default() };
+        let mut found = Difference { same_events: true, runs: 2, ..Difference::default() };
         // What ends as it begins may have events beyond its last frame.
         let ends = |of: &Self| {
             let frame = of.frames.last().map_or(0.0, |frame| frame.time.to_f64());
@@ -282,10 +290,18 @@ impl<R: Number> Solution<R> {
         found.same_events =
             self.events.len() == other.events.len() && self.frames.len() == other.frames.len();
         for (one, two) in self.events.iter().zip(&other.events) {
-            found.same_events &= one.connector == two.connector && one.what == two.what;
+            let is_same = one.connector == two.connector && one.what == two.what;
+            if !is_same {
+                let when = one.time.lesser(two.time).to_f64();
+                found.others_from = found.others_from.or(Some(when));
+            }
+            found.same_events &= is_same;
             found.event = found.event.max((one.time - two.time).to_f64().abs() / duration);
             found.compared += 1;
         }
+        let common = self.events.len().min(other.events.len());
+        let more = self.events.get(common).or(other.events.get(common));
+        found.others_from = found.others_from.or(more.map(|event| event.time.to_f64()));
         let Scales { velocity: speeds, force: forces, energy } = self.scales(length);
         let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {
             for (x, y) in one.iter().zip(two) {

@@ -54,8 +54,14 @@ pub(crate) fn shortest_period(scene: &Scene) -> f64 {
     TAU / scene.amplitudes.values().map(frequency).fold(0.0, f64::max)
 }
 
+/// By which part of their length steps are shorter from one trial to the next.
+const SLOWER: f64 = 0.15;
+
 /// After how many steps without an event a stiff motion is looked for, again and again.
 const EVERY: usize = 16;
+
+/// How many steps tell how many are to come.
+pub(crate) const WINDOW: usize = 256;
 
 /// Since the last event.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -63,6 +69,22 @@ pub(crate) struct Quiet {
     steps: usize,
     /// Whether motion is stiff: implicit steps.
     is_stiff: bool,
+    /// When the first of the last [`WINDOW`] steps began.
+    #[serde(default)]
+    since: f64,
+}
+
+impl Quiet {
+    /// How long [`WINDOW`] steps have gone that end now.
+    pub(crate) fn window(&mut self, now: f64) -> Option<f64> {
+        let is_first = self.steps <= 1;
+        let is_whole = self.steps.is_multiple_of(WINDOW);
+        let passed = now - self.since;
+        if is_first || is_whole {
+            self.since = now;
+        }
+        (is_whole && !is_first).then_some(passed)
+    }
 }
 
 /// Where nodes are, how fast, and how far each has turned.
@@ -398,6 +420,7 @@ impl<R: Number> Run<'_, R> {
         let goal = end - end.magnitude() * R::from_f64(below);
         let least = (to - self.state.time.to_f64()).abs().max(to.abs()) * 1e3 * R::ROUNDING;
         let longest = shortest_period(self.scene) / PARTS;
+        let pace = 1.0 - SLOWER * f64::from(self.options.trial);
         let mut halvings = 0;
         while self.state.time.less(goal) {
             self.keep(false);
@@ -433,7 +456,8 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             let nearest = self.rests_in(&solved)?;
-            if let Some((slider, None)) = nearest {
+            if let Some((slider, rest, true)) = nearest {
+                self.go_to_rest(slider, rest, goal)?;
                 self.happens(slider, Cause::Stops)?;
                 continue;
             }
@@ -441,8 +465,8 @@ impl<R: Number> Run<'_, R> {
             if std::mem::take(&mut self.is_new) {
                 self.h *= CAREFUL;
             }
-            let mut wanted = R::from_f64(self.h.min(longest));
-            if let Some((_, Some(rest))) = nearest {
+            let mut wanted = R::from_f64((self.h.min(longest) * pace).min(self.until_lock()?));
+            if let Some((_, rest, false)) = nearest {
                 wanted = wanted.lesser(rest * R::from_f64(APPROACH));
             }
             let left = goal - self.state.time;
@@ -489,6 +513,7 @@ impl<R: Number> Run<'_, R> {
                     let time = if is_last { goal } else { base.time + h };
                     self.commit(&base, time, &tried.end)?;
                     self.look_for_decay()?;
+                    self.crawls()?;
                 }
                 Some(Crossing::Inside(part)) => {
                     // Back before the end of the step: what is negative within it must be so at its end.
@@ -615,6 +640,9 @@ impl<R: Number> Run<'_, R> {
     }
 
     pub(crate) fn stuck_in_time(&self) -> Refusal {
+        if let Some(why) = self.singular() {
+            return why;
+        }
         Refusal::of(
             "the solution",
             &format!("steps become too short at time {}", self.state.time.to_f64()),
@@ -622,11 +650,31 @@ impl<R: Number> Run<'_, R> {
         )
     }
 
-    /// The friction of several components that comes to rest first, and in how long; `None` for a time where it rests now. Its direction has no
+    /// What is prescribed goes on while what is left to go is rounding: the state goes to where it rests, at the zero of its rate or at a break.
+    fn go_to_rest(&mut self, slider: usize, rest: R, goal: R) -> Result<(), Refusal> {
+        /// A rate that vanishes as (T − t)ⁿ has n times as long to go as its deceleration tells.
+        const SMOOTH: f64 = 4.0;
+        let of = &self.mechanism.sliders[slider];
+        if !of.components.iter().any(|(k, _)| self.mechanism.is_given(of.joint, *k, self.step)) {
+            return Ok(());
+        }
+        let now = self.state.time;
+        let latest = now + rest * R::from_f64(SMOOTH);
+        let breaks = self.breaks().into_iter().map(R::from_f64);
+        let next = breaks.filter(|time| now.less(*time) && !latest.less(*time)).reduce(R::lesser);
+        let to = next.unwrap_or(now + rest).lesser(goal);
+        if now.less(to) {
+            self.state.time = to;
+            self.project()?;
+        }
+        Ok(())
+    }
+
+    /// The friction of several components that comes to rest first, in how long, and whether it rests now. Its direction has no
     /// meaning at rest, so that it is approached: each step goes a part of the way.
-    fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, Option<R>)>, Refusal> {
+    fn rests_in(&self, solved: &Solved<R>) -> Result<Option<(usize, R, bool)>, Refusal> {
         let zero = R::ZERO;
-        let mut found: Option<(usize, Option<R>)> = None;
+        let mut found: Option<(usize, R, bool)> = None;
         let several = |s: &usize| {
             self.mechanism.sliders[*s].components.len() > 1 && !self.modes.frictions[*s].is_stuck()
         };
@@ -645,22 +693,18 @@ impl<R: Number> Run<'_, R> {
             if !change.less(zero) {
                 continue;
             }
-            if rate.to_f64() <= tolerance {
-                return Ok(Some((s, None)));
-            }
             // d|v|/dt = v·a/|v|.
             let rest = rate * rate / -change;
+            if rate.to_f64() <= tolerance {
+                return Ok(Some((s, rest, true)));
+            }
             // What is prescribed goes to rest as slowly as it likes: what it has left to go counts.
             let is_given = |(k, _): &(usize, f64)| self.mechanism.is_given(slider.joint, *k, self.step);
             if slider.components.iter().any(is_given) && (rate * rest).to_f64() <= self.least_way() {
-                return Ok(Some((s, None)));
+                return Ok(Some((s, rest, true)));
             }
-            let is_first = match found {
-                Some((_, Some(other))) => rest.less(other),
-                _ => true,
-            };
-            if is_first {
-                found = Some((s, Some(rest)));
+            if found.is_none_or(|(_, other, _)| rest.less(other)) {
+                found = Some((s, rest, false));
             }
         }
         Ok(found)
@@ -873,7 +917,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// From the beginning of the run to its end.
-    fn duration(&self) -> f64 {
+    pub(crate) fn duration(&self) -> f64 {
         let schedule = &self.mechanism.schedule;
         let last = schedule.len().checked_sub(1).and_then(|last| schedule.span(last));
         let end = last.map_or(1.0, |([_, end], _)| end);
@@ -922,6 +966,9 @@ impl<R: Number> Run<'_, R> {
         match owner {
             Owner::Joint(_, k) if k >= 3 => R::integer(1),
             Owner::Mpc(_, row) if (3..6).contains(&row) => R::integer(1),
+            Owner::Given(of) if self.mechanism.velocities.get(of).is_some_and(|(_, k, _)| *k >= 3) => {
+                R::integer(1)
+            }
             _ => R::from_f64(self.mechanism.length),
         }
     }

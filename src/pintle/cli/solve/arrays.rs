@@ -23,13 +23,15 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
         let stuck = |of: &ConnectorFrame<R>| !of.sticks.is_empty() && of.sticks.iter().all(|sticks| *sticks);
         frame.connectors.iter().map(|of| f64::from(stuck(of))).collect()
     };
-    let energies = each(&|frame| {
-        let of = &frame.energies;
-        vec![of.kinetic, of.stored, of.dissipated, of.external]
-    });
     let count = frames.len();
     // What is open is no number.
     let known = |is_open: bool, force: R| if is_open { f64::NAN } else { force.to_f64() };
+    let energies = frames.iter().flat_map(|frame| {
+        let of = &frame.energies;
+        let [kinetic, dissipated, external] = [of.kinetic, of.dissipated, of.external].map(Number::to_f64);
+        [kinetic, known(solution.stored_is_open, of.stored), dissipated, external]
+    });
+    let energies: Vec<f64> = energies.collect();
     let forces = |of: &dyn Fn(&ConnectorFrame<R>) -> [f64; 6]| -> Vec<f64> {
         frames.iter().flat_map(|frame| &frame.connectors).flat_map(of).collect()
     };

@@ -15,7 +15,7 @@ use pintle_model::evaluate::Model;
 use pintle_report::solve as report;
 use pintle_scene::{ElementForces, NodeMotion, Rotation, Scene, State, StateFile};
 use pintle_solve::{
-    Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Solvable, Stick, solve,
+    Difference, Ended, Frame, Method, Number, Options, Refusal, Solution, Solvable, Stick, estimate, solve,
     solve_keeping,
 };
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -34,8 +34,8 @@ and sticks rigidly: what sticks does not creep. Stops and locks are rigid, and w
 runs into them loses its velocity there (a plastic impact). It is a reference for small mechanisms, no simulator: no contact search.
 
 Two methods of high order solve it side by side, extrapolation and Gauss
-collocation. What they differ by is the error, and digits beyond it are not
-printed. --digits 15 computes on doubles, more digits on 237 bits.
+collocation. What they differ by is the error, on doubles three times that, and
+digits beyond it are not printed. --digits 15 computes on doubles, more digits on 237 bits.
 
 The events are listed with their margins: of stick, by how much friction holds
 more than it has to, relative; 0 is a tie. Where something passes a limit in its
@@ -293,7 +293,11 @@ fn solved<R: Solvable>(
             witness_ended = ended.is_none().then(|| format!("at {time}: {}", told(&why)));
             solution
         });
-        solution.difference(&other, length)
+        let difference = solution.difference(&other, length);
+        match ended.is_some() || witness_ended.is_some() {
+            true => difference,
+            false => estimate(scene, options, (&solution, difference), length),
+        }
     });
     // What a spring in the place of stick changes.
     let rigid = (options.stick == Stick::Elastic && ended.is_none())
@@ -345,7 +349,10 @@ fn solved<R: Solvable>(
         let how = match &witness_ended {
             Some(why) => format!("collocation ended early {why}"),
             None if difference.same_events => "the two methods find events at other times".to_string(),
-            None => "the two methods find other events".to_string(),
+            None => {
+                let when = difference.others_from.map(|when| format!(" from time {when:.6} on"));
+                format!("the two methods find other events{}", when.unwrap_or_default())
+            }
         };
         tell::complain("warning", &format!("{how}: none of the digits is certain"));
         return Err(Failure::Undecided);
