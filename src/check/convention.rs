@@ -703,7 +703,7 @@ pub(crate) struct Own {
     /// Of each quantity that was wanted, the numbers of each component; matrices row by row.
     pub(crate) given: Vec<(Quantity, Vec<Option<Vec<f64>>>)>,
     /// What it keeps for the next state.
-    pub(crate) memory: Option<serde_json::Value>,
+    pub(crate) memory: Option<Value>,
 }
 
 impl Own {
