@@ -269,7 +269,8 @@ impl Products {
 
     /// Asserts both against the second derivatives of the 237-bit scalar.
     fn assert_exact(&mut self, case: &Case) {
-        (self.bias(case), self.stiffness(case));
+        self.bias(case);
+        self.stiffness(case);
         let each = case.batch.rows();
         let check = |found: f64, terms: &mut dyn Iterator<Item = f64>, what: &str| {
             let (sum, size) = terms.fold((0.0, 1.0_f64), |(sum, size), x| (sum + x, size + x.abs()));

@@ -53,7 +53,7 @@ fn states_have_the_material_flow() {
         let path = folder.join(name);
         let path = path.to_str().unwrap();
         pintle(&["--force", "solve", deck, "--every", "0.2", "-o", path]).assert().success();
-        let done = pintle(&["eval", deck, "--states", path, "--outputs", "RES", "--format", "csv"]);
+        let mut done = pintle(&["eval", deck, "--states", path, "--outputs", "RES", "--format", "csv"]);
         let told = stdout(&done.assert().success());
         let mut lines = told.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let at = lines.next().unwrap().iter().position(|cell| *cell == "RES").unwrap();
