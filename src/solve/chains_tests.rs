@@ -119,6 +119,7 @@ fn rounded(like: &Solution<f64>, exact: &Solution<Wide>) -> Solution<f64> {
                 rotation: exact.rotation.map(Number::to_f64),
                 velocity: exact.velocity.map(Number::to_f64),
                 acceleration: exact.acceleration.map(Number::to_f64),
+                flow: exact.flow.map(Number::to_f64),
                 reaction: exact.reaction.map(Number::to_f64),
                 held: exact.held,
             };
