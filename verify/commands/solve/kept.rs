@@ -145,7 +145,7 @@ fn arrays_are_written_for_numpy() {
     let (head, body) = read("event.npy");
     assert!(head.contains("<U8") && body.len() == 3 * 8 * 4, "{head}");
     assert_eq!(char::from(body[0]), 's');
-    assert_eq!(files.len(), 18);
+    assert_eq!(files.len(), 21);
 }
 
 /// The page has a path of each node that moves, shaded stick, and as many frames as points; it loads nothing.
