@@ -31,7 +31,9 @@ pub fn estimate<R: Solvable>(
     if !witness.same_events || R::ROUNDING < f64::ROUNDING {
         return witness;
     }
-    if witness.largest() <= GROWN {
+    // When events are is found to no more digits, and costs no further runs.
+    let of_states = Difference { event: 0.0, ..witness };
+    if of_states.largest() <= GROWN {
         return largest(&[witness], SURE);
     }
     let trial = |trial, method| {
