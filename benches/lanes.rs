@@ -194,8 +194,9 @@ fn time(samples: usize, mut call: impl FnMut()) -> f64 {
     least * 1e9
 }
 
-/// Room for the rows of a case, and for its first tiles with second derivatives, a little further on in each round: where rows and tiles have addresses alike
-/// but for their upper digits, the processor waits, and that is chance.
+/// Room for the rows of a case, and for its first tiles with second derivatives, a little further on in each round.
+///
+/// Where rows and tiles have addresses alike but for their upper digits, the processor waits, and that is chance.
 struct Room {
     round: usize,
     rows: Vec<Row>,

@@ -103,7 +103,7 @@ def bias(of, x_a, triad_a, x_b, triad_b, v_a, w_a, v_b, w_b):
 
 
 def geometric_stiffness(of, x_a, triad_a, x_b, triad_b, forces):
-    """Σ_k λ_k ∂²c_k (n, 12, 12) of a connection type at n states: symmetric, by x_a, θ_a, x_b, θ_b.
+    """Σ_k λ_k ∂²c_k (n, 12, 12) of a connection type at n states: symmetric to rounding, by x_a, θ_a, x_b, θ_b.
 
     `forces` (n, 6) or (6,) are the λ of the components: multipliers of constraints, forces and moments of others; what the
     type has not is not read. Rotations vary along exp(δθ^) C. The other arrays are as in `rows`. Raises as `rows` does.

@@ -286,6 +286,23 @@ fn arrays_lie_as_they_do() {
     }
 }
 
+/// The sum of no rows is zero, whatever was there.
+#[test]
+fn no_rows_have_no_stiffness() {
+    let draw = &mut Draw::new("rows, none");
+    let case = case(&ConnectionType::named("LINK", None).unwrap(), draw, 5).unwrap();
+    let still = Node { displacement: [0.0; 3], triad: vector::identity(), flow: 0.0 };
+    let pair = Pair { reference: [1.0, 0.0, 0.0], a: still, b: still };
+    let link = Connector::<f64>::new(&Definition::new(ConnectionType::named("LINK", None).unwrap(), pair));
+    let none = Batch::new(&link, [false; 6]).unwrap();
+    let tiles = case.tiles();
+    let (sections, histories) = (vec![case.sections[0]; tiles.len()], vec![case.histories[0]; tiles.len()]);
+    let mut found = vec![[[[f64::NAN; 4]; 12]; 12]; tiles.len()];
+    none.geometric_stiffness_of(&tiles, &sections, &histories, &[], &mut found).unwrap();
+    assert!(!found.is_empty());
+    assert_eq!(found, vec![[[[0.0; 4]; 12]; 12]; tiles.len()]);
+}
+
 /// J̇v and Σ λ ∂²c of every type, from tiles and from arrays: the second derivatives of its rows, contracted.
 #[test]
 fn products_are_those_of_second_derivatives() {

@@ -49,7 +49,7 @@ impl<M: Made> WithSimd for Making<'_, M> {
 }
 
 impl Batch {
-    /// Finds the rows of some tiles at a time, and makes something of them. `room` has room for the rows of all tiles, or is used again.
+    /// The rows of some tiles at a time, which `room` takes, and what is made of them. Each part has room of its own where `room` is for all.
     fn make(&self, of: Slices<'_>, room: &mut [HessianRow], made: &mut impl Made) {
         let (each, count) = (self.rows(), of.tiles.len());
         let mut shapes = [Shape::NONE; ROWS];
@@ -57,10 +57,10 @@ impl Batch {
             *shape = Shape::of(*measure);
         }
         let (Some(shapes), Some(at_once)) = (shapes.get(..each), AT_ONCE.checked_div(each)) else { return };
-        let is_kept = room.len() >= count * each;
+        let is_for_all = room.len() >= count * each;
         for first in (0..count).step_by(at_once) {
             let these = first..count.min(first + at_once);
-            let from = if is_kept { first * each } else { 0 };
+            let from = if is_for_all { first * each } else { 0 };
             let found = room.get_mut(from..from + these.len() * each);
             let (Some(found), Some(slices)) = (found, of.part(these)) else { return };
             loops(self, slices, found);
@@ -68,7 +68,7 @@ impl Batch {
         }
     }
 
-    /// Room for rows of which nothing is kept.
+    /// Room for the rows of one part.
     fn room(&self, tiles: usize) -> Vec<HessianRow> {
         let at_once = AT_ONCE.checked_div(self.rows()).unwrap_or_default();
         vec![HessianRow::default(); tiles.min(at_once) * self.rows()]
@@ -96,7 +96,7 @@ impl Batch {
         Ok(())
     }
 
-    /// The geometric stiffness Σ_k λ_k ∂²c_k, symmetric, by x_a, θ_a, x_b, θ_b along x and exp(δθ^) C.
+    /// The geometric stiffness Σ_k λ_k ∂²c_k, symmetric to rounding, by x_a, θ_a, x_b, θ_b along x and exp(δθ^) C.
     ///
     /// - `multipliers`: of each tile λ for each of [`Batch::rows`] (force for lengths, moment for angles)
     /// - `out`: of each tile twelve rows of twelve columns
@@ -114,6 +114,9 @@ impl Batch {
         let slices = self.slices(tiles, sections, histories)?;
         same_length("multipliers", multipliers.len(), tiles.len() * self.rows())?;
         same_length("matrices", out.len(), tiles.len())?;
+        if self.rows() == 0 {
+            out.fill([[[0.0; LANES]; 12]; 12]);
+        }
         self.make(
             slices,
             &mut self.room(tiles.len()),
@@ -137,6 +140,45 @@ impl Batch {
     ///
     /// - `velocities`: those of a and of b
     /// - `out` (count, [`Batch::rows`]): (length or rad)/time²
+    ///
+    /// ```
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let thread = std::thread::Builder::new().stack_size(256 << 20);
+    /// # Ok(thread.spawn(|| example().map_err(|error| error.to_string()))?.join().expect("no panic")?)
+    /// # }
+    /// # fn example() -> Result<(), Box<dyn std::error::Error>> {
+    /// use pintle_kinematics::batch::{Array, Batch, History, Nodes, Orientation, Section, States, Velocities};
+    /// use pintle_kinematics::catalog::ConnectionType;
+    /// use pintle_kinematics::connector::{Connector, Definition};
+    /// use pintle_kinematics::node::{Node, Pair};
+    /// use pintle_kinematics::vector::identity;
+    ///
+    /// // A LINK of length 5 whose end b moves at right angles to it, with velocity 2: v²/l.
+    /// let still = Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 };
+    /// let initial = Pair { reference: [3.0, 4.0, 0.0], a: still, b: still };
+    /// let connector = Connector::new(&Definition::new(ConnectionType::named("LINK", None)?, initial));
+    /// let batch = Batch::new(&connector, [true; 6])?;
+    /// let (zero, triad) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    /// let node = Nodes {
+    ///     displacement: Array::shared(&zero),
+    ///     orientation: Orientation::Triad(Array::shared(&triad)),
+    /// };
+    /// let states = States {
+    ///     count: 1,
+    ///     reference: Array::shared(&initial.reference),
+    ///     nodes: [node; 2],
+    ///     sections: &[Section::new(&[&connector; 4])],
+    ///     histories: &[History::new(&[connector.initial_branch(); 4])],
+    /// };
+    /// let (resting, moving) = (Array::shared(&zero), [0.0, 0.0, 2.0]);
+    /// let a = Velocities { velocity: resting, angular_velocity: resting };
+    /// let b = Velocities { velocity: Array::shared(&moving), angular_velocity: resting };
+    /// let mut bias = [0.0];
+    /// batch.bias_of_states(&states, [a, b], &mut bias)?;
+    /// assert!((bias[0] - 0.8).abs() < 1e-15);
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
     /// [`BatchError::Length`] where an array is too short, or `out` has another length.
@@ -194,6 +236,9 @@ impl Batch {
         states.check()?;
         same_length("multipliers", multipliers.len(), count.saturating_mul(each))?;
         same_length("numbers of matrices", out.len(), count.saturating_mul(144))?;
+        if each == 0 {
+            out.fill(0.0);
+        }
         let mut own = vec![[0.0; LANES]; TILES * each];
         let mut found = [[[[0.0; LANES]; 12]; 12]; TILES];
         let mut room = self.room(TILES);

@@ -657,8 +657,8 @@ impl<R: Number> Run<'_, R> {
         self.project()
     }
 
-    /// Where what sets out is at the row of a table of rates, the table goes on to the side that it sets out to: that in which a friction slips,
-    /// else that of the acceleration.
+    /// What sets out may be at the row of a table of rates. The table goes on to the side that it sets out to: that in which a friction
+    /// slips, else that of the acceleration.
     fn span_ahead(&mut self, found: &Assembled<R>, solved: &Solved<R>) {
         let least = R::from_f64(1e-12 * self.speed());
         for (of, table) in self.mechanism.tables.iter().enumerate().filter(|(_, table)| table.is_rate) {
