@@ -187,7 +187,7 @@ const MANY: usize = 16_384;
 const AT_ONCE_OF_MANY: usize = 2048;
 
 /// How many of `count` states are read at a time.
-pub(super) const fn at_once(count: usize) -> usize {
+const fn at_once(count: usize) -> usize {
     if count < MANY { AT_ONCE } else { AT_ONCE_OF_MANY }
 }
 
@@ -291,45 +291,53 @@ impl Batch {
         let width = self.width(columns);
         same_length("values", values.len(), count.saturating_mul(each))?;
         same_length("rows", rows.len(), count.saturating_mul(width))?;
-        if count == 0 || each == 0 {
-            return Ok(());
-        }
-        let work = &mut Work::new(self, states);
         let is_dense = matches!(columns, Columns::Twelve);
         let places = if is_dense { Vec::new() } else { self.places_of_state(columns) };
-        let at_once = at_once(count);
-        for first in (0..count).step_by(at_once) {
-            let these = first..count.min(first + at_once);
+        let mut found = vec![CompactRow::default(); count.div_ceil(LANES).min(TILES) * each];
+        let (mut own_values, mut own_rows) = (Vec::new(), Vec::new());
+        self.in_blocks(states, |these, slices| {
+            let found = part(&mut found, slices.tiles.len() * each);
+            CompactRow::fill(self, slices, found);
+            let value = values.get_mut(these.start * each..these.end * each).unwrap_or_default();
+            let row = rows.get_mut(these.start * width..these.end * width).unwrap_or_default();
+            if is_dense && these.len().is_multiple_of(LANES) {
+                return spread(self, found, value, row.as_chunks_mut::<12>().0);
+            }
+            // Those of the last tile may be too many, and other columns are taken from twelve.
+            own_values.resize(found.len() * LANES, 0.0);
+            own_rows.resize(found.len() * LANES, [0.0; 12]);
+            spread(self, found, &mut own_values, &mut own_rows);
+            let dense = own_rows.as_flattened();
+            copy(&own_values, value);
+            if is_dense {
+                return copy(dense, row);
+            }
+            // None may be chosen.
+            let states = row.chunks_exact_mut(places.len().max(1)).zip(dense.chunks_exact(12 * each));
+            for (to, from) in states {
+                for i in 0..to.len().min(places.len()) {
+                    to[i] = from.get(places[i]).copied().unwrap_or(0.0);
+                }
+            }
+        });
+        Ok(())
+    }
+
+    /// Goes through states in blocks of [`TILES`] tiles; beyond the last state stands the last again.
+    pub(super) fn in_blocks(&self, states: &States<'_>, mut of_block: impl FnMut(Range<usize>, Slices<'_>)) {
+        if self.rows() == 0 {
+            return;
+        }
+        let mut work = Work::new(self, states);
+        let at_once = at_once(states.count);
+        for first in (0..states.count).step_by(at_once) {
+            let these = first..states.count.min(first + at_once);
             work.fill(self, states, &these);
             for first in these.clone().step_by(LANES * TILES) {
                 let these = first..these.end.min(first + LANES * TILES);
-                let value = values.get_mut(these.start * each..these.end * each);
-                let (Some(value), Some(row)) = (value, rows.get_mut(these.start * width..these.end * width))
-                else {
-                    break;
-                };
-                work.evaluate(self, states, &these);
-                if is_dense && these.len().is_multiple_of(LANES) {
-                    spread(self, &work.found, value, row.as_chunks_mut::<12>().0);
-                    continue;
-                }
-                work.spread_apart(self);
-                let dense = work.dense.as_flattened();
-                copy(&work.values, value);
-                if is_dense {
-                    copy(dense, row);
-                    continue;
-                }
-                // None may be chosen.
-                let states = row.chunks_exact_mut(places.len().max(1)).zip(dense.chunks_exact(12 * each));
-                for (to, from) in states {
-                    for i in 0..to.len().min(places.len()) {
-                        to[i] = from.get(places[i]).copied().unwrap_or(0.0);
-                    }
-                }
+                of_block(these.clone(), work.slices(states, &these));
             }
         }
-        Ok(())
     }
 
     /// The places of the numbers of a state among its rows of twelve columns; beyond them are those that are zero.
@@ -358,8 +366,8 @@ const IDENTITY: [[Four; 3]; 3] = [[ONE, ZERO, ZERO], [ZERO, ONE, ZERO], [ZERO, Z
 /// Nodes at the origin, along the axes.
 const STILL: Tile = Tile { reference: [ZERO; 3], displacement: [[ZERO; 3]; 2], triad: [IDENTITY, IDENTITY] };
 
-/// Room for a block of states, and for their rows.
-pub(super) struct Work {
+/// Room for states that are read at a time.
+struct Work {
     reference: Vec<[f64; 3]>,
     displacement: [Vec<[f64; 3]>; 2],
     triad: [Vec<[f64; 9]>; 2],
@@ -367,16 +375,11 @@ pub(super) struct Work {
     tiles: Vec<Tile>,
     /// The first state of the tiles.
     first: usize,
-    /// The rows of the tiles that there are now.
-    found: Vec<CompactRow>,
-    values: Vec<f64>,
-    dense: Vec<Dense>,
 }
 
 impl Work {
-    pub(super) fn new(batch: &Batch, states: &States<'_>) -> Self {
+    fn new(batch: &Batch, states: &States<'_>) -> Self {
         let tiles = states.count.min(at_once(states.count)).div_ceil(LANES);
-        let some = tiles.min(TILES);
         let needed = batch.measures().iter().map(|(_, measure)| measure.dependence());
         Self {
             reference: Vec::new(),
@@ -385,14 +388,11 @@ impl Work {
             needed: needed.fold(Dependence::default(), Dependence::or),
             tiles: vec![STILL; tiles],
             first: 0,
-            found: vec![CompactRow::default(); some * batch.rows()],
-            values: Vec::new(),
-            dense: Vec::new(),
         }
     }
 
     /// Takes some states, in tiles; the last tile is filled with the last state.
-    pub(super) fn fill(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
+    fn fill(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
         let [a, b] = states.nodes;
         let ([x_a, x_b], [triad_a, triad_b]) = (&mut self.displacement, &mut self.triad);
         let block = Block {
@@ -409,7 +409,7 @@ impl Work {
     }
 
     /// The tiles of some of these states, with what belongs to them.
-    pub(super) fn slices<'l>(&'l self, states: &States<'l>, these: &Range<usize>) -> Slices<'l> {
+    fn slices<'l>(&'l self, states: &States<'l>, these: &Range<usize>) -> Slices<'l> {
         let (count, first) = (these.len().div_ceil(LANES), these.start / LANES);
         fn of<T>(all: &[T], first: usize, count: usize) -> &[T] {
             if all.len() == 1 { all } else { all.get(first..first + count).unwrap_or_default() }
@@ -420,23 +420,6 @@ impl Work {
             sections: of(states.sections, first, count),
             histories: of(states.histories, first, count),
         }
-    }
-
-    /// The rows of some of these states.
-    fn evaluate(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
-        let count = these.len().div_ceil(LANES) * batch.rows();
-        let mut found = std::mem::take(&mut self.found);
-        CompactRow::fill(batch, self.slices(states, these), part(&mut found, count));
-        found.truncate(count);
-        self.found = found;
-    }
-
-    /// The rows found, state by state, with those of the last tile that are too many, in room of their own.
-    fn spread_apart(&mut self, batch: &Batch) {
-        let count = self.found.len() * LANES;
-        self.values.resize(count, 0.0);
-        self.dense.resize(count, [0.0; 12]);
-        spread(batch, &self.found, &mut self.values, &mut self.dense);
     }
 }
 

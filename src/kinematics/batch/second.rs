@@ -5,14 +5,13 @@
 
 use crate::batch::kernel::{Slices, loops};
 use crate::batch::layout::{Derivatives, Fused, HessianRow, Shape};
-use crate::batch::rows::{Array, Moves, States, TILES, Work, at_once, on_unit};
+use crate::batch::rows::{Array, Moves, States, TILES, on_unit};
 use crate::batch::tile::Four;
 use crate::batch::unit::Unit;
 use crate::batch::{Batch, BatchError, History, Layout, Section, Tile, same_length};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::vector::{Vector, cross, dot, sub};
 use pulp::{Simd, WithSimd};
-use std::ops::Range;
 
 /// Twelve numbers of four states by columns: x_a, θ_a, x_b, θ_b.
 pub type Columns12 = [Four; 12];
@@ -254,23 +253,6 @@ impl Batch {
             on_unit(self.arch, SpreadMatrices { found: &found, out: out.as_chunks_mut().0 });
         });
         Ok(())
-    }
-
-    /// Goes through states in blocks of [`TILES`] tiles; beyond the last state stands the last again.
-    fn in_blocks(&self, states: &States<'_>, mut of_block: impl FnMut(Range<usize>, Slices<'_>)) {
-        if self.rows() == 0 {
-            return;
-        }
-        let mut work = Work::new(self, states);
-        let at_once = at_once(states.count);
-        for first in (0..states.count).step_by(at_once) {
-            let these = first..states.count.min(first + at_once);
-            work.fill(self, states, &these);
-            for first in these.clone().step_by(LANES * TILES) {
-                let these = first..these.end.min(first + LANES * TILES);
-                of_block(these.clone(), work.slices(states, &these));
-            }
-        }
     }
 }
 
