@@ -305,7 +305,7 @@ impl Rows {
         let read = readonly(&NAMES, &arrays)?;
         let mut given = given(&read)?;
         let read = readonly(&VELOCITIES, &velocities)?;
-        let mut moving = of_vectors(&read)?;
+        let mut moving = of_forms(&VELOCITIES, [VECTOR; 4], &read)?;
         let all = given.iter().chain(&moving);
         let names: Vec<&str> = NAMES.into_iter().chain(VELOCITIES).collect();
         let (count, each) = (count(&names, all)?, self.batch.rows());
@@ -377,34 +377,24 @@ fn readonly<'py>(
     names: &[&str; 4],
     arrays: &[Bound<'py, PyAny>],
 ) -> PyResult<[PyReadonlyArrayDyn<'py, f64>; 4]> {
-    let [first, second, third, fourth] = arrays else {
+    let [one, two, three, four] = arrays else {
         return Err(PyValueError::new_err(format!("{} arrays where 4 are needed", arrays.len())));
     };
-    Ok([
-        doubles(names[0], first)?,
-        doubles(names[1], second)?,
-        doubles(names[2], third)?,
-        doubles(names[3], fourth)?,
-    ])
+    let [p, q, r, s] = names;
+    Ok([doubles(p, one)?, doubles(q, two)?, doubles(r, three)?, doubles(s, four)?])
+}
+
+/// Four arrays of these forms.
+fn of_forms<'a>(
+    names: &[&str; 4],
+    forms: [&[&'static [usize]]; 4],
+    of: &'a [PyReadonlyArrayDyn<'_, f64>; 4],
+) -> PyResult<[Given<'a>; 4]> {
+    let given = |i: usize| Given::new(names[i], of[i].as_array(), forms[i]);
+    Ok([given(0)?, given(1)?, given(2)?, given(3)?])
 }
 
 fn given<'a>(of: &'a [PyReadonlyArrayDyn<'_, f64>; 4]) -> PyResult<[Given<'a>; 4]> {
     const TRIAD: &[&[usize]] = &[&[3, 3], &[4], &[3]];
-    let [x_a, triad_a, x_b, triad_b] = of;
-    Ok([
-        Given::new(NAMES[0], x_a.as_array(), VECTOR)?,
-        Given::new(NAMES[1], triad_a.as_array(), TRIAD)?,
-        Given::new(NAMES[2], x_b.as_array(), VECTOR)?,
-        Given::new(NAMES[3], triad_b.as_array(), TRIAD)?,
-    ])
-}
-
-fn of_vectors<'a>(of: &'a [PyReadonlyArrayDyn<'_, f64>; 4]) -> PyResult<[Given<'a>; 4]> {
-    let [v_a, w_a, v_b, w_b] = of;
-    Ok([
-        Given::new(VELOCITIES[0], v_a.as_array(), VECTOR)?,
-        Given::new(VELOCITIES[1], w_a.as_array(), VECTOR)?,
-        Given::new(VELOCITIES[2], v_b.as_array(), VECTOR)?,
-        Given::new(VELOCITIES[3], w_b.as_array(), VECTOR)?,
-    ])
+    of_forms(&NAMES, [VECTOR, TRIAD, VECTOR, TRIAD], of)
 }
