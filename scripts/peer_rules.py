@@ -1,12 +1,13 @@
 """What the default rules of other derivative checkers notice: the table in docs/explanation/other-checkers.md, which `scripts/measure.py peer-rules` rewrites.
 
-Usage: python3 scripts/peer_rules.py --check     (needs cargo)
+Usage: python3 scripts/peer_rules.py --check     (needs cargo, or the example built in PINTLE_PEER_RULES)
 
 It tries all mutants again and compares: the same mistakes, as many mutants to one in a
 hundred, pintle notices each of them without a false alarm, and the others what is written to two in a hundred, for the last digits of
 sines and cosines differ between machines.
 """
 
+import os
 import pathlib
 import re
 import subprocess
@@ -44,7 +45,7 @@ def rows(table):
 
 
 def check():
-    written, now = rows(written_table()), rows(measured())
+    written, now = rows(written_table()), rows(measured(os.environ.get("PINTLE_PEER_RULES")))
     wrong = [f"only in one of them: {name}" for name in sorted(written.keys() ^ now.keys())]
     for name in written.keys() & now.keys():
         if name[1] == "*false alarms*":

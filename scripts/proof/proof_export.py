@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import os
 import pathlib
 import subprocess
 
@@ -16,7 +17,9 @@ SHAPES |= {"angles": 2, "tension": 2}
 
 
 def program():
-    """The path of the built program."""
+    """The path of the built program: that of PINTLE_PROGRAM, or cargo builds it."""
+    if os.environ.get("PINTLE_PROGRAM"):
+        return os.environ["PINTLE_PROGRAM"]
     command = ["cargo", "build", "--quiet", "--locked", "--all-features", "--bin", "pintle", "--message-format=json"]
     built = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
     messages = [json.loads(line) for line in built.stdout.splitlines() if line.startswith("{")]
