@@ -192,7 +192,7 @@ codes! {
     StatesTwoRotations = "states::two-rotations": "A node has a rotation vector and a quaternion in one state.";
     StatesQuaternionNorm = "states::quaternion-norm": "The norm of a quaternion differs from 1 by more than 1e-6.";
     StatesRotationTooLarge = "states::rotation-too-large": "A rotation vector is longer than 1e8 rad, where a double no longer resolves 1e-8 rad.";
-    StatesNoRotation = "states::no-rotation": "A state turns a node of a connector that has no rotational degrees of freedom. A node has them where a connector permits an orientation (not JOIN, AXIAL or LINK), or from ROTARYI, springs and dashpots in 4 to 6, the constraints BEAM, REVOLUTE and UNIVERSAL, beams, shells, rigid and user elements, or as the reference node of a rigid body or coupling.";
+    StatesNoRotation = "states::no-rotation": "A state turns a node of a connector that has no rotational degrees of freedom. A node has them where a connector permits an orientation (not JOIN, AXIAL or LINK), or from ROTARYI, springs and dashpots in 4 to 6, the constraints BEAM, REVOLUTE, UNIVERSAL and TIE to a node that has them, beams, shells, rigid and user elements, or as the reference node of a rigid body or coupling.";
     StatesOutOfPlane = "states::out-of-plane": "A state moves a node of a CONN2D2 element along 3, or turns it about 1 or 2.";
     StatesOrder = "states::order": "The numbers of the states do not increase, or the rows of one state have different times.";
     StatesEmpty = "states::empty": "The file has no state.";

@@ -80,6 +80,24 @@ impl NodeFreedom {
             let set = body.tie_set.as_ref().and_then(|name| scene.node_sets.get(&name.value));
             set.into_iter().flat_map(|set| &set.labels).copied().for_each(&mut turn);
         }
+        // What is tied to a node that turns turns with it, and so on along a chain of ties.
+        let mut tied: LabelMap<Vec<Label>> = LabelMap::default();
+        for mpc in scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated() == Some(Kind::Tie)) {
+            for node in &mpc.nodes {
+                tied.entry(*node).or_default().extend(mpc.nodes.iter().filter(|other| *other != node));
+            }
+        }
+        let turns = |node: &Label| nodes.get(node).is_some_and(|freedom| freedom.rotates);
+        let mut turning: Vec<Label> = tied.keys().copied().filter(turns).collect();
+        while let Some(node) = turning.pop() {
+            for other in tied.get(&node).into_iter().flatten() {
+                let freedom = nodes.entry(*other).or_default();
+                if !freedom.rotates {
+                    freedom.rotates = true;
+                    turning.push(*other);
+                }
+            }
+        }
         Self { nodes, two_dimensional: scene.two_dimensional }
     }
 

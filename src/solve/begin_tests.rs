@@ -255,7 +255,7 @@ fn a_drive_through_rest_goes_on() {
         solve::<f64>(&scene, &options).map_err(|ended| format!("at {}: {}", ended.time, ended.why))
     };
     let [one, other] = [Method::Extrapolation, Method::Collocation].map(|method| run(method).unwrap());
-    let apart = one.difference(&other, 1.0);
+    let apart = one.difference(&other);
     let last = one.frames.last().unwrap();
     println!("{} and {} steps, {apart:?}, {:?}", one.steps, other.steps, last.connectors[0].displacement);
     assert!(apart.largest() < 1e-11, "{apart:?}");

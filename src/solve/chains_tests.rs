@@ -143,11 +143,10 @@ fn errors_of_fast_chains_are_as_large_as_is_said() {
         let options = Options { until: Some(until), times: vec![until / 2.0], ..Options::default() };
         let witness = Options { method: Method::Collocation, ..options.clone() };
         let [one, other] = [&options, &witness].map(|of| solve::<f64>(&scene, of).unwrap());
-        let length = 1.0;
-        let apart = one.difference(&other, length);
-        let said = estimate(&scene, &options, (&one, apart.clone()), length);
+        let apart = one.difference(&other);
+        let said = estimate(&scene, &options, (&one, apart.clone()));
         let exact = solve::<Wide>(&scene, &Options { digits: 16, ..options.clone() }).unwrap();
-        let truth = one.difference(&rounded(&one, &exact), length);
+        let truth = one.difference(&rounded(&one, &exact));
         println!(
             "chain {seed}: {} steps; two methods {:.1e}, said {:.1e}, true {:.1e}, {} runs",
             one.steps,

@@ -21,12 +21,11 @@ const SURE: f64 = 3.0;
 /// The same where rounding grows and no other run but its witness has the events of the solution, or one alone.
 const LESS_SURE: [f64; 2] = [10.0, 5.0];
 
-/// The error of a solution, whose difference from its witness is known. On 237 bits it is that difference. `length` is the size of the model.
+/// The error of a solution, whose difference from its witness is known. On 237 bits it is that difference.
 pub fn estimate<R: Solvable>(
     scene: &Scene,
     options: &Options,
     (solution, witness): (&Solution<R>, Difference),
-    length: f64,
 ) -> Difference {
     if !witness.same_events || R::ROUNDING < f64::ROUNDING {
         return witness;
@@ -38,7 +37,7 @@ pub fn estimate<R: Solvable>(
     }
     let trial = |trial, method| {
         let options = Options { trial, method, reached: None, ..options.clone() };
-        solve::<R>(scene, &options).ok().map(|other| solution.difference(&other, length))
+        solve::<R>(scene, &options).ok().map(|other| solution.difference(&other))
     };
     let others = thread::scope(|scope| {
         let second = scope.spawn(|| trial(2, Method::Collocation));

@@ -81,7 +81,7 @@ fn a_pendulum_on_237_bits() {
     let options = Options { digits: 36, until: Some(0.5), ..Options::default() };
     let one: Solution<Wide> = solved(PENDULUM, &options);
     let other: Solution<Wide> = solved(PENDULUM, &Options { method: Method::Collocation, ..options });
-    let apart = one.difference(&other, 1.0);
+    let apart = one.difference(&other);
     println!("{} and {} evaluations: {apart:?}", one.evaluations, other.evaluations);
     assert!(apart.compared > 50 && apart.largest() < 1e-33, "{apart:?}");
 }
@@ -235,7 +235,7 @@ fn on_the_rail(amplitude: &str, length: &str, load: &str) -> ([Solution<f64>; 2]
     let deck = RAIL.replace("ITS LINES", amplitude).replace("LENGTH", length).replace("PUSH", load);
     let both = [Method::Extrapolation, Method::Collocation]
         .map(|method| solved::<f64>(&deck, &Options { method, ..Options::default() }));
-    let apart = both[0].difference(&both[1], 1.0).largest();
+    let apart = both[0].difference(&both[1]).largest();
     (both, apart)
 }
 
@@ -668,7 +668,7 @@ fn obeys(name: &str, allowed: f64, expected: usize, seen: &mut Seen) {
     let options = Options { most_steps: FEW, times, ..Options::default() };
     let one: Solution<f64> = solved(deck, &options);
     let other: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..options });
-    let apart = one.difference(&other, 1.0);
+    let apart = one.difference(&other);
     assert!(apart.largest() <= allowed && apart.event * end <= EVENT, "{name}: {apart:?}");
     assert_eq!(one.events.len(), expected, "{name}");
     assert!(one.violation < 5e-15 && one.lipschitz < 1.0, "{name}: {} {}", one.violation, one.lipschitz);
@@ -778,7 +778,7 @@ fn times_that_are_asked_for_change_no_event() {
             let options = Options { times: times.clone(), most_steps: FEW, ..Options::default() };
             let one: Solution<f64> = solved(deck, &options);
             let other: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..options });
-            let apart = one.difference(&other, 1.0);
+            let apart = one.difference(&other);
             assert!(apart.largest() <= allowed, "{name} at {times:?}: {apart:?}");
             assert_eq!(one.events.len(), expected, "{name} at {times:?}");
             (lists, events) = (lists + 1, events + one.events.len());
@@ -948,7 +948,7 @@ fn a_force_passes_zero_on_237_bits() {
     let other: Solution<Wide> = solved(&deck, &Options { method: Method::Collocation, ..options });
     let force = |frame: usize| one.frames[frame].connectors[0].total[1].to_f64();
     assert!(force(0) * force(one.frames.len() - 1) < 0.0, "{} {}", force(0), force(one.frames.len() - 1));
-    let apart = one.difference(&other, 1.0);
+    let apart = one.difference(&other);
     println!("{apart:?}");
     assert!(apart.compared > 20 && apart.largest() < 1e-15, "{apart:?}");
 }
@@ -1102,7 +1102,7 @@ fn elastic_stick_is_a_spring() {
     let deck = reference("drawer").replace("PREDEFINED", "PREDEFINED, STICK STIFFNESS=20000.");
     let one: Solution<f64> = solved(&deck, &elastic);
     let other: Solution<f64> = solved(&deck, &Options { method: Method::Collocation, ..elastic });
-    let apart = one.difference(&other, 1.0);
+    let apart = one.difference(&other);
     assert!(apart.compared > 50 && apart.largest() < 1e-10, "{apart:?}");
     for frame in soft.frames.iter().chain(&one.frames) {
         assert!(frame.energies.balance.abs() < 1e-12, "{:?}", frame.energies);
@@ -1267,6 +1267,31 @@ fn small_units_change_nothing() {
     for k in 1..3 {
         assert!((one[k] - other[k] * 1e6).abs() < 1e-7, "{one:?} {other:?}");
     }
+}
+
+/// Nodes that coincide have no size: how far they go is it. A millionth of a load moves them a millionth as far, with as many digits.
+#[test]
+fn what_has_no_length_is_sized_by_its_motion() {
+    let times = vec![0.3, 1.1, 2.6, 4.0];
+    let [usual, small, tiny] = ["10.", "1e-5", "1e-14"].map(|load| {
+        let deck = reference("oscillator").replace("2, 1, 10.", &format!("2, 1, {load}"));
+        let options = Options { times: times.clone(), ..Options::default() };
+        let [one, other] = [Method::Extrapolation, Method::Collocation]
+            .map(|method| solved::<f64>(&deck, &Options { method, ..options.clone() }));
+        assert!(one.difference(&other).largest() < 1e-13, "{:?}", one.difference(&other));
+        one
+    });
+    let mut compared = 0;
+    for (scaled, by) in [(&small, 1e6), (&tiny, 1e15)] {
+        assert!((scaled.length * by / usual.length - 1.0).abs() < 1e-3, "{} {}", scaled.length, usual.length);
+        for (one, other) in usual.frames.iter().zip(&scaled.frames) {
+            let [(x, v), (y, w)] =
+                [one, other].map(|frame| (frame.nodes[1].displacement[0], frame.nodes[1].velocity[0]));
+            assert!((x - y * by).abs() < 1e-13 && (v - w * by).abs() < 1e-12, "{x} {y:e}, {v} {w:e}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 12);
 }
 
 /// A collar on a shaft that a smooth step turns, from rest and to rest, so that both ends graze. Friction holds its load until then. It creeps along

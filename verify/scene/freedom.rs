@@ -106,6 +106,8 @@ fn rotations_come_from_elsewhere() {
         ("*MPC\nREVOLUTE, 3, 2, 4".to_string(), [false, true]),
         ("*MPC\nPIN, 1, 3".to_string(), [false, false]),
         ("*MPC\nLINK, 1, 3".to_string(), [false, false]),
+        ("*MPC\nTIE, 1, 3".to_string(), [false, false]),
+        (format!("{}\n*MPC\nTIE, 1, 3\nTIE, 4, 3", element("ROTARYI", "4")), [true, false]),
         // Elements and constraints that are skipped.
         (element("B31", "1, 3"), [true, false]),
         (element("S4R", "1, 2,\n 3, 4"), [true, true]),

@@ -114,6 +114,8 @@ pub struct Model {
     /// The size of lengths in the model: the mean length of its connectors whose nodes are apart, else the diagonal of the box
     /// that holds its nodes, else 1.
     pub length: f64,
+    /// The same, where the model has a size: its nodes do not all coincide.
+    pub extent: Option<f64>,
     /// Rules broken that warn instead of refusing.
     pub warnings: Vec<Diagnostic>,
 }
@@ -163,7 +165,9 @@ impl Model {
 
     /// Resolves a scene. Each error is told, which says whether to go on.
     fn resolve(scene: &Scene, tell: &mut dyn FnMut(Refusal) -> bool) -> Self {
-        let mut model = Self { schedule: Schedule::new(scene), length: size(scene), ..Self::default() };
+        let extent = extent(scene);
+        let mut model =
+            Self { schedule: Schedule::new(scene), length: extent.unwrap_or(1.0), extent, ..Self::default() };
         let drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
             .map_err(|error| error.in_file(&scene.name));
         let drives = match drives {
@@ -573,8 +577,8 @@ fn mean_length(scene: &Scene) -> Option<f64> {
     (!lengths.is_empty()).then(|| lengths.iter().sum::<f64>() / lengths.len() as f64)
 }
 
-/// See [`Model::length`].
-fn size(scene: &Scene) -> f64 {
+/// See [`Model::extent`].
+fn extent(scene: &Scene) -> Option<f64> {
     let diagonal = || {
         let mut corners: Option<[[f64; 3]; 2]> = None;
         for node in scene.nodes.values() {
@@ -585,7 +589,7 @@ fn size(scene: &Scene) -> f64 {
         corners.map_or(0.0, |[low, high]| norm(sub(high, low)))
     };
     let found = mean_length(scene).unwrap_or_else(diagonal);
-    if found > 0.0 && found.is_finite() { found } else { 1.0 }
+    (found > 0.0 && found.is_finite()).then_some(found)
 }
 
 /// A number that tells a behaviour from others: FNV-1a over what the deck says.

@@ -1,7 +1,6 @@
 //! The problems of `references/`, by their names.
 
 use super::Failure;
-use pintle_model::evaluate::Model;
 use pintle_scene::{GALLERY, Scene};
 use pintle_solve::{Difference, Method, Options, REFERENCES, Refusal, Solution, estimate, solve};
 
@@ -22,9 +21,8 @@ pub(super) fn both(scene: &Scene, times: Vec<f64>) -> Result<(Solution<f64>, Dif
     let (one, other) = rayon::join(|| solve(scene, &options), || solve(scene, &witness));
     let [one, other] = [one, other].map(|of| of.map_err(|ended| Failure::Input(told(&ended.why))));
     let one = one?;
-    let length = size(scene);
-    let difference = one.difference(&other?, length);
-    let difference = estimate(scene, &options, (&one, difference), length);
+    let difference = one.difference(&other?);
+    let difference = estimate(scene, &options, (&one, difference));
     Ok((one, difference))
 }
 
@@ -41,9 +39,4 @@ pub(super) fn told(why: &Refusal) -> String {
         Refusal::Scene(diagnostic) => diagnostic.to_string(),
         Refusal::Of { what, why, remedy } => format!("{what}: {why}\n  help: {remedy}"),
     }
-}
-
-/// The size of lengths.
-pub(super) fn size(scene: &Scene) -> f64 {
-    Model::compile(scene).map_or(1.0, |model| model.length)
 }

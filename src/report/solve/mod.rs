@@ -25,8 +25,6 @@ pub struct Facts<'a> {
     pub scene: &'a str,
     /// The digits asked for.
     pub digits: usize,
-    /// The size of the model.
-    pub length: f64,
     /// How far the witness is from it, where there is one.
     pub difference: Option<&'a Difference>,
     /// How far rigid stick is from it, where its stick is elastic.
@@ -244,7 +242,7 @@ pub fn human<R: Number>(
     }
     if let Some(last) = last {
         writeln!(out)?;
-        state(out, solution, last, (&number, digits, facts.length))?;
+        state(out, solution, last, (&number, digits))?;
     }
     if let Some(why) = facts.ended {
         writeln!(out)?;
@@ -257,9 +255,9 @@ fn state<R: Number>(
     out: &mut dyn Write,
     solution: &Solution<R>,
     frame: &Frame<R>,
-    (number, digits, length): (&dyn Fn(R) -> String, usize, f64),
+    (number, digits): (&dyn Fn(R) -> String, usize),
 ) -> io::Result<()> {
-    let scales = solution.scales(length);
+    let scales = solution.scales();
     // A number is known to the last digit of the largest of its kind.
     let known = |x: R, scale: f64| {
         let beyond = (x.to_f64().abs() / scale).log10().ceil().min(0.0);
@@ -276,7 +274,7 @@ fn state<R: Number>(
             }
             rows.push(vec![
                 format!("{title} {}", COMPONENT[k]),
-                known(of.displacement[k], if k < 3 { length } else { 1.0 }),
+                known(of.displacement[k], if k < 3 { solution.length } else { 1.0 }),
                 known(of.velocity[k], scales.velocity[k / 3]),
                 if of.open[k] { "open".to_string() } else { known(of.total[k], scales.force[k / 3]) },
                 match of.open_friction[k] {

@@ -15,6 +15,16 @@ pub(crate) struct System<R> {
     right: Vec<Vec<R>>,
 }
 
+/// Newton's matrix of static equilibria. It is formed at the beginning of a step and serves all within it, as long as it is near enough.
+#[derive(Clone, Debug)]
+pub(crate) struct Newton<R> {
+    /// The degrees of freedom that it is of.
+    pub(crate) columns: Vec<usize>,
+    pub(crate) matrix: System<R>,
+    /// The sign of its determinant.
+    pub(crate) sign: f64,
+}
+
 /// A pivot that rounding explains: its column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NoPivot {

@@ -306,6 +306,15 @@ impl<R: Number> Mechanism<R> {
         Ok(mechanism)
     }
 
+    /// The largest radius of gyration √(I/m) of a body.
+    pub(crate) fn gyration(&self) -> f64 {
+        let all = self.bodies.iter().filter(|body| R::ZERO.less(body.mass)).map(|body| {
+            let most = (0..3).map(|k| body.inertia[k][k].to_f64()).fold(0.0, f64::max);
+            (most / body.mass.to_f64()).sqrt()
+        });
+        all.filter(|x| x.is_finite()).fold(0.0, f64::max)
+    }
+
     /// Masses, inertias and gravity.
     fn weigh(&mut self, scene: &Scene, places: &Places) -> Result<(), Refusal> {
         let members = |set: &str| {

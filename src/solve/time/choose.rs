@@ -279,6 +279,8 @@ impl<R: Number> Run<'_, R> {
         const MOMENT: f64 = 1e-3;
         /// Below this part of the usual speed nothing moves.
         const STILL: f64 = 1e-10;
+        /// What has no more than so many least ways to go before it rests is at rest: how it slows down is known to rounding of its direction.
+        const NOTHING: f64 = 32.0;
         /// What sets out with an acceleration has half of its rate in half of the time; what grazes has less than this part.
         const GRAZES: f64 = 0.35;
         let none = vec![None; open.len()];
@@ -320,7 +322,7 @@ impl<R: Number> Run<'_, R> {
                 return None;
             }
             // What comes to rest at the next break, and has nothing left to go, is at rest.
-            if size.to_f64() * (next - now.to_f64()) <= 4.0 * self.least_way() {
+            if size.to_f64() * (next - now.to_f64()) <= NOTHING * self.least_way() {
                 return None;
             }
             let mut along = along.map(|x| x / size);

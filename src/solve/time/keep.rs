@@ -46,6 +46,8 @@ pub struct Kept<R> {
     stored_is_open: bool,
     #[serde(default)]
     liveliest: f64,
+    #[serde(default)]
+    farthest: f64,
 }
 
 /// Where a run is kept, and how often.
@@ -100,6 +102,7 @@ impl<R: Number> Run<'_, R> {
             changed: self.solution.changed,
             stored_is_open: self.solution.stored_is_open,
             liveliest: self.solution.liveliest,
+            farthest: self.solution.farthest,
         });
         keeping.last = time::Instant::now();
     }
@@ -129,6 +132,7 @@ impl<R: Number> Run<'_, R> {
         self.solution.changed = kept.changed;
         self.solution.stored_is_open = kept.stored_is_open;
         self.solution.liveliest = kept.liveliest;
+        self.solution.farthest = kept.farthest;
         self.is_launched = true;
         self.is_resumed = true;
         kept.is_done

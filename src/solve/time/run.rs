@@ -2,6 +2,7 @@
 
 use crate::fault::{Fault, has};
 use crate::motion::equations::Solved;
+use crate::motion::linear::Newton;
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, TIE, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
@@ -51,6 +52,8 @@ pub struct Options {
     pub most_steps: usize,
     /// Which of several runs that differ by their steps and rounding alone; 0 is the run itself.
     pub trial: u8,
+    /// The size of lengths; none is that of the mechanism, see [`Solution::length`].
+    pub length: Option<f64>,
     /// Where the time is kept that has been reached, as the bits of a double: for those who wait.
     pub reached: Option<Arc<AtomicU64>>,
 }
@@ -66,6 +69,7 @@ impl Default for Options {
             stick: Stick::default(),
             most_steps: 1_000_000,
             trial: 0,
+            length: None,
             reached: None,
         }
     }
@@ -90,6 +94,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) rule: Rule<R>,
     /// That of static slips along curves.
     pub(crate) radau: Option<Tableau<R>>,
+    /// What static equilibria are found by.
+    pub(crate) newton: Option<Newton<R>>,
     pub(crate) mechanism: Mechanism<R>,
     pub(crate) beginnings: Beginnings,
     pub(crate) step: usize,
@@ -199,6 +205,49 @@ fn solve_on<R: Number>(
     }
 }
 
+/// The size of lengths: that of the model. Where all its nodes coincide: how far a node goes, and no less than the
+/// largest radius of gyration.
+fn size(scene: &Scene, model: &Model, options: &Options, gyration: f64) -> f64 {
+    /// How many digits a trial has.
+    const DIGITS: usize = 7;
+    /// How many times less than the size of its trial a motion may be, to be known by it.
+    const KNOWN: f64 = 1e3;
+    /// How often the size is sought again, each time by so much less: lengths may be metres in a model of micrometres.
+    const TRIALS: usize = 4;
+    if let Some(length) = options.length.or(model.extent) {
+        return length;
+    }
+    let is_body = gyration > 0.0;
+    let mut length = if is_body { gyration } else { 1.0 };
+    for _ in 0..TRIALS {
+        let options = Options {
+            digits: DIGITS,
+            method: Method::Extrapolation,
+            times: Vec::new(),
+            length: Some(length),
+            trial: 0,
+            reached: None,
+            ..options.clone()
+        };
+        let goes = match solve::<f64>(scene, &options) {
+            Ok(solution) => solution.farthest,
+            Err(ended) => ended.solution.farthest,
+        };
+        if !(goes > f64::MIN_POSITIVE && goes.is_finite()) {
+            break;
+        }
+        if is_body {
+            return length.max(goes);
+        }
+        let is_known = goes * KNOWN > length;
+        length = goes;
+        if is_known {
+            break;
+        }
+    }
+    length
+}
+
 impl<R> Solution<R> {
     fn empty(method: Method) -> Self {
         Self {
@@ -215,6 +264,8 @@ impl<R> Solution<R> {
             changed: 0.0,
             stored_is_open: false,
             liveliest: 0.0,
+            farthest: 0.0,
+            length: 1.0,
         }
     }
 }
@@ -249,7 +300,7 @@ fn refuse_unread(scene: &Scene) -> Result<(), Refusal> {
 impl<'a, R: Number> Run<'a, R> {
     pub(crate) fn new(scene: &'a Scene, model: &'a Model, options: &'a Options) -> Result<Self, Refusal> {
         refuse_unread(scene)?;
-        let mechanism: Mechanism<R> = Mechanism::new(scene, model, 0)?;
+        let mut mechanism: Mechanism<R> = Mechanism::new(scene, model, 0)?;
         if mechanism.schedule.is_empty() {
             return Err(Refusal::of(
                 &scene.name,
@@ -257,6 +308,7 @@ impl<'a, R: Number> Run<'a, R> {
                 "begin with *STEP, *DYNAMIC or *STATIC with its initial increment and length, *END STEP",
             ));
         }
+        mechanism.length = size(scene, model, options, mechanism.gyration());
         let zero = R::ZERO;
         let mut state = State {
             time: zero,
@@ -295,6 +347,7 @@ impl<'a, R: Number> Run<'a, R> {
             }
         }
         let mut solution = Solution::empty(options.method);
+        solution.length = mechanism.length;
         solution.nodes = mechanism.bodies.iter().map(|body| body.label).collect();
         solution.connectors =
             mechanism.joints.iter().map(|joint| (joint.label, joint.title.clone())).collect();
@@ -305,6 +358,7 @@ impl<'a, R: Number> Run<'a, R> {
             options,
             rule,
             radau: None,
+            newton: None,
             beginnings: Beginnings::default(),
             step: 0,
             modes: Modes::none(),
@@ -355,6 +409,7 @@ impl<'a, R: Number> Run<'a, R> {
                 let stiffness = std::mem::take(&mut self.mechanism.stiffness);
                 self.mechanism = Mechanism::new(self.scene, self.model, step)?;
                 self.mechanism.stiffness = stiffness;
+                self.mechanism.length = self.solution.length;
             }
             self.step = step;
             self.is_still = !is_dynamic;

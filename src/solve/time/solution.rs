@@ -177,6 +177,10 @@ pub struct Solution<R> {
     pub stored_is_open: bool,
     /// The largest kinetic energy on the way.
     pub liveliest: f64,
+    /// How far a node goes on the way, along an axis.
+    pub farthest: f64,
+    /// The size of lengths: that of the model; where all its nodes coincide, how far one goes, and no less than the largest radius of gyration.
+    pub length: f64,
 }
 
 /// How far two solutions of one mechanism are apart.
@@ -244,7 +248,8 @@ impl<R: Number> Energies<R> {
 impl<R: Number> Solution<R> {
     /// The largest numbers of each kind. A force counts as a moment too, at an arm as long as the model, and the other way round. What is far
     /// slower than once through the model in the whole time is at rest, and its energies are next to the work of the forces.
-    pub fn scales(&self, length: f64) -> Scales {
+    pub fn scales(&self) -> Scales {
+        let length = self.length;
         /// A kind that is less than this part of what it could be is rounding.
         const LEAST: f64 = 1e-3;
         let largest = |of: &dyn Fn(&Frame<R>) -> Vec<R>| {
@@ -278,8 +283,9 @@ impl<R: Number> Solution<R> {
         }
     }
 
-    /// How far another solution with the same frames is from this one. `length` is the size of the model.
-    pub fn difference(&self, other: &Self, length: f64) -> Difference {
+    /// How far another solution with the same frames is from this one.
+    pub fn difference(&self, other: &Self) -> Difference {
+        let length = self.length;
         let mut found = Difference { same_events: true, runs: 2, ..Difference::default() };
         // What ends as it begins may have events beyond its last frame.
         let ends = |of: &Self| {
@@ -302,7 +308,7 @@ impl<R: Number> Solution<R> {
         let common = self.events.len().min(other.events.len());
         let more = self.events.get(common).or(other.events.get(common));
         found.others_from = found.others_from.or(more.map(|event| event.time.to_f64()));
-        let Scales { velocity: speeds, force: forces, energy } = self.scales(length);
+        let Scales { velocity: speeds, force: forces, energy } = self.scales();
         let compare = |into: &mut f64, count: &mut usize, one: &[R], two: &[R], scale: f64| {
             for (x, y) in one.iter().zip(two) {
                 *into = into.max((*x - *y).to_f64().abs() / scale);

@@ -224,7 +224,8 @@ impl<R: Number> Run<'_, R> {
     /// A size of works: masses, speeds and lengths by their units.
     pub(crate) fn work(&self) -> f64 {
         let masses = self.mechanism.bodies.iter().map(|body| body.mass.to_f64().abs());
-        masses.fold(1.0, f64::max) * self.mechanism.length.powi(2)
+        let heaviest = masses.fold(0.0, f64::max);
+        (if heaviest > 0.0 { heaviest } else { 1.0 }) * self.mechanism.length.powi(2)
     }
 
     /// The largest speed until now, lengths by the size of the model.
@@ -942,6 +943,8 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         self.layout.arrange(&found);
+        let far = next.poses.iter().flat_map(|pose| pose.displacement).map(|x| x.to_f64().abs());
+        self.solution.farthest = far.fold(self.solution.farthest, f64::max);
         if !self.is_still {
             self.solution.liveliest = self.solution.liveliest.max(found.kinetic().to_f64());
         }

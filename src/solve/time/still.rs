@@ -9,7 +9,7 @@
 //! Rates are zero on it: dampers take nothing, μ is that of rest. Energies are the work along it, from its first equilibrium on.
 
 use crate::motion::equations::Solved;
-use crate::motion::linear::System;
+use crate::motion::linear::{Newton, System};
 use crate::motion::mechanism::Mechanism;
 use crate::motion::mode::{Cause, Does, Mode, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Layout, Trouble};
@@ -185,6 +185,7 @@ impl<R: Number> Run<'_, R> {
     fn relay(&mut self) -> Result<(), Refusal> {
         let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+        self.newton = None;
         Ok(())
     }
 
@@ -245,84 +246,19 @@ impl<R: Number> Run<'_, R> {
         near: &[R],
         slips: &[(usize, R)],
     ) -> Result<Found<R>, Refusal> {
-        const ITERATIONS: usize = 40;
         let zero = R::ZERO;
         let n = self.layout.columns.len();
-        let size = |dof: usize| if dof % DOFS < 3 { self.mechanism.length } else { 1.0 };
-        let sizes: Vec<R> = self.layout.columns.iter().map(|dof| R::from_f64(size(*dof))).collect();
-        let lost = |run: &Self| {
-            Refusal::of(
-                "the static path",
-                &format!(
-                    "no equilibrium follows at time {}: it is not unique there, or there is none (a limit point)",
-                    run.state.time.to_f64()
-                ),
-                "hold or spring what moves freely, load less, or use *DYNAMIC",
-            )
-        };
-        let step = R::from_f64(R::ROUNDING.powf(1.0 / 3.0));
-        let (half, small) = (R::ratio(1, 2), R::from_f64(8.0 * R::ROUNDING));
-        let mut by = if near.len() == n { near.to_vec() } else { vec![zero; n] };
+        let start = if near.len() == n { near.to_vec() } else { vec![zero; n] };
         let beginning = self.beginning(slips).map_err(|trouble| self.say(trouble))?;
-        let mut sign = 0.0;
-        let mut before = f64::INFINITY;
-        for iteration in 0..ITERATIONS {
-            let residual = self.unbalance(time, &by, &beginning).map_err(|trouble| self.say(trouble))?;
-            if n == 0 {
-                break;
-            }
-            let mut matrix = System::new(n, 1);
-            let mut plain = nalgebra::DMatrix::<f64>::zeros(n, n);
-            for j in 0..n {
-                let h = step * sizes[j];
-                let at = |sign: R| {
-                    let mut other = by.clone();
-                    other[j] = other[j] + sign * h;
-                    self.unbalance(time, &other, &beginning)
-                };
-                let [above, below] = [R::integer(1), R::integer(-1)].map(at);
-                let (above, below) = (
-                    above.map_err(|trouble| self.say(trouble))?,
-                    below.map_err(|trouble| self.say(trouble))?,
-                );
-                for i in 0..n {
-                    let slope = (above[i] - below[i]) * half / h;
-                    matrix.add(i, j, slope);
-                    plain[(i, j)] = slope.to_f64() * (sizes[j] / sizes[i]).to_f64();
-                }
-            }
-            self.solution.evaluations += 2 * n + 1;
-            for (i, x) in residual.iter().enumerate() {
-                matrix.add(i, n, -*x);
-            }
-            if iteration == 0 {
-                // The determinant by its sign alone, of a matrix whose rows have the size 1.
-                for mut row in plain.row_iter_mut() {
-                    let most = row.amax();
-                    if most > 0.0 {
-                        row /= most;
-                    }
-                }
-                sign = plain.determinant();
-            }
-            let found = matrix.solve().map_err(|_| lost(self))?;
-            let change = found.into_iter().next().unwrap_or_default();
-            if !change.iter().all(|x| is_finite(*x)) {
-                return Err(lost(self));
-            }
-            let most = largest(change.iter().zip(&sizes).map(|(x, size)| *x / *size));
-            by.iter_mut().zip(&change).for_each(|(x, more)| *x = *x + *more);
-            let now = most.to_f64();
-            // As small as rounding leaves it.
-            let is_done = !small.less(most) || now < 1e5 * R::ROUNDING && now > before * 0.3;
-            if is_done {
-                break;
-            }
-            before = now;
-            if iteration + 1 == ITERATIONS || now > 1e3 {
-                return Err(lost(self));
-            }
-        }
+        let kept = self.newton.take().filter(|kept| kept.columns == self.layout.columns);
+        let reused = kept.is_some();
+        let found = match self.iterated(time, start.clone(), &beginning, kept) {
+            Err(_) if reused => self.iterated(time, start, &beginning, None),
+            found => found,
+        };
+        let (by, newton) = found?;
+        let sign = newton.as_ref().map_or(0.0, |newton| newton.sign);
+        self.newton = newton;
         self.solution.steps += 1;
         let (state, found, mut solved) =
             self.moved(time, &by, &beginning).map_err(|trouble| self.say(trouble))?;
@@ -330,6 +266,117 @@ impl<R: Number> Run<'_, R> {
         let positions =
             self.mechanism.sliders.iter().map(|slider| found.joints[slider.joint].position).collect();
         Ok(Found { state, solved, positions, by, curve: None, sign })
+    }
+
+    /// Newton's method from degrees of freedom on, with a matrix that is formed again where it is no longer near enough.
+    fn iterated(
+        &mut self,
+        time: R,
+        mut by: Vec<R>,
+        beginning: &Before<'_, R>,
+        mut newton: Option<Newton<R>>,
+    ) -> Result<(Vec<R>, Option<Newton<R>>), Refusal> {
+        const ITERATIONS: usize = 120;
+        /// What a matrix leaves of a change, at most, for it to be kept.
+        const LEFT: f64 = 0.1;
+        let n = self.layout.columns.len();
+        if n == 0 {
+            // It says what cannot be solved.
+            self.unbalance(time, &by, beginning).map_err(|trouble| self.say(trouble))?;
+            return Ok((by, None));
+        }
+        let sizes = self.sizes();
+        let small = 8.0 * R::ROUNDING;
+        let noise = 1e5 * R::ROUNDING;
+        let reused = newton.is_some();
+        // The change before, by this matrix; and whether this matrix is known to be near enough.
+        let (mut before, mut is_near) = (f64::INFINITY, false);
+        for _ in 0..ITERATIONS {
+            let residual = self.unbalance(time, &by, beginning).map_err(|trouble| self.say(trouble))?;
+            self.solution.evaluations += 1;
+            let is_formed = newton.is_none();
+            let now = match newton.take() {
+                Some(known) => known,
+                None => self.newton(time, &by, beginning).map_err(|trouble| self.say(trouble))?,
+            };
+            let mut system = now.matrix.clone();
+            residual.iter().enumerate().for_each(|(i, x)| system.add(i, n, -*x));
+            let change = system.solve().map_err(|_| self.lost())?.into_iter().next().unwrap_or_default();
+            if !change.iter().all(|x| is_finite(*x)) {
+                return Err(self.lost());
+            }
+            let most = largest(change.iter().zip(&sizes).map(|(x, size)| *x / *size)).to_f64();
+            by.iter_mut().zip(&change).for_each(|(x, more)| *x = *x + *more);
+            if is_formed {
+                (before, is_near) = (f64::INFINITY, most < noise);
+            }
+            // As small as rounding leaves it.
+            let left = most / before;
+            let is_noise = most < noise && left > 0.3 && is_near;
+            if most <= small || is_noise {
+                return Ok((by, Some(now)));
+            }
+            if most > 1e3 || reused && left >= 1.0 {
+                return Err(self.lost());
+            }
+            let is_slow =
+                before.is_finite() && (left > LEFT || (small / most).ln() / left.ln() > (2 * n) as f64);
+            is_near |= left <= LEFT;
+            before = most;
+            newton = (!is_slow).then_some(now);
+        }
+        Err(self.lost())
+    }
+
+    /// The sizes of the degrees of freedom.
+    fn sizes(&self) -> Vec<R> {
+        let size = |dof: &usize| if dof % DOFS < 3 { self.mechanism.length } else { 1.0 };
+        self.layout.columns.iter().map(|dof| R::from_f64(size(dof))).collect()
+    }
+
+    /// Where the path is lost.
+    fn lost(&self) -> Refusal {
+        Refusal::of(
+            "the static path",
+            &format!(
+                "no equilibrium follows at time {}: it is not unique there, or there is none (a limit point)",
+                self.state.time.to_f64()
+            ),
+            "hold or spring what moves freely, load less, or use *DYNAMIC",
+        )
+    }
+
+    /// Newton's matrix by differences.
+    fn newton(&mut self, time: R, by: &[R], beginning: &Before<'_, R>) -> Result<Newton<R>, Trouble> {
+        let n = by.len();
+        let sizes = self.sizes();
+        let step = R::from_f64(R::ROUNDING.powf(1.0 / 3.0));
+        let half = R::ratio(1, 2);
+        let mut matrix = System::new(n, 1);
+        let mut plain = nalgebra::DMatrix::<f64>::zeros(n, n);
+        for j in 0..n {
+            let h = step * sizes[j];
+            let at = |sign: R| {
+                let mut other = by.to_vec();
+                other[j] = other[j] + sign * h;
+                self.unbalance(time, &other, beginning)
+            };
+            let (above, below) = (at(R::integer(1))?, at(R::integer(-1))?);
+            for i in 0..n {
+                let slope = (above[i] - below[i]) * half / h;
+                matrix.add(i, j, slope);
+                plain[(i, j)] = slope.to_f64() * (sizes[j] / sizes[i]).to_f64();
+            }
+        }
+        self.solution.evaluations += 2 * n;
+        // The determinant by its sign alone, of a matrix whose rows have the size 1.
+        for mut row in plain.row_iter_mut() {
+            let most = row.amax();
+            if most > 0.0 {
+                row /= most;
+            }
+        }
+        Ok(Newton { columns: self.layout.columns.clone(), matrix, sign: plain.determinant() })
     }
 
     /// Where frictions are now.
@@ -402,6 +449,8 @@ impl<R: Number> Run<'_, R> {
             let is_last = !h.less(left * R::from_f64(1.0 - REST));
             let time = if is_last { goal } else { self.state.time + h };
             let length = time - self.state.time;
+            // Its sign is that of this step's beginning.
+            self.newton = None;
             let found = match self.balance(time) {
                 Ok(found) => found,
                 Err(why) => {

@@ -137,7 +137,7 @@ fn scale_of(all: &[(String, Vec<f64>)], of: &str, length: f64) -> f64 {
 }
 
 /// The solution as it is stored: numbers as texts, a line for each column.
-fn stored<R: Number>(one: &Solution<R>, error: f64, length: f64) -> String {
+fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
     let is_wide = R::ROUNDING < f64::EPSILON / 4.0;
     let digits = if error > 0.0 { (-error.log10()).floor() as usize } else { DIGITS };
     let digits = digits.min(DIGITS);
@@ -182,12 +182,12 @@ fn stored<R: Number>(one: &Solution<R>, error: f64, length: f64) -> String {
     let kept: Vec<&(String, Vec<R>)> = table
         .iter()
         .filter(|(name, all)| {
-            let scale = scale_of(&doubles, name, length);
+            let scale = scale_of(&doubles, name, one.length);
             all.iter().any(|x| x.to_f64().abs() > 1e-15 * scale)
         })
         .collect();
     for (i, (name, all)) in kept.iter().enumerate() {
-        let scale = scale_of(&doubles, name, length);
+        let scale = scale_of(&doubles, name, one.length);
         let comma = if i + 1 < kept.len() { "," } else { "" };
         let all = all.iter().map(|x| number(*x, scale)).collect();
         let _ = writeln!(text, "  \"{name}\": [{}]{comma}", list(all));
@@ -197,17 +197,17 @@ fn stored<R: Number>(one: &Solution<R>, error: f64, length: f64) -> String {
 }
 
 /// By two methods, with their difference as the error.
-fn written<R: Solvable>(scene: &Scene, [options, witness]: [&Options; 2], length: f64) -> String {
+fn written<R: Solvable>(scene: &Scene, [options, witness]: [&Options; 2]) -> String {
     let (one, other): (Solution<R>, Solution<R>) =
         rayon::join(|| solved(scene, options), || solved(scene, witness));
-    let error = one.difference(&other, length).largest();
+    let error = one.difference(&other).largest();
     // Forces of hard springs and dashpots have so many digits less than what they hold.
     let is_wide = R::ROUNDING < f64::EPSILON / 4.0;
     if is_wide && error > 1e-14 && options.digits < DIGITS + 4 {
         let more = [options, witness].map(|of| Options { digits: of.digits + 4, ..of.clone() });
-        return written::<R>(scene, [&more[0], &more[1]], length);
+        return written::<R>(scene, [&more[0], &more[1]]);
     }
-    stored(&one, error, length)
+    stored(&one, error)
 }
 
 /// The page of a problem.
@@ -307,7 +307,6 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
     for (name, deck) in REFERENCES.iter().filter(|(name, _)| only.as_deref().is_none_or(|only| only == *name))
     {
         let scene = Scene::parse(&format!("{name}.inp"), deck).unwrap();
-        let length = pintle_model::evaluate::Model::compile(&scene).unwrap().length;
         let path = folder(name).join("solution.json");
         if is_writing {
             let begin = std::time::Instant::now();
@@ -318,9 +317,9 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
             };
             let witness = Options { method: Method::Collocation, ..options.clone() };
             let text = if what == "doubles" {
-                written::<f64>(&scene, [&options, &witness], length)
+                written::<f64>(&scene, [&options, &witness])
             } else {
-                written::<Wide>(&scene, [&options, &witness], length)
+                written::<Wide>(&scene, [&options, &witness])
             };
             println!("{name}: {:?}", begin.elapsed());
             fs::write(&path, text).unwrap();
@@ -336,7 +335,7 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
             solution.events.iter().any(|event| (event.time - time).abs() < 1e-9 * end(&scene))
         };
         for (of, column) in &found {
-            let scale = scale_of(&found, of, length).max(1e-300);
+            let scale = scale_of(&found, of, solution.length).max(1e-300);
             let stored: Vec<f64> = match columns.get(of) {
                 Some(all) => {
                     all.as_array().unwrap().iter().map(|x| x.as_str().unwrap().parse().unwrap()).collect()

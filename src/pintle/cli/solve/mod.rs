@@ -5,7 +5,7 @@ mod kept;
 
 use self::kept::Book;
 use super::output::npz::npz;
-use super::reference::{length, reference, size, told};
+use super::reference::{length, reference, told};
 use super::states::csv;
 use super::{Failure, Files, eval, tell};
 use clap::{Args, ValueEnum};
@@ -285,7 +285,6 @@ fn solved<R: Solvable>(
             (solution, Some((time, told(&why))))
         }
     };
-    let length = size(scene);
     let mut witness_ended = None;
     let difference: Option<Difference> = other.map(|other| {
         let other = other.unwrap_or_else(|other| {
@@ -293,22 +292,21 @@ fn solved<R: Solvable>(
             witness_ended = ended.is_none().then(|| format!("at {time}: {}", told(&why)));
             solution
         });
-        let difference = solution.difference(&other, length);
+        let difference = solution.difference(&other);
         match ended.is_some() || witness_ended.is_some() {
             true => difference,
-            false => estimate(scene, options, (&solution, difference), length),
+            false => estimate(scene, options, (&solution, difference)),
         }
     });
     // What a spring in the place of stick changes.
     let rigid = (options.stick == Stick::Elastic && ended.is_none())
         .then(|| solve::<R>(scene, &Options { stick: Stick::Rigid, ..options.clone() }).ok())
         .flatten()
-        .map(|rigid| rigid.difference(&solution, length));
+        .map(|rigid| rigid.difference(&solution));
     let why = ended.as_ref().map(|(time, why)| format!("at {time}: {why}"));
     let facts = report::Facts {
         scene: &scene.name,
         digits: usize::from(arguments.digits),
-        length,
         difference: difference.as_ref(),
         rigid: rigid.as_ref(),
         ended: why.as_deref(),
