@@ -47,13 +47,22 @@ cargo test --workspace --all-features --no-run
 built=$(cd "${CARGO_TARGET_DIR:-target}/debug" && pwd)
 export PINTLE_PROGRAM="$built/pintle" PINTLE_PEER_RULES="$built/examples/peer_rules"
 
-# The proofs take minutes of one core: they begin now, and take what the rest leaves.
+# What takes minutes of one core runs beside the rest, and tells at the end what it found.
+logs=$(mktemp -d)
+trap 'kill $(jobs -p) 2> /dev/null || true; rm -rf "$logs"' EXIT
+ended() {
+    echo "$2"
+    wait "$1" || {
+        cat "$logs/$3"
+        exit 1
+    }
+    cat "$logs/$3"
+}
+
 proofs=scripts/proof/prove.py
 if [ "${1:-}" = --all ]; then
-    proved=$(mktemp)
-    nice -n 10 .venv/bin/python "$proofs" --check > "$proved" 2>&1 &
+    nice -n 10 .venv/bin/python "$proofs" --check > "$logs/proofs" 2>&1 &
     proving=$!
-    trap 'kill "$proving" 2> /dev/null || true; rm -f "$proved"' EXIT
 fi
 
 cargo test --workspace --all-features
@@ -62,7 +71,8 @@ cargo test --workspace --all-features
 if [ "${1:-}" = --all ]; then
     PATH="$PWD/.venv/bin:$PATH" .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
         --force-reinstall --config-settings=build-args="--profile dev --features tests" ./python
-    .venv/bin/python -m pytest --quiet python/tests
+    .venv/bin/python -m pytest --quiet python/tests > "$logs/package" 2>&1 &
+    testing=$!
 fi
 
 passed=0
@@ -73,12 +83,8 @@ for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py scripts/*
     passed=$((passed + 1))
 done
 if [ "${1:-}" = --all ]; then
-    echo "$proofs --check"
-    wait "$proving" || {
-        cat "$proved"
-        exit 1
-    }
-    cat "$proved"
+    ended "$testing" "pytest python/tests" package
+    ended "$proving" "$proofs --check" proofs
     passed=$((passed + 1))
 fi
 echo "witnesses: $passed passed, 0 failed"
