@@ -21,7 +21,7 @@ pub(crate) struct Newton<R> {
     /// The degrees of freedom that it is of.
     pub(crate) columns: Vec<usize>,
     pub(crate) matrix: System<R>,
-    /// The sign of its determinant.
+    /// The sign of the determinant at the beginning of the iterations.
     pub(crate) sign: f64,
 }
 

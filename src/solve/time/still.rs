@@ -289,6 +289,7 @@ impl<R: Number> Run<'_, R> {
         let small = 8.0 * R::ROUNDING;
         let noise = 1e5 * R::ROUNDING;
         let reused = newton.is_some();
+        let mut sign = newton.as_ref().map(|known| known.sign);
         // The change before, by this matrix; and whether this matrix is known to be near enough.
         let (mut before, mut is_near) = (f64::INFINITY, false);
         for _ in 0..ITERATIONS {
@@ -297,7 +298,11 @@ impl<R: Number> Run<'_, R> {
             let is_formed = newton.is_none();
             let now = match newton.take() {
                 Some(known) => known,
-                None => self.newton(time, &by, beginning).map_err(|trouble| self.say(trouble))?,
+                None => {
+                    let formed = self.newton(time, &by, beginning).map_err(|trouble| self.say(trouble))?;
+                    // An iterate on the way may be beyond a limit point that the path does not reach.
+                    Newton { sign: *sign.get_or_insert(formed.sign), ..formed }
+                }
             };
             let mut system = now.matrix.clone();
             residual.iter().enumerate().for_each(|(i, x)| system.add(i, n, -*x));
