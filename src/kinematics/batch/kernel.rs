@@ -1,6 +1,6 @@
 //! The loops: tiles in, rows out. They are compiled here, once for each formula and layout; callers do not compile them again.
 
-use crate::batch::layout::{CompactRow, Derivatives, Fused, HessianRow, Put, Row};
+use crate::batch::layout::{BLOCKS, CompactRow, Derivatives, Fused, Put, RelativeRow, Row, Shape};
 use crate::batch::{Batch, BatchError, History, Section, Tile, same_length, single};
 use crate::measure::formula::{Formula, Pass, Task};
 use crate::measure::{Measure, Shared};
@@ -89,7 +89,7 @@ macro_rules! compiled_here {
     };
 }
 
-compiled_here!(Row, CompactRow, HessianRow);
+compiled_here!(Row, CompactRow, RelativeRow);
 
 /// Runs the passes of a batch: one after the other over all tiles, or over some of them at a time.
 pub(super) fn loops<L: Looped>(batch: &Batch, of: Slices<'_>, out: &mut [L]) {
@@ -329,24 +329,28 @@ impl Element {
         else {
             return;
         };
-        let needed = const { F::NEEDED };
         let zero = Lanes::splat(0.0);
         let mut all = [zero; 6];
-        let mut second = [[zero; 6]; 6];
+        let mut second = [[[zero; 3]; 3]; 3];
         let gradient = value.gradient();
-        let hessian = value.hessian();
         unrolled!(i < N, {
             all[first + i] = gradient[i];
-            if const { L::ORDER > 1 } {
-                unrolled!(j < N, {
-                    second[first + i][first + j] = hessian[i][j];
-                })
-            }
         });
+        if const { L::ORDER > 1 } {
+            let hessian = value.hessian();
+            unrolled!(block < 3, {
+                let (at, by) = BLOCKS[block];
+                if first <= at && by < first + N {
+                    unrolled!(i < 3, {
+                        unrolled!(j < 3, {
+                            second[block][i][j] = hessian[at - first + i][by - first + j];
+                        })
+                    });
+                }
+            });
+        }
         let derivatives = Derivatives {
-            needed,
-            turns_with_a: measure.turns_with_a(),
-            is_linear: measure.is_linear(),
+            shape: Shape::of(*measure),
             separation: self.pair.separation(),
             translation: [all[0], all[1], all[2]],
             rotation: [all[3], all[4], all[5]],

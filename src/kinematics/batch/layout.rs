@@ -50,7 +50,7 @@ pub struct HessianRow {
 }
 
 /// Where the second derivatives by δ and δ, δ and ρ, ρ and ρ stand among those by all six.
-const BLOCKS: [(usize, usize); 3] = [(0, 0), (0, 3), (3, 3)];
+pub(super) const BLOCKS: [(usize, usize); 3] = [(0, 0), (0, 3), (3, 3)];
 
 /// A vector unit multiplies and adds with one rounding.
 pub(super) type Fused = Lanes<true>;
@@ -64,51 +64,102 @@ pub(super) trait Put: Copy + Default {
     fn put(&mut self, value: Fused, of: &Derivatives);
 }
 
-/// How a measure depends on the nodes, as far as rows are made.
-#[derive(Clone, Copy, Debug)]
+/// What the derivatives of a row are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
-    needed: Dependence,
-    turns_with_a: bool,
-    is_linear: bool,
+    /// Whether there are derivatives by δ.
+    pub(super) translation: bool,
+    /// Whether there are derivatives by ρ, first and second.
+    pub(super) rotation: bool,
+    /// Whether there are second derivatives by δ.
+    pub(super) quadratic: bool,
+    /// Whether there are second derivatives by δ and ρ.
+    pub(super) mixed: bool,
+    /// Whether a turn of a alone changes the value.
+    pub(super) turns_with_a: bool,
 }
 
 impl Shape {
     /// That of nothing.
-    pub(super) const NONE: Self = Self {
-        needed: Dependence { translation: false, rotation: false, flow: false },
-        turns_with_a: false,
-        is_linear: true,
-    };
+    pub(super) const NONE: Self =
+        Self { translation: false, rotation: false, quadratic: false, mixed: false, turns_with_a: false };
+    /// A position along an axis of a.
+    pub(super) const LINEAR: Self = Self { translation: true, turns_with_a: true, ..Self::NONE };
+    /// A distance.
+    pub(super) const DISTANCE: Self = Self { translation: true, quadratic: true, ..Self::NONE };
+    /// A distance from an axis of a.
+    pub(super) const RADIAL: Self = Self { turns_with_a: true, ..Self::DISTANCE };
+    /// An angle.
+    pub(super) const ANGLE: Self = Self { rotation: true, turns_with_a: true, ..Self::NONE };
+    /// Positions along axes of a, and angles.
+    pub(super) const LINEAR_AND_ANGLE: Self = Self { rotation: true, ..Self::LINEAR };
+    /// A position along axes of both.
+    pub(super) const PROJECTED: Self = Self { quadratic: true, mixed: true, ..Self::LINEAR_AND_ANGLE };
 
-    pub(super) fn of(measure: Measure) -> Self {
-        let (needed, turns_with_a) = (measure.dependence(), measure.turns_with_a());
-        Self { needed, turns_with_a, is_linear: measure.is_linear() }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) const fn of(measure: Measure) -> Self {
+        let Dependence { translation, rotation, .. } = measure.dependence();
+        let quadratic = translation && !measure.is_linear();
+        let (mixed, turns_with_a) = (quadratic && rotation, measure.turns_with_a());
+        Self { translation, rotation, quadratic, mixed, turns_with_a }
+    }
+
+    /// What either has.
+    pub(super) const fn or(self, other: Self) -> Self {
+        Self {
+            translation: self.translation || other.translation,
+            rotation: self.rotation || other.rotation,
+            quadratic: self.quadratic || other.quadratic,
+            mixed: self.mixed || other.mixed,
+            turns_with_a: self.turns_with_a || other.turns_with_a,
+        }
+    }
+
+    /// What any of those has that change as a turns, or of those that do not.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn all(shapes: &[Self], turning_with_a: bool) -> Self {
+        let mut all = Self::NONE;
+        for shape in shapes {
+            if shape.turns_with_a == turning_with_a {
+                all = all.or(*shape);
+            }
+        }
+        all
     }
 
     /// Whether there are second derivatives by δ and δ, δ and ρ, ρ and ρ.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    const fn blocks(self) -> [bool; 3] {
-        let Dependence { translation, rotation, .. } = self.needed;
-        [
-            translation && !self.is_linear,
-            translation && rotation && !self.is_linear,
-            rotation && !self.is_linear,
-        ]
+    pub(super) const fn blocks(self) -> [bool; 3] {
+        [self.quadratic, self.mixed, self.rotation]
     }
 }
 
-/// The derivatives by the relative variations δ and ρ, and x_b − x_a.
+/// Runs a body with a shape that is a constant there: the code for it has nothing of what is not there.
+macro_rules! with_constant {
+    ($shape:expr, |$known:ident| $body:expr) => {
+        with_constant!(@ $shape, $known, $body, LINEAR DISTANCE RADIAL ANGLE LINEAR_AND_ANGLE PROJECTED)
+    };
+    (@ $shape:expr, $known:ident, $body:expr, $($constant:ident)+) => {
+        match $shape {
+            $(Shape::$constant => {
+                let $known = Shape::$constant;
+                $body
+            })+
+            $known => $body,
+        }
+    };
+}
+pub(super) use with_constant;
+
+/// The derivatives by the relative variations δ and ρ, and x_b − x_a. What its shape does not have is zero.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Derivatives {
-    pub(super) needed: Dependence,
-    /// Whether a turn of a alone changes the value.
-    pub(super) turns_with_a: bool,
-    /// Whether the value is linear in δ, so that its second derivatives are those of the map alone.
-    pub(super) is_linear: bool,
+    pub(super) shape: Shape,
     pub(super) separation: Vector<Fused>,
     pub(super) translation: Vector<Fused>,
     pub(super) rotation: Vector<Fused>,
-    pub(super) second: [[Fused; 6]; 6],
+    /// The second derivatives by δ and δ, δ and ρ, ρ and ρ.
+    pub(super) second: [Block; 3],
 }
 
 impl Derivatives {
@@ -116,14 +167,14 @@ impl Derivatives {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn turning_a(&self) -> Vector<Fused> {
         let (g, h) = (self.translation, self.rotation);
-        if !self.turns_with_a {
+        if !self.shape.turns_with_a {
             return [Lanes::splat(0.0); 3];
         }
-        if !self.needed.translation {
+        if !self.shape.translation {
             return [-h[0], -h[1], -h[2]];
         }
         let arm = cross(g, self.separation);
-        if self.needed.rotation { sub(arm, h) } else { arm }
+        if self.shape.rotation { sub(arm, h) } else { arm }
     }
 }
 
@@ -133,7 +184,7 @@ impl Put for Row {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Fused, of: &Derivatives) {
         let (g, arm) = (of.translation, of.turning_a());
-        let minus_g = if of.needed.translation { [-g[0], -g[1], -g[2]] } else { g };
+        let minus_g = if of.shape.translation { [-g[0], -g[1], -g[2]] } else { g };
         self.value = value.0;
         // In the order of memory: two stores to one line of the cache are done at once where one follows the other.
         for (place, part) in [minus_g, arm, g, of.rotation].into_iter().enumerate() {
@@ -159,25 +210,33 @@ impl Put for CompactRow {
     }
 }
 
-/// The loops leave the derivatives by the relative variations here: g and h among the columns, and blocks of second derivatives in the
-/// first lines. [`HessianRow::read`] takes them, and [`HessianRow::put_nodal`] overwrites them. What a measure does not depend on is not written.
-impl Put for HessianRow {
+/// Value and derivatives by the relative variations of one measure of four elements, of which everything with second derivatives is made.
+/// What a measure does not have is not written.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+pub(super) struct RelativeRow {
+    value: Four,
+    translation: [Four; 3],
+    rotation: [Four; 3],
+    second: [[[Four; 3]; 3]; 3],
+}
+
+impl Put for RelativeRow {
     const ORDER: usize = 2;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Fused, of: &Derivatives) {
-        self.row.value = value.0;
-        for i in 0..3 {
-            self.row.columns[i] = of.translation[i].0;
-            self.row.columns[3 + i] = of.rotation[i].0;
-        }
-        let is_there = of.is_there();
+        self.value = value.0;
+        unrolled!(i < 3, {
+            self.translation[i] = of.translation[i].0;
+            self.rotation[i] = of.rotation[i].0;
+        });
+        let is_there = of.shape.blocks();
         unrolled!(block < 3, {
             if is_there[block] {
-                let (at, by) = BLOCKS[block];
                 unrolled!(i < 3, {
                     unrolled!(j < 3, {
-                        self.hessian[block][3 * i + j] = of.second[at + i][by + j].0;
+                        self.second[block][i][j] = of.second[block][i][j].0;
                     })
                 });
             }
@@ -185,35 +244,34 @@ impl Put for HessianRow {
     }
 }
 
-impl HessianRow {
-    /// The value and the derivatives by the relative variations that the loops left here.
+impl RelativeRow {
+    /// What the loops left here.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn read(&self, shape: Shape, separation: Vector<Fused>) -> (Fused, Derivatives) {
-        let mut second = [[Lanes::splat(0.0); 6]; 6];
+    pub(super) fn read(&self, shape: Shape, separation: Vector<Fused>) -> Derivatives {
+        let mut found = Derivatives { shape, separation, ..Derivatives::NONE };
+        unrolled!(i < 3, {
+            found.translation[i] = Lanes(self.translation[i]);
+            found.rotation[i] = Lanes(self.rotation[i]);
+        });
         let is_there = shape.blocks();
         unrolled!(block < 3, {
             if is_there[block] {
-                let (at, by) = BLOCKS[block];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        second[at + i][by + j] = Lanes(self.hessian[block][3 * i + j]);
-                    }
-                }
+                unrolled!(i < 3, {
+                    unrolled!(j < 3, {
+                        found.second[block][i][j] = Lanes(self.second[block][i][j]);
+                    })
+                });
             }
         });
-        let Shape { needed, turns_with_a, is_linear } = shape;
-        let [g1, g2, g3, h1, h2, h3, ..] = self.row.columns;
-        let (translation, rotation) = ([g1, g2, g3].map(Lanes), [h1, h2, h3].map(Lanes));
-        let derivatives =
-            Derivatives { needed, turns_with_a, is_linear, separation, translation, rotation, second };
-        (Lanes(self.row.value), derivatives)
+        found
     }
 
-    /// The row itself.
+    /// The row by the nodes.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn put_nodal(&mut self, value: Fused, of: &Derivatives) {
-        self.row.put(value, of);
-        of.put_second(&mut self.hessian);
+    pub(super) fn put_nodal(&self, shape: Shape, separation: Vector<Fused>, to: &mut HessianRow) {
+        let derivatives = self.read(shape, separation);
+        to.row.put(Lanes(self.value), &derivatives);
+        derivatives.put_second(&mut to.hessian);
     }
 }
 
@@ -226,7 +284,9 @@ const THETA_B: usize = 9;
 /// The two axes after each.
 const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
-type Block = Matrix<Fused>;
+pub(super) type Block = Matrix<Fused>;
+
+const NOTHING: Block = [[Lanes([0.0; 4]); 3]; 3];
 
 /// Writes a block and, apart from the diagonal, its transpose.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -284,141 +344,108 @@ fn of_map(g: Vector<Fused>, separation: Vector<Fused>) -> (Block, Block) {
 
 impl Derivatives {
     /// Those of nothing.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn none(turns_with_a: bool, separation: Vector<Fused>) -> Self {
-        let zero = Lanes::splat(0.0);
-        let needed = Dependence { translation: false, rotation: false, flow: false };
-        let (first, second) = ([zero; 3], [[zero; 6]; 6]);
-        Self {
-            needed,
-            turns_with_a,
-            is_linear: true,
-            separation,
-            translation: first,
-            rotation: first,
-            second,
-        }
-    }
+    pub(super) const NONE: Self = Self {
+        shape: Shape::NONE,
+        separation: NOTHING[0],
+        translation: NOTHING[0],
+        rotation: NOTHING[0],
+        second: [NOTHING; 3],
+    };
 
-    /// Adds a multiple of others, as far as they are there.
+    /// Takes another shape, with zeros for what it has.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn add(&mut self, multiplier: Fused, of: &Self) {
-        self.needed = self.needed.or(of.needed);
-        self.is_linear &= of.is_linear;
-        for i in 0..3 {
-            self.translation[i] = multiplier.multiply_add(of.translation[i], self.translation[i]);
-            self.rotation[i] = multiplier.multiply_add(of.rotation[i], self.rotation[i]);
-        }
-        for ((at, by), is_there) in BLOCKS.into_iter().zip(of.is_there()) {
+    pub(super) fn clear(&mut self, shape: Shape, separation: Vector<Fused>) {
+        (self.shape, self.separation) = (shape, separation);
+        (self.translation, self.rotation) = (NOTHING[0], NOTHING[0]);
+        for (block, is_there) in self.second.iter_mut().zip(shape.blocks()) {
             if is_there {
-                for i in at..at + 3 {
-                    for j in by..by + 3 {
-                        self.second[i][j] = multiplier.multiply_add(of.second[i][j], self.second[i][j]);
-                    }
-                }
+                *block = NOTHING;
             }
         }
     }
 
-    /// Whether there are second derivatives by δ and δ, δ and ρ, ρ and ρ.
+    /// Adds a multiple of others, which have no more than these.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) const fn is_there(&self) -> [bool; 3] {
-        self.shape().blocks()
-    }
-
-    const fn shape(&self) -> Shape {
-        Shape { needed: self.needed, turns_with_a: self.turns_with_a, is_linear: self.is_linear }
+    pub(super) fn add(&mut self, multiplier: Fused, of: &Self) {
+        for i in 0..3 {
+            if of.shape.translation {
+                self.translation[i] = multiplier.multiply_add(of.translation[i], self.translation[i]);
+            }
+            if of.shape.rotation {
+                self.rotation[i] = multiplier.multiply_add(of.rotation[i], self.rotation[i]);
+            }
+        }
+        let is_there = of.shape.blocks();
+        unrolled!(block < 3, {
+            if is_there[block] {
+                unrolled!(i < 3, {
+                    unrolled!(j < 3, {
+                        self.second[block][i][j] =
+                            multiplier.multiply_add(of.second[block][i][j], self.second[block][i][j]);
+                    })
+                });
+            }
+        });
     }
 
     /// The second derivatives as [`Pair::nodal_hessian`] has them, block by block: Lᵀ H L and the second variations of the map L.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn put_second(&self, to: &mut [[Four; 12]; 12]) {
-        let of = self;
-        let zero = [[Lanes::splat(0.0); 3]; 3];
-        let (g, h, separation) = (of.translation, of.rotation, of.separation);
-        if of.is_linear {
-            let (spin, centripetal) = of_map(g, separation);
-            let minus = [
-                [zero[0][0], -spin[0][1], -spin[0][2]],
-                [-spin[1][0], zero[0][0], -spin[1][2]],
-                [-spin[2][0], -spin[2][1], zero[0][0]],
-            ];
-            write(to, (XA, XA), &zero);
-            write(to, (XB, XB), &zero);
-            write(to, (XA, XB), &zero);
-            write(to, (XA, THETA_B), &zero);
-            write(to, (XB, THETA_B), &zero);
-            write(to, (THETA_A, THETA_B), &zero);
-            write(to, (THETA_B, THETA_B), &zero);
-            write(to, (XA, THETA_A), &minus);
-            write(to, (XB, THETA_A), &spin);
-            write(to, (THETA_A, THETA_A), &centripetal);
-            return;
-        }
-        let (mut dd, mut dr, mut rr) = (zero, zero, zero);
-        unrolled!(i < 3, {
-            unrolled!(j < 3, {
-                dd[i][j] = of.second[i][j];
-                dr[i][j] = of.second[i][3 + j];
-                rr[i][j] = of.second[3 + i][3 + j];
-            })
-        });
-        let Dependence { translation, rotation, .. } = of.needed;
-        // Blocks that vanish with what the measure does not depend on are written as zeros, and not computed.
-        let minus = if translation { negated(&dd) } else { zero };
+        let Self { shape, translation: g, rotation: h, separation, second: [dd, dr, rr] } = *self;
+        let Shape { translation, rotation, quadratic, mixed, turns_with_a } = shape;
+        // Blocks that vanish with what the row does not have are written as zeros, and not computed.
         write(to, (XA, XA), &dd);
         write(to, (XB, XB), &dd);
-        write(to, (XA, XB), &minus);
+        write(to, (XA, XB), &if quadratic { negated(&dd) } else { NOTHING });
         write(to, (XB, THETA_B), &dr);
-        write(to, (XA, THETA_B), &if translation && rotation { negated(&dr) } else { zero });
+        write(to, (XA, THETA_B), &if mixed { negated(&dr) } else { NOTHING });
         write(to, (THETA_B, THETA_B), &rr);
-        if !of.turns_with_a {
-            write(to, (XA, THETA_A), &zero);
-            write(to, (XB, THETA_A), &zero);
-            write(to, (THETA_B, THETA_A), &zero);
-            write(to, (THETA_A, THETA_A), &zero);
-            return;
-        }
-        let mut d_theta = zero;
-        let mut theta_theta;
-        if translation {
-            d_theta = levered(&dd, separation);
-            if rotation {
+        let (mut d_theta, mut r_theta, mut theta_theta) = (NOTHING, NOTHING, NOTHING);
+        if turns_with_a {
+            if quadratic {
+                d_theta = levered(&dd, separation);
+            }
+            if mixed {
                 d_theta = difference(&d_theta, &dr);
+                r_theta = difference(&levered(&transpose(&dr), separation), &rr);
+            } else if rotation {
+                r_theta = negated(&rr);
             }
-        }
-        let mut r_theta = if rotation { negated(&rr) } else { zero };
-        if translation && rotation {
-            r_theta = difference(&levered(&transpose(&dr), separation), &rr);
-        }
-        if translation {
-            // (D ×)ᵀ d_theta: the columns of d_theta crossed with D.
-            theta_theta = transpose(&levered(&transpose(&d_theta), separation));
+            if quadratic {
+                // (D ×)ᵀ d_theta: the columns of d_theta crossed with D.
+                theta_theta = transpose(&levered(&transpose(&d_theta), separation));
+                if rotation {
+                    theta_theta = difference(&theta_theta, &r_theta);
+                }
+            } else if rotation {
+                theta_theta = rr;
+            }
+            if translation {
+                let (spin, centripetal) = of_map(g, separation);
+                unrolled!(i < 3, {
+                    unrolled!(j < 3, {
+                        theta_theta[i][j] = if quadratic || rotation {
+                            theta_theta[i][j] + centripetal[i][j]
+                        } else {
+                            centripetal[i][j]
+                        };
+                        if i != j {
+                            d_theta[i][j] = if quadratic { d_theta[i][j] + spin[i][j] } else { spin[i][j] };
+                        }
+                    })
+                });
+            }
             if rotation {
-                theta_theta = difference(&theta_theta, &r_theta);
-            }
-            let (spin, centripetal) = of_map(g, separation);
-            unrolled!(i < 3, {
-                unrolled!(j < 3, {
-                    theta_theta[i][j] = theta_theta[i][j] + centripetal[i][j];
-                    if i != j {
-                        d_theta[i][j] = d_theta[i][j] + spin[i][j];
-                    }
-                })
-            });
-        } else {
-            theta_theta = rr;
-        }
-        if rotation {
-            let half = Lanes::splat(0.5);
-            for i in 0..3 {
-                let (j, k) = NEXT[i];
-                r_theta[i][j] = h[k].multiply_add(half, r_theta[i][j]);
-                r_theta[j][i] = h[k].multiply_add(-half, r_theta[j][i]);
+                let half = Lanes::splat(0.5);
+                unrolled!(i < 3, {
+                    let (j, k) = NEXT[i];
+                    r_theta[i][j] = h[k].multiply_add(half, r_theta[i][j]);
+                    r_theta[j][i] = h[k].multiply_add(-half, r_theta[j][i]);
+                });
             }
         }
         write(to, (XB, THETA_A), &d_theta);
-        write(to, (XA, THETA_A), &if translation { negated(&d_theta) } else { zero });
+        write(to, (XA, THETA_A), &if turns_with_a && translation { negated(&d_theta) } else { NOTHING });
         write(to, (THETA_B, THETA_A), &r_theta);
         write(to, (THETA_A, THETA_A), &theta_theta);
     }

@@ -4,33 +4,39 @@
 //! matrix of a row.
 
 use crate::batch::kernel::{Slices, loops};
-use crate::batch::layout::{Derivatives, Fused, HessianRow, Shape};
+use crate::batch::layout::{Derivatives, Fused, HessianRow, RelativeRow, Shape, with_constant};
 use crate::batch::rows::{Array, Moves, States, TILES, on_unit};
 use crate::batch::tile::Four;
 use crate::batch::unit::Unit;
 use crate::batch::{Batch, BatchError, History, Layout, Section, Tile, same_length};
 use crate::scalar::lanes::{LANES, Lanes};
-use crate::vector::{Vector, cross, dot, sub};
+use crate::vector::{Vector, apply, cross, dot, sub};
 use pulp::{Simd, WithSimd};
+use std::cell::Cell;
 
 /// Twelve numbers of four states by columns: x_a, θ_a, x_b, θ_b.
 pub type Columns12 = [Four; 12];
 
-/// Rows that are found before anything is made of them: as matrices they stay in the first cache.
-const AT_ONCE: usize = 6;
 /// The most rows of a connector.
 const ROWS: usize = 6;
+/// Rows that are found before anything is made of them: they stay in the first cache.
+const AT_ONCE: usize = 24;
 
-/// What is made of the rows that loops left.
+thread_local! {
+    /// Room for rows, which calls share.
+    static ROOM: Cell<Vec<RelativeRow>> = const { Cell::new(Vec::new()) };
+}
+
+/// What is made of rows.
 trait Made {
     /// Of tile number `at`.
-    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]);
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &[RelativeRow], shapes: &[Shape]);
 }
 
 struct Making<'l, M> {
     first: usize,
     tiles: &'l [Tile],
-    found: &'l mut [HessianRow],
+    found: &'l [RelativeRow],
     shapes: &'l [Shape],
     made: &'l mut M,
 }
@@ -41,36 +47,36 @@ impl<M: Made> WithSimd for Making<'_, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_simd<V: Simd>(self, _: V) {
         let Self { first, tiles, found, shapes, made } = self;
-        for ((i, tile), rows) in tiles.iter().enumerate().zip(found.chunks_exact_mut(shapes.len())) {
+        for i in 0..tiles.len() {
+            let rows = found.get(i * shapes.len()..(i + 1) * shapes.len());
+            let (Some(tile), Some(rows)) = (tiles.get(i), rows) else { return };
             made.of_tile(first + i, tile.pair().separation(), rows, shapes);
         }
     }
 }
 
 impl Batch {
-    /// The rows of some tiles at a time, which `room` takes, and what is made of them. Each part has room of its own where `room` is for all.
-    fn make(&self, of: Slices<'_>, room: &mut [HessianRow], made: &mut impl Made) {
+    /// The rows of some tiles at a time, and what is made of them.
+    fn make(&self, of: Slices<'_>, made: &mut impl Made) {
         let (each, count) = (self.rows(), of.tiles.len());
         let mut shapes = [Shape::NONE; ROWS];
         for (shape, (_, measure)) in shapes.iter_mut().zip(self.measures()) {
             *shape = Shape::of(*measure);
         }
         let (Some(shapes), Some(at_once)) = (shapes.get(..each), AT_ONCE.checked_div(each)) else { return };
-        let is_for_all = room.len() >= count * each;
+        let mut room = ROOM.take();
+        let needed = each * at_once.min(count);
+        if room.len() < needed {
+            room.resize(needed, RelativeRow::default());
+        }
         for first in (0..count).step_by(at_once) {
             let these = first..count.min(first + at_once);
-            let from = if is_for_all { first * each } else { 0 };
-            let found = room.get_mut(from..from + these.len() * each);
-            let (Some(found), Some(slices)) = (found, of.part(these)) else { return };
+            let found = room.get_mut(..these.len() * each);
+            let (Some(found), Some(slices)) = (found, of.part(these)) else { break };
             loops(self, slices, found);
             self.arch.dispatch(Making { first, tiles: slices.tiles, found, shapes, made });
         }
-    }
-
-    /// Room for the rows of one part.
-    fn room(&self, tiles: usize) -> Vec<HessianRow> {
-        let at_once = AT_ONCE.checked_div(self.rows()).unwrap_or_default();
-        vec![HessianRow::default(); tiles.min(at_once) * self.rows()]
+        ROOM.set(room);
     }
 
     /// The rate of each row along a motion whose velocities are constant, J̇v = ∂²c[v, v]: what is left of c̈ without accelerations.
@@ -91,7 +97,7 @@ impl Batch {
         let slices = self.slices(tiles, sections, histories)?;
         same_length("velocities", velocities.len(), tiles.len())?;
         same_length("numbers", out.len(), tiles.len() * self.rows())?;
-        self.make(slices, &mut self.room(tiles.len()), &mut Bias { velocities, each: self.rows(), out });
+        self.make(slices, &mut Bias { velocities, each: self.rows(), out });
         Ok(())
     }
 
@@ -116,11 +122,7 @@ impl Batch {
         if self.rows() == 0 {
             out.fill([[[0.0; LANES]; 12]; 12]);
         }
-        self.make(
-            slices,
-            &mut self.room(tiles.len()),
-            &mut Stiffness { multipliers, each: self.rows(), out },
-        );
+        self.make(slices, &mut Stiffness { multipliers, each: self.rows(), out });
         Ok(())
     }
 }
@@ -197,7 +199,6 @@ impl Batch {
         let arrays = velocities.map(|of| [of.velocity, of.angular_velocity]);
         let mut rates = [[[0.0; LANES]; 12]; TILES];
         let mut found = vec![[0.0; LANES]; TILES * each];
-        let mut room = self.room(TILES);
         self.in_blocks(states, |these, slices| {
             for (tile, rates) in rates.iter_mut().take(slices.tiles.len()).enumerate() {
                 for lane in 0..LANES {
@@ -208,7 +209,7 @@ impl Batch {
                     }
                 }
             }
-            self.make(slices, &mut room, &mut Bias { velocities: &rates, each, out: &mut found });
+            self.make(slices, &mut Bias { velocities: &rates, each, out: &mut found });
             let out = out.get_mut(these.start * each..these.end * each).unwrap_or_default();
             for (state, to) in out.chunks_exact_mut(each).enumerate() {
                 let of = found.iter().skip(state / LANES * each);
@@ -240,7 +241,6 @@ impl Batch {
         }
         let mut own = vec![[0.0; LANES]; TILES * each];
         let mut found = [[[[0.0; LANES]; 12]; 12]; TILES];
-        let mut room = self.room(TILES);
         self.in_blocks(states, |these, slices| {
             for (at, own) in own.iter_mut().enumerate() {
                 let (tile, row) = (at / each, at % each);
@@ -248,7 +248,7 @@ impl Batch {
                 *own = [0, 1, 2, 3]
                     .map(|lane| multipliers.get(state(lane) * each + row).copied().unwrap_or(f64::NAN));
             }
-            self.make(slices, &mut room, &mut Stiffness { multipliers: &own, each, out: &mut found });
+            self.make(slices, &mut Stiffness { multipliers: &own, each, out: &mut found });
             let out = out.get_mut(these.start * 144..these.end * 144).unwrap_or_default();
             on_unit(self.arch, SpreadMatrices { found: &found, out: out.as_chunks_mut().0 });
         });
@@ -279,19 +279,25 @@ impl Moves for SpreadMatrices<'_> {
 
 impl Layout for HessianRow {
     fn fill(batch: &Batch, of: Slices<'_>, out: &mut [Self]) {
-        batch.make(of, out, &mut Matrices);
+        batch.make(of, &mut Matrices { out });
     }
 }
 
-/// Matrices of each row, in its place.
-struct Matrices;
+/// Matrices of each row.
+struct Matrices<'l> {
+    out: &'l mut [HessianRow],
+}
 
-impl Made for Matrices {
+impl Made for Matrices<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_tile(&mut self, _: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]) {
-        for (row, shape) in rows.iter_mut().zip(shapes) {
-            let (value, derivatives) = row.read(*shape, separation);
-            row.put_nodal(value, &derivatives);
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &[RelativeRow], shapes: &[Shape]) {
+        let each = shapes.len();
+        let Some(out) = self.out.get_mut(at * each..(at + 1) * each) else { return };
+        for k in 0..each {
+            let (Some(row), Some(shape), Some(to)) = (rows.get(k), shapes.get(k), out.get_mut(k)) else {
+                return;
+            };
+            with_constant!(*shape, |shape| row.put_nodal(shape, separation, to));
         }
     }
 }
@@ -305,15 +311,17 @@ struct Bias<'l> {
 
 impl Made for Bias<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]) {
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &[RelativeRow], shapes: &[Shape]) {
         let out = self.out.get_mut(at * self.each..(at + 1) * self.each);
         let (Some(v), Some(out)) = (self.velocities.get(at), out) else { return };
         let part =
             |from: usize| -> Vector<Fused> { [Lanes(v[from]), Lanes(v[from + 1]), Lanes(v[from + 2])] };
         let motion = Motion::new([part(0), part(3), part(6), part(9)], separation);
-        for ((row, shape), to) in rows.iter().zip(shapes).zip(out) {
-            let (_, derivatives) = row.read(*shape, separation);
-            *to = derivatives.bias(&motion).0;
+        for k in 0..self.each {
+            let (Some(row), Some(shape), Some(to)) = (rows.get(k), shapes.get(k), out.get_mut(k)) else {
+                return;
+            };
+            *to = with_constant!(*shape, |shape| row.read(shape, separation).bias(&motion)).0;
         }
     }
 }
@@ -348,33 +356,25 @@ impl Derivatives {
     /// ∂²c[v, v] = g·δ̈ + h·ρ̈ + the second derivatives by δ̇ and ρ̇, twice.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bias(&self, of: &Motion) -> Fused {
-        let [dd, dr, rr] = self.is_there();
-        let [by_delta, by_rho] = if self.turns_with_a { of.rate } else { of.of_b };
-        let quadratic = |at: usize, left: Vector<Fused>, by: usize, right: Vector<Fused>| {
-            let line = |i: usize| {
-                let of = &self.second[at + i];
-                dot([of[by], of[by + 1], of[by + 2]], right)
-            };
-            dot(left, [line(0), line(1), line(2)])
-        };
+        let Shape { translation, rotation, quadratic, mixed, turns_with_a } = self.shape;
+        let [by_delta, by_rho] = if turns_with_a { of.rate } else { of.of_b };
+        let [dd, dr, rr] = &self.second;
         let mut sum = Lanes::splat(0.0);
-        if dd {
-            sum = quadratic(0, by_delta, 0, by_delta);
+        if quadratic {
+            sum = dot(by_delta, apply(dd, by_delta));
         }
-        if dr {
-            let both = quadratic(0, by_delta, 3, by_rho);
+        if mixed {
+            let both = dot(by_delta, apply(dr, by_rho));
             sum = sum + (both + both);
         }
-        if rr {
-            sum = sum + quadratic(3, by_rho, 3, by_rho);
+        if rotation {
+            sum = sum + dot(by_rho, apply(rr, by_rho));
         }
-        if self.turns_with_a {
-            if self.needed.translation {
-                sum = sum + dot(self.translation, of.second[0]);
-            }
-            if self.needed.rotation {
-                sum = sum + dot(self.rotation, of.second[1]);
-            }
+        if turns_with_a && translation {
+            sum = sum + dot(self.translation, of.second[0]);
+        }
+        if turns_with_a && rotation {
+            sum = sum + dot(self.rotation, of.second[1]);
         }
         sum
     }
@@ -389,29 +389,39 @@ struct Stiffness<'l> {
 
 impl Made for Stiffness<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &mut [HessianRow], shapes: &[Shape]) {
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &[RelativeRow], shapes: &[Shape]) {
         let multipliers = self.multipliers.get(at * self.each..(at + 1) * self.each);
         let (Some(multipliers), Some(out)) = (multipliers, self.out.get_mut(at)) else { return };
         // What does not change as a turns has columns of zeros, and is no part of the other sum.
-        let mut sums = [true, false].map(|turns| Derivatives::none(turns, separation));
-        let mut is_there = [false; 2];
-        for ((row, shape), multiplier) in rows.iter().zip(shapes).zip(multipliers) {
-            let (_, derivatives) = row.read(*shape, separation);
-            let which = usize::from(!derivatives.turns_with_a);
-            sums[which].add(Lanes(*multiplier), &derivatives);
-            is_there[which] = true;
-        }
-        match is_there {
-            [true, false] => sums[0].put_second(out),
-            [false, _] => sums[1].put_second(out),
-            [true, true] => {
-                sums[0].put_second(out);
-                let mut other = [[[0.0; 4]; 12]; 12];
-                sums[1].put_second(&mut other);
-                for (to, of) in out.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
-                    let sum: Fused = Lanes(*to) + Lanes(*of);
-                    *to = sum.0;
+        let mut sum = Derivatives::NONE;
+        let mut is_first = true;
+        for turns_with_a in [true, false] {
+            let all = Shape::all(shapes, turns_with_a);
+            if all == Shape::NONE {
+                continue;
+            }
+            sum.clear(all, separation);
+            for k in 0..self.each {
+                let (Some(row), Some(shape), Some(multiplier)) =
+                    (rows.get(k), shapes.get(k), multipliers.get(k))
+                else {
+                    return;
+                };
+                if shape.turns_with_a == turns_with_a {
+                    sum.add(Lanes(*multiplier), &row.read(*shape, separation));
                 }
+            }
+            if is_first {
+                with_constant!(all, |all| Derivatives { shape: all, ..sum }.put_second(out));
+                is_first = false;
+                continue;
+            }
+            let mut other = [[[0.0; 4]; 12]; 12];
+            sum.put_second(&mut other);
+            for i in 0..144 {
+                let (row, column) = (i / 12, i % 12);
+                let both: Fused = Lanes(out[row][column]) + Lanes(other[row][column]);
+                out[row][column] = both.0;
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Rows without a vector unit: one element after the other, on doubles.
 
-use crate::batch::layout::{Derivatives, Fused, Put};
+use crate::batch::layout::{BLOCKS, Derivatives, Fused, Put, Shape};
 use crate::batch::tile::Four;
 use crate::batch::{History, Section, Tile};
 use crate::measure::{self, Measure, Shared};
@@ -28,13 +28,13 @@ pub(super) fn row<L: Put>(measure: Measure, tile: &Tile, section: &Section, hist
     row.put(
         four(&|one| one.value),
         &Derivatives {
-            needed: measure.dependence(),
-            turns_with_a: measure.turns_with_a(),
-            is_linear: measure.is_linear(),
+            shape: Shape::of(measure),
             separation: tile.pair().separation(),
             translation: first(0),
             rotation: first(3),
-            second: std::array::from_fn(|i| std::array::from_fn(|j| four(&|one| one.second[i][j]))),
+            second: BLOCKS.map(|(at, by)| {
+                [0, 1, 2].map(|i| [0, 1, 2].map(|j| four(&|one| one.second[at + i][by + j])))
+            }),
         },
     );
     row
