@@ -63,6 +63,7 @@ use crate::connector::{Connector, Mask};
 use crate::measure::Measure;
 use crate::measure::formula::{Pass, cover};
 use crate::node::DOFS;
+use layout::Shape;
 use pulp::{Arch, Simd, WithSimd};
 
 pub use crate::scalar::lanes::LANES;
@@ -99,6 +100,8 @@ pub enum BatchError {
 pub struct Batch {
     /// The component (0-based) and measure of each row.
     measures: Vec<(usize, Measure)>,
+    /// How each row depends on the nodes.
+    shapes: Vec<Shape>,
     passes: Vec<Pass>,
     arch: Arch,
     /// Whether a row is that of a length.
@@ -130,7 +133,8 @@ impl Batch {
         let is_length =
             |of: &Measure| matches!(of, Measure::Distance | Measure::Strain | Measure::RadialDistance);
         let has_length = list.iter().any(is_length);
-        Ok(Self { passes, measures, arch: Arch::new(), has_length })
+        let shapes = list.iter().map(|measure| Shape::of(*measure)).collect();
+        Ok(Self { passes, measures, shapes, arch: Arch::new(), has_length })
     }
 
     /// The same batch in the instructions of every processor that this program runs on, without a vector unit chosen at run

@@ -17,8 +17,6 @@ use std::cell::Cell;
 /// Twelve numbers of four states by columns: x_a, θ_a, x_b, θ_b.
 pub type Columns12 = [Four; 12];
 
-/// The most rows of a connector.
-const ROWS: usize = 6;
 /// Rows that are found before anything is made of them: they stay in the first cache.
 const AT_ONCE: usize = 24;
 
@@ -58,12 +56,8 @@ impl<M: Made> WithSimd for Making<'_, M> {
 impl Batch {
     /// The rows of some tiles at a time, and what is made of them.
     fn make(&self, of: Slices<'_>, made: &mut impl Made) {
-        let (each, count) = (self.rows(), of.tiles.len());
-        let mut shapes = [Shape::NONE; ROWS];
-        for (shape, (_, measure)) in shapes.iter_mut().zip(self.measures()) {
-            *shape = Shape::of(*measure);
-        }
-        let (Some(shapes), Some(at_once)) = (shapes.get(..each), AT_ONCE.checked_div(each)) else { return };
+        let (each, count, shapes) = (self.rows(), of.tiles.len(), self.shapes.as_slice());
+        let Some(at_once) = AT_ONCE.checked_div(each) else { return };
         let mut room = ROOM.take();
         let needed = each * at_once.min(count);
         if room.len() < needed {
