@@ -36,7 +36,8 @@ pub fn estimate<R: Solvable>(
         return largest(&[witness], SURE);
     }
     let trial = |trial, method| {
-        let options = Options { trial, method, reached: None, ..options.clone() };
+        let length = Some(solution.length);
+        let options = Options { trial, method, length, reached: None, ..options.clone() };
         solve::<R>(scene, &options).ok().map(|other| solution.difference(&other))
     };
     let others = thread::scope(|scope| {

@@ -49,7 +49,7 @@ impl<R: Number> Assembled<R> {
     /// The matrix of accelerations and forces of rows; right-hand sides are zero.
     pub(crate) fn matrix(&self, layout: &Layout, sides: usize) -> System<R> {
         let (n, m) = (layout.columns.len(), layout.kept.len());
-        let mut matrix = System::new(n + m, sides).ordered(&layout.order);
+        let mut matrix = System::new(n + m, sides).ordered(&layout.order).planned(&layout.plan);
         for (i, dof) in layout.columns.iter().enumerate() {
             let (node, k) = (dof / DOFS, dof % DOFS);
             match k {

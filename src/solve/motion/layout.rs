@@ -52,12 +52,18 @@ impl Layout {
         Ok(layout.open)
     }
 
-    /// Finds the order of elimination, where equations have more entries than ever.
+    /// Finds the order of elimination, where equations have more entries than ever, and what it does, where they have others.
     pub(crate) fn arrange<R: Number>(&mut self, assembled: &Assembled<R>) {
         let filled = assembled.rows.iter().map(|row| row.coefficients.len() + row.force().len()).sum();
-        if filled > self.filled {
+        let is_more = filled > self.filled;
+        let mut matrix = assembled.matrix(self, 0);
+        if is_more {
             self.filled = filled;
-            self.order = assembled.matrix(self, 0).sparse_order();
+            self.order = matrix.sparse_order();
+            matrix = matrix.ordered(&self.order);
+        }
+        if let Some(plan) = matrix.plan(&self.plan, is_more) {
+            self.plan = plan;
         }
     }
 

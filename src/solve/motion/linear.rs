@@ -1,9 +1,11 @@
 //! Small systems of linear equations, on any number.
 
-use crate::number::{Number, larger};
+use crate::motion::plan::{Plan, Tape};
+use crate::number::{Number, is_finite, larger};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A square matrix with its right-hand sides. Bodies are joined to a few others, so most entries are zero: the others are listed.
 #[derive(Clone, Debug)]
@@ -12,6 +14,8 @@ pub(crate) struct System<R> {
     entries: Vec<(usize, usize, R)>,
     /// In which order columns are eliminated.
     order: Vec<usize>,
+    /// What elimination does, where that is known.
+    tape: Option<Arc<Tape>>,
     right: Vec<Vec<R>>,
 }
 
@@ -37,6 +41,9 @@ const PIVOT: f64 = 1e5;
 /// Of the pivots that are at least this part of the largest one, that of the shortest row is taken.
 const SHORTEST: f64 = 0.1;
 
+/// Pivots that are known count as long as no entry below them is larger by more than this.
+const LARGEST: f64 = 1e3;
+
 /// A matrix, eliminated.
 struct Eliminated<R> {
     /// By which each row was multiplied.
@@ -55,6 +62,7 @@ impl<R: Number> System<R> {
         Self {
             entries: Vec::with_capacity(8 * size),
             order: (0..size).collect(),
+            tape: None,
             right: vec![vec![R::ZERO; size]; sides],
         }
     }
@@ -65,6 +73,25 @@ impl<R: Number> System<R> {
             self.order.copy_from_slice(order);
         }
         self
+    }
+
+    /// Eliminated as planned, as long as the pivots are large enough.
+    pub(crate) fn planned(mut self, plan: &Plan) -> Self {
+        self.tape = plan.tape().filter(|tape| tape.size() == self.order.len());
+        self
+    }
+
+    /// The plan for matrices with entries where this one and those of `before` have them. `None` where nothing is to change, or where there is
+    /// no elimination.
+    pub(crate) fn plan(&self, before: &Plan, is_reordered: bool) -> Option<Plan> {
+        let entries = || self.entries.iter().map(|(row, column, _)| (*row, *column));
+        if !is_reordered && before.takes(entries()) {
+            return None;
+        }
+        let found = self.eliminated(&self.order).ok()?;
+        let rows = found.pivots.iter().map(|(row, _)| *row);
+        let pivots: Vec<(usize, usize)> = self.order.iter().copied().zip(rows).collect();
+        Some(before.with(entries(), &pivots))
     }
 
     /// Adds to an entry; columns from `size` on are right-hand sides.
@@ -182,14 +209,27 @@ impl<R: Number> System<R> {
         let side =
             |side: &Vec<R>| side.iter().zip(&of_rows).map(|(x, factor)| *x * *factor).collect::<Vec<R>>();
         let right = self.right.iter().map(side).collect();
-        (Self { entries, order: self.order.clone(), right }, of_columns)
+        (Self { entries, order: self.order.clone(), tape: None, right }, of_columns)
     }
 
     /// The solutions, each improved once by what it leaves.
     fn solved(&self) -> Result<Vec<Vec<R>>, NoPivot> {
+        if self.order.len() == 1 {
+            let entry = self.entries.iter().fold(R::ZERO, |sum, (.., entry)| sum + *entry);
+            let is_some = R::ZERO.less(entry.magnitude()) && is_finite(entry);
+            let of = |side: &Vec<R>| side.iter().map(|x| *x / entry).collect();
+            return if is_some {
+                Ok(self.right.iter().map(of).collect())
+            } else {
+                Err(NoPivot { column: 0 })
+            };
+        }
         let natural: Vec<usize> = (0..self.order.len()).collect();
         // The pivot that there is not is named as in the natural order.
-        let eliminated = self.eliminated(&self.order).or_else(|_| self.eliminated(&natural))?;
+        let eliminated = match self.tape.as_ref().and_then(|tape| self.along(tape)) {
+            Some(eliminated) => eliminated,
+            None => self.eliminated(&self.order).or_else(|_| self.eliminated(&natural))?,
+        };
         let solved = self.right.iter().map(|right| {
             let mut x = eliminated.solve(right);
             let mut left = right.clone();
@@ -200,6 +240,53 @@ impl<R: Number> System<R> {
             x
         });
         Ok(solved.collect())
+    }
+
+    /// Elimination with the pivots of before, as long as none is much smaller than others that could take its place: what rounding grows by then
+    /// is less than what one improvement of the solution takes away.
+    fn along(&self, tape: &Tape) -> Option<Eliminated<R>> {
+        let n = self.order.len();
+        let mut left: Vec<(usize, R)> = tape.columns.iter().map(|column| (*column, R::ZERO)).collect();
+        for (row, column, entry) in &self.entries {
+            let slot = &mut left[tape.slot(*row, *column)?].1;
+            *slot = *slot + *entry;
+        }
+        let mut sizes = vec![R::ZERO; n];
+        let mut factors = Vec::with_capacity(n);
+        for row in 0..n {
+            let entries = &mut left[tape.row(row)];
+            let most = entries.iter().fold(R::ZERO, |most, (_, x)| larger(most, x.magnitude()));
+            let factor = most.reciprocal_or_zero();
+            for (column, x) in entries {
+                *x = *x * factor;
+                sizes[*column] = larger(sizes[*column], x.magnitude());
+            }
+            factors.push(factor);
+        }
+        let least = R::from_f64(PIVOT * R::ROUNDING);
+        let most = R::from_f64(LARGEST);
+        let mut taken = Vec::with_capacity(tape.lines.len());
+        let mut pivots = Vec::with_capacity(n);
+        for step in &tape.steps {
+            let (column, pivot) = left[step.slots.start];
+            if !(least * sizes[column]).less(pivot.magnitude()) {
+                return None;
+            }
+            let inverse = R::integer(1) / pivot;
+            for line in &tape.lines[step.lines.clone()] {
+                let factor = left[line.slot].1 * inverse;
+                if most.less(factor.magnitude()) {
+                    return None;
+                }
+                taken.push((line.row, step.row, factor));
+                let others = step.slots.start + 1..step.slots.end;
+                for (to, of) in tape.targets[line.targets.clone()].iter().zip(others) {
+                    left[*to].1 = left[*to].1 - factor * left[of].1;
+                }
+            }
+            pivots.push((step.row, step.slots.clone()));
+        }
+        Some(Eliminated { factors, taken, pivots, left })
     }
 
     /// Elimination with pivots that are large in rows divided by their largest entry.

@@ -10,6 +10,7 @@
 //! | `equations` | which accelerations and forces follow? |
 //! | `layout` | which equations count, where some repeat others? |
 //! | `linear` | small systems of linear equations on any number |
+//! | `plan` | what does elimination do, where its pivots are known? |
 
 pub(crate) mod assemble;
 pub(crate) mod equations;
@@ -17,6 +18,7 @@ pub(crate) mod layout;
 pub(crate) mod linear;
 pub(crate) mod mechanism;
 pub(crate) mod mode;
+pub(crate) mod plan;
 pub(crate) mod rows;
 pub(crate) mod slide;
 pub(crate) mod state;

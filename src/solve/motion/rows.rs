@@ -1,5 +1,6 @@
 //! Equations as rows, and what is known of an instant before accelerations are.
 
+use crate::motion::plan::Plan;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::Number;
 use pintle_kinematics::connector::Branch;
@@ -178,6 +179,9 @@ pub(crate) struct Layout {
     /// The order in which unknowns and forces of equations are eliminated; empty until it is known.
     #[serde(default)]
     pub(crate) order: Vec<usize>,
+    /// What is known of the elimination in that order.
+    #[serde(default)]
+    pub(crate) plan: Plan,
     /// The most entries that equations have had.
     #[serde(default)]
     pub(crate) filled: usize,

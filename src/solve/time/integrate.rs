@@ -244,8 +244,10 @@ fn collocate<R: Number>(
         (Newton::All(_), None) => return Ok(too_long(y)),
     };
     let is_implicit = all.is_some() || onsets.is_some();
-    let mut before = f64::INFINITY;
+    let [mut before, mut least] = [f64::INFINITY; 2];
+    let mut iterations = 0.0;
     for iteration in 0.. {
+        iterations += 1.0;
         let mut change: f64 = 0.0;
         let mut lacks = Vec::with_capacity(stages);
         let mut slopes = Vec::with_capacity(stages);
@@ -288,7 +290,10 @@ fn collocate<R: Number>(
         let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
         let most = if is_implicit { 0.5 } else { 0.05 };
-        if ahead < LEFT || change < most && is_slow {
+        least = least.min(change);
+        // Rounding may well be more once than it was before.
+        let is_rounding = is_slow && least < most && change < 4.0 * most;
+        if ahead < LEFT || is_rounding {
             break;
         }
         if iteration > 3 && change > before * 0.8 || iteration > ITERATIONS || !change.is_finite() {
@@ -307,6 +312,11 @@ fn collocate<R: Number>(
     let growth = match error <= 1e-30 {
         true => GROWTH,
         false => (0.9 * error.powf(-1.0 / (2.0 * stages as f64))).clamp(0.1, GROWTH),
+    };
+    // Longer steps contract less: where an iteration gains less than a digit, they are long enough.
+    let growth = match all {
+        Some(_) => growth.min((1.0 - tolerance.log10()) / iterations),
+        None => growth,
     };
     let inner = points.iter().zip(switches).map(|(c, switches)| (c.to_f64(), switches)).collect();
     Ok(Tried { end, error, growth, inner })

@@ -57,8 +57,8 @@ pub(crate) fn shortest_period(scene: &Scene) -> f64 {
 /// By which part of their length steps are shorter from one trial to the next.
 const SLOWER: f64 = 0.15;
 
-/// After how many steps without an event a stiff motion is looked for, again and again.
-const EVERY: usize = 16;
+/// After how many steps without an event a stiff motion is looked for, and again whenever they are twice as many.
+const FIRST: usize = 16;
 
 /// How many steps tell how many are to come.
 pub(crate) const WINDOW: usize = 256;
@@ -400,7 +400,8 @@ impl<R: Number> Run<'_, R> {
     /// Now and then, whether motion has become stiff: whether something decays much faster than steps go.
     fn look_for_decay(&mut self) -> Result<(), Refusal> {
         self.quiet.steps += 1;
-        if self.quiet.is_stiff || !self.quiet.steps.is_multiple_of(EVERY) {
+        let is_time = self.quiet.steps >= FIRST && self.quiet.steps.is_power_of_two();
+        if self.quiet.is_stiff || !is_time {
             return Ok(());
         }
         let (base, y) = (self.state.clone(), self.packed());

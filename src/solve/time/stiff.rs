@@ -73,11 +73,16 @@ pub(crate) fn is_stiff<R: Number>(jacobian: &Jacobian<R>, rates: &[R], allowed: 
     found.complex_eigenvalues().iter().any(is_fast)
 }
 
-/// The eigenvalues and eigenvectors of the matrix a of stages, on doubles.
+/// The eigenvalues and eigenvectors of the matrix a of stages, on doubles. Of a pair that are conjugate the one above the real axis stands
+/// for both.
 #[derive(Clone, Debug)]
 pub(crate) struct Spectrum {
-    values: DVector<Complex<f64>>,
+    values: Vec<Complex<f64>>,
+    /// For how many each stands.
+    counts: Vec<f64>,
+    /// By columns.
     vectors: DMatrix<Complex<f64>>,
+    /// The lines of the inverse of all vectors, as columns.
     inverse: DMatrix<Complex<f64>>,
 }
 
@@ -102,7 +107,13 @@ impl Spectrum {
             vectors.set_column(m, &vector);
         }
         let inverse = vectors.clone().try_inverse()?;
-        Some(Self { values, vectors, inverse })
+        let those: Vec<usize> = (0..stages).filter(|m| values[*m].im >= 0.0).collect();
+        Some(Self {
+            values: those.iter().map(|m| values[*m]).collect(),
+            counts: those.iter().map(|m| if values[*m].im > 0.0 { 2.0 } else { 1.0 }).collect(),
+            vectors: vectors.select_columns(&those),
+            inverse: inverse.transpose().select_columns(&those),
+        })
     }
 }
 
@@ -132,9 +143,9 @@ impl<'a> Stages<'a> {
     pub(crate) fn changes<R: Number>(&self, lacks: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
         let n = lacks.first()?.len();
         let stages = DMatrix::from_fn(n, lacks.len(), |i, stage| Complex::from(lacks[stage][i].to_f64()));
-        let mut apart = stages * self.spectrum.inverse.transpose();
-        for (m, eliminated) in self.eliminated.iter().enumerate() {
-            let solved = eliminated.solve(&apart.column(m))?;
+        let mut apart = stages * &self.spectrum.inverse;
+        for (m, (eliminated, count)) in self.eliminated.iter().zip(&self.spectrum.counts).enumerate() {
+            let solved = eliminated.solve(&apart.column(m))? * Complex::from(*count);
             apart.set_column(m, &solved);
         }
         let found = apart * self.spectrum.vectors.transpose();
