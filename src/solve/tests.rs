@@ -1024,7 +1024,7 @@ fn faults_are_noticed() {
     let faults: [(Fault, &[&str]); 25] = [
         (Fault::SlipReversed, &["stop_friction"]),
         (Fault::OnsetByDefault, &["stop_friction"]),
-        (Fault::Drift, &["pendulum_turns"]),
+        (Fault::Drift, &["pendulum_turns", "double_pendulum", "spherical_pendulum", "four_bar"]),
         (Fault::EventInterpolated, &["friction_decay"]),
         (Fault::CouplingLeftOut, &["drawer", "cross_friction"]),
         (Fault::KinkPassed, &["slider_crank"]),
@@ -1310,6 +1310,8 @@ fn a_drive_that_grazes_lets_creep() {
     );
     let crept = solution.frames.last().unwrap().connectors[0].displacement[0];
     assert!((crept - 0.411_547_618).abs() < 2e-8, "{crept}");
+    // 99 of them, 2,760 where differences take rates to be as large as they once were.
+    assert!(solution.steps < 300, "{}", solution.steps);
 }
 
 /// The same collar, turned ever faster from rest by a small rate. Its direction is where friction and acceleration agree: 1.5 a = 0.5 − 3 a/√(a² +

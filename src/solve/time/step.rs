@@ -255,6 +255,21 @@ impl<R: Number> Run<'_, R> {
         1e4 * R::ROUNDING * self.usual_speed()
     }
 
+    /// The sizes of numbers, for differences. The direction of a slip of several components changes with rates as small as its own.
+    fn differences(&self, base: &State<R>, y: &[R], allowed: &[R]) -> Result<Vec<R>, Trouble> {
+        let mut sizes = stiff::sizes(y, allowed);
+        if self.mechanism.turning().next().is_some() {
+            let (_, solved) = self.flow(base, base.time, y)?;
+            let rates = self.mechanism.turning().filter_map(|(s, _)| solved.slip_rates.get(s));
+            let slowest = rates.filter(|rate| R::ZERO.less(**rate)).copied().reduce(R::lesser);
+            let n = self.layout.columns.len();
+            if let Some(slowest) = slowest {
+                sizes.iter_mut().skip(n).take(n).for_each(|size| *size = size.lesser(slowest));
+            }
+        }
+        Ok(sizes)
+    }
+
     pub(crate) fn tried(
         &mut self,
         base: &State<R>,
@@ -264,6 +279,7 @@ impl<R: Number> Run<'_, R> {
     ) -> Result<Tried<R>, Trouble> {
         let allowed = self.allowed(y, h.to_f64());
         let start = (base.time, y, slope);
+        let sizes = if self.quiet.is_stiff { self.differences(base, y, &allowed)? } else { Vec::new() };
         let mut evaluations = 0;
         let mut flow = |time: R, y: &[R]| {
             evaluations += 1;
@@ -272,7 +288,7 @@ impl<R: Number> Run<'_, R> {
         let onsets = self.onsets(y.len() - base.sums.len());
         let newton = match self.quiet.is_stiff {
             _ if !onsets.is_empty() => Newton::Onsets(&onsets),
-            true => Newton::All(stiff::midway(&mut flow, start, h, &allowed)?),
+            true => Newton::All(stiff::midway(&mut flow, start, h, &sizes)?),
             false => Newton::None,
         };
         let mut tried = self.rule.step(&mut flow, start, h, &allowed, &newton);
@@ -408,7 +424,8 @@ impl<R: Number> Run<'_, R> {
         let allowed = self.allowed(&y, self.h);
         let mut flow = |time: R, y: &[R]| self.flow(&base, time, y).map(|(slope, _)| slope);
         let found = flow(base.time, &y).and_then(|slope| {
-            let jacobian = stiff::jacobian(&mut flow, (base.time, &y, &slope), &allowed)?;
+            let sizes = self.differences(&base, &y, &allowed)?;
+            let jacobian = stiff::jacobian(&mut flow, (base.time, &y, &slope), &sizes)?;
             Ok(stiff::is_stiff(&jacobian, &slope.rates, &allowed, self.h))
         });
         self.quiet.is_stiff = found.map_err(|trouble| self.say(trouble))?;

@@ -23,16 +23,23 @@ const ITERATIONS: usize = 10_000;
 /// The Jacobian of a flow: a column for each number.
 pub(crate) type Jacobian<R> = Vec<Vec<R>>;
 
-/// The Jacobian at y, by differences. `allowed` is the largest error of each number, and last the relative one: together they tell sizes.
+/// The sizes of numbers y. `allowed` is the largest error of each, and last the relative one.
+pub(crate) fn sizes<R: Number>(y: &[R], allowed: &[R]) -> Vec<R> {
+    let relative = allowed.last().copied().unwrap_or(R::integer(1));
+    y.iter().zip(allowed).map(|(y, most)| larger(y.magnitude(), *most / relative)).collect()
+}
+
+/// The Jacobian at y, by differences of numbers of such sizes.
 pub(crate) fn jacobian<R: Number>(
     flow: &mut Flow<'_, R>,
     (t, y, slope): (R, &[R], &Slope<R>),
-    allowed: &[R],
+    sizes: &[R],
 ) -> Result<Jacobian<R>, Trouble> {
-    let relative = allowed.last().copied().unwrap_or(R::integer(1));
     let mut found = Vec::with_capacity(y.len());
-    for (j, most) in allowed.iter().enumerate().take(y.len()) {
-        let step = larger(y[j].magnitude(), *most / relative) * R::from_f64(DIFFERENCE);
+    for (j, size) in sizes.iter().enumerate().take(y.len()) {
+        // No less than a thousand roundings.
+        let step =
+            larger(*size * R::from_f64(DIFFERENCE), y[j].magnitude() * R::from_f64(1e3 * f64::ROUNDING));
         let mut moved = y.to_vec();
         moved[j] = moved[j] + step;
         let there = flow(t, &moved)?;
@@ -46,12 +53,12 @@ pub(crate) fn midway<R: Number>(
     flow: &mut Flow<'_, R>,
     (t, y, slope): (R, &[R], &Slope<R>),
     h: R,
-    allowed: &[R],
+    sizes: &[R],
 ) -> Result<Jacobian<R>, Trouble> {
     let half = h * R::ratio(1, 2);
     let there: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + half * *rate).collect();
     let rates = flow(t + half, &there)?;
-    jacobian(flow, (t + half, &there, &rates), allowed)
+    jacobian(flow, (t + half, &there, &rates), sizes)
 }
 
 /// Whether motion is stiff for steps of length h: something decays that fast, and rates change far less, for of that nothing is left.
@@ -159,7 +166,7 @@ impl<'a> Stages<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_stiff, jacobian, midway};
+    use super::{is_stiff, jacobian, midway, sizes};
     use crate::number::Number;
     use crate::time::integrate::{Method, Newton, Rule, Slope};
     use pintle_kinematics::scalar::Wide;
@@ -179,7 +186,7 @@ mod tests {
         for i in 0..4 {
             let t = R::ratio(i, 4);
             let slope = flow(t, &y).unwrap();
-            let known = midway(&mut flow, (t, &y, &slope), h, &allowed).unwrap();
+            let known = midway(&mut flow, (t, &y, &slope), h, &sizes(&y, &allowed)).unwrap();
             let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, &Newton::All(known)).unwrap();
             assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
             y = tried.end;
@@ -204,7 +211,7 @@ mod tests {
         let stiff = |fast: f64, y: [f64; 2], h: f64| {
             let mut flow = flow::<f64>(fast);
             let slope = flow(0.0, &y).unwrap();
-            let known = jacobian(&mut flow, (0.0, &y, &slope), &allowed).unwrap();
+            let known = jacobian(&mut flow, (0.0, &y, &slope), &sizes(&y, &allowed)).unwrap();
             is_stiff(&known, &slope.rates, &allowed, h)
         };
         assert!(stiff(1e4, [1.0 + 1.0 / 9999.0, 1.0], 1e-3));
