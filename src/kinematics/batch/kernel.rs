@@ -334,7 +334,8 @@ impl Element {
         let mut second = [[[zero; 3]; 3]; 3];
         let gradient = value.gradient();
         unrolled!(i < N, {
-            all[first + i] = gradient[i];
+            let derivative = gradient[i];
+            all[first + i] = derivative;
         });
         if const { L::ORDER > 1 } {
             let hessian = value.hessian();
