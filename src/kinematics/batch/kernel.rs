@@ -52,7 +52,7 @@ impl<'a> Slices<'a> {
     }
 }
 
-/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`]. Nothing outside of this crate can implement it.
+/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`](crate::batch::HessianRow). Nothing outside of this crate can implement it.
 pub trait Layout: Copy + Default {
     /// Writes the rows of tiles: there is room for those of each.
     #[doc(hidden)]
