@@ -14,8 +14,8 @@ use std::thread;
 /// Where nothing grows, two methods on doubles agree to this or better.
 const GROWN: f64 = 1e-14;
 
-/// How many times the largest difference the error may be: where nothing grows all numbers of a solution are that many chances to see it, and
-/// where rounding grows there are four runs.
+/// How many times the largest difference the error may be. Where nothing grows all numbers of a solution are as many chances to see it; where
+/// rounding grows there are four runs.
 const SURE: f64 = 3.0;
 
 /// The same where rounding grows and no other run but its witness has the events of the solution, or one alone.

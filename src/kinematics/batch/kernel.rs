@@ -52,7 +52,8 @@ impl<'a> Slices<'a> {
     }
 }
 
-/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`](crate::batch::HessianRow). Nothing outside of this crate can implement it.
+/// What a batch writes for each row: [`Row`], [`CompactRow`], [`HessianRow`](crate::batch::HessianRow).
+/// Nothing outside of this crate can implement it.
 pub trait Layout: Copy + Default {
     /// Writes the rows of tiles: there is room for those of each.
     #[doc(hidden)]
@@ -202,8 +203,7 @@ impl<F: Formula<M>, L: Put, const M: usize> LoopOf<'_, '_, F, L, M> {
 
 /// The rows of four elements.
 ///
-/// Its arguments are references of its own so that the compiler knows them to be apart, and reads a tile when it needs a number of
-/// it, between the stores of the rows.
+/// Its arguments are references of its own: the compiler knows them to be apart, and reads numbers of a tile between the stores of the rows.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn differentiate<F: Formula<M>, L: Put, const M: usize>(
     tile: &Tile,
@@ -314,6 +314,10 @@ impl Element {
     }
 
     /// The row of measure number AT.
+    #[expect(
+        clippy::manual_memcpy,
+        reason = "a copied slice is a call, where a vector unit has these in registers"
+    )]
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put_one<F, S, L, const M: usize, const N: usize, const AT: usize>(
         &self,
@@ -334,8 +338,7 @@ impl Element {
         let mut second = [[[zero; 3]; 3]; 3];
         let gradient = value.gradient();
         unrolled!(i < N, {
-            let derivative = gradient[i];
-            all[first + i] = derivative;
+            all[first + i] = gradient[i];
         });
         if const { L::ORDER > 1 } {
             let hessian = value.hessian();

@@ -323,8 +323,10 @@ fn difference(a: &Block, b: &Block) -> Block {
     [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
 }
 
-/// The second derivatives of g·δ, in which δ varies with the nodes: the transposed matrix of g × (x_b, θ_a), and
-/// ½(g Dᵀ + D gᵀ) − (g·D) I (θ_a, θ_a).
+/// The second derivatives of g·δ, in which δ varies with the nodes.
+///
+/// - (x_b, θ_a): the transposed matrix of g ×
+/// - (θ_a, θ_a): ½(g Dᵀ + D gᵀ) − (g·D) I
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn of_map(g: Vector<Fused>, separation: Vector<Fused>) -> (Block, Block) {
     let (zero, half) = (Lanes::splat(0.0), Lanes::splat(0.5));
@@ -351,18 +353,6 @@ impl Derivatives {
         rotation: NOTHING[0],
         second: [NOTHING; 3],
     };
-
-    /// Takes another shape, with zeros for what it has.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn clear(&mut self, shape: Shape, separation: Vector<Fused>) {
-        (self.shape, self.separation) = (shape, separation);
-        (self.translation, self.rotation) = (NOTHING[0], NOTHING[0]);
-        for (block, is_there) in self.second.iter_mut().zip(shape.blocks()) {
-            if is_there {
-                *block = NOTHING;
-            }
-        }
-    }
 
     /// Adds a multiple of others, which have no more than these.
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -170,8 +170,9 @@ impl Batch {
 /// The degree of freedom of each column of a row, by its place in [`crate::node::DOF`]: all but material flow.
 pub const COLUMNS: [usize; DOFS - 2] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12];
 
-/// The vector unit that batches run on here, chosen at run time: AVX2 with fused products, or NEON. `None` where there is none: every lane is
-/// computed in the instructions that the program was built for.
+/// The vector unit that batches run on here, chosen at run time: AVX2 with fused products, or NEON.
+///
+/// `None` where there is none: every lane is computed in the instructions that the program was built for.
 pub fn vector_unit() -> Option<&'static str> {
     struct Width;
     impl WithSimd for Width {

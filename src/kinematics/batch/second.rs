@@ -387,14 +387,13 @@ impl Made for Stiffness<'_> {
         let multipliers = self.multipliers.get(at * self.each..(at + 1) * self.each);
         let (Some(multipliers), Some(out)) = (multipliers, self.out.get_mut(at)) else { return };
         // What does not change as a turns has columns of zeros, and is no part of the other sum.
-        let mut sum = Derivatives::NONE;
         let mut is_first = true;
         for turns_with_a in [true, false] {
             let all = Shape::all(shapes, turns_with_a);
             if all == Shape::NONE {
                 continue;
             }
-            sum.clear(all, separation);
+            let mut sum = Derivatives { shape: all, separation, ..Derivatives::NONE };
             for k in 0..self.each {
                 let (Some(row), Some(shape), Some(multiplier)) =
                     (rows.get(k), shapes.get(k), multipliers.get(k))

@@ -76,8 +76,10 @@ impl Tape {
     fn new(plan: &Plan) -> Option<Self> {
         let n = plan.columns.len();
         let mut place = vec![0; n];
-        plan.columns.iter().enumerate().for_each(|(k, column)| place[*column] = k);
-        // The places of each row, and of whom each place is.
+        for (k, column) in plan.columns.iter().enumerate() {
+            *place.get_mut(*column)? = k;
+        }
+        // The places of each row, in the order of elimination.
         let mut rows: Vec<Vec<usize>> = vec![Vec::new(); n];
         for (row, column) in &plan.entries {
             rows.get_mut(*row)?.push(*place.get(*column)?);

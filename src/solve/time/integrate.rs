@@ -86,8 +86,9 @@ impl<R: Number> Rule<R> {
         Self { method, digits, tableau: OnceCell::new() }
     }
 
-    /// A step of length h from y at t, where the slope is known. `allowed` is the largest error of each number; the last of them is the
-    /// relative error itself.
+    /// A step of length h from y at t, where the slope is known.
+    ///
+    /// `allowed` is the largest error of each number. The last of them is the relative error itself.
     pub(crate) fn step(
         &self,
         flow: &mut Flow<'_, R>,

@@ -255,8 +255,8 @@ impl<R: Number> Run<'_, R> {
         1e4 * R::ROUNDING * self.usual_speed()
     }
 
-    /// The sizes of numbers, for differences. The direction of a slip of several components changes with rates as small as its own.
-    fn differences(&self, base: &State<R>, y: &[R], allowed: &[R]) -> Result<Vec<R>, Trouble> {
+    /// The sizes of numbers y. The direction of a slip of several components changes with rates as small as its own.
+    fn sizes_for_differences(&self, base: &State<R>, y: &[R], allowed: &[R]) -> Result<Vec<R>, Trouble> {
         let mut sizes = stiff::sizes(y, allowed);
         if self.mechanism.turning().next().is_some() {
             let (_, solved) = self.flow(base, base.time, y)?;
@@ -279,7 +279,8 @@ impl<R: Number> Run<'_, R> {
     ) -> Result<Tried<R>, Trouble> {
         let allowed = self.allowed(y, h.to_f64());
         let start = (base.time, y, slope);
-        let sizes = if self.quiet.is_stiff { self.differences(base, y, &allowed)? } else { Vec::new() };
+        let sizes =
+            if self.quiet.is_stiff { self.sizes_for_differences(base, y, &allowed)? } else { Vec::new() };
         let mut evaluations = 0;
         let mut flow = |time: R, y: &[R]| {
             evaluations += 1;
@@ -424,7 +425,7 @@ impl<R: Number> Run<'_, R> {
         let allowed = self.allowed(&y, self.h);
         let mut flow = |time: R, y: &[R]| self.flow(&base, time, y).map(|(slope, _)| slope);
         let found = flow(base.time, &y).and_then(|slope| {
-            let sizes = self.differences(&base, &y, &allowed)?;
+            let sizes = self.sizes_for_differences(&base, &y, &allowed)?;
             let jacobian = stiff::jacobian(&mut flow, (base.time, &y, &slope), &sizes)?;
             Ok(stiff::is_stiff(&jacobian, &slope.rates, &allowed, self.h))
         });
