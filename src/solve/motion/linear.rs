@@ -487,6 +487,7 @@ fn subtract<R: Number>(row: &[(usize, R)], pivot: &[(usize, R)], factor: R, into
 #[cfg(test)]
 mod tests {
     use super::System;
+    use crate::motion::plan::Plan;
     use pintle_kinematics::scalar::{Scalar, Wide};
 
     #[test]
@@ -579,6 +580,45 @@ mod tests {
             }
         }
         assert_eq!(compared, 4 * n);
+    }
+
+    /// A plan gives the bits of the elimination that it was made of. Where pivots are too small, or entries have no place, it is left.
+    #[test]
+    fn a_plan_repeats_an_elimination() {
+        let n = 40;
+        let with = |tiny: f64, other: bool| {
+            let mut matrix: System<f64> = System::new(n, 1);
+            for i in 0..n {
+                matrix.add(i, (i + 1) % n, 5.0 + (i % 3) as f64);
+                matrix.add(i, i, if i == 7 { tiny } else { 1.0 + i as f64 / 8.0 });
+                matrix.add(i, (i + n - 7) % n, 0.5);
+                matrix.add(i, n, 1.0 / (1.0 + i as f64));
+            }
+            if other {
+                matrix.add(3, 20, 0.25);
+            }
+            matrix
+        };
+        let first = with(1.0, false);
+        let order = first.sparse_order();
+        let first = first.ordered(&order);
+        let plan = first.plan(&Plan::default(), true).unwrap();
+        assert!(first.along(&plan.tape().unwrap()).is_some() && first.plan(&plan, false).is_none());
+        assert_eq!(first.clone().planned(&plan).solve(), first.solve());
+        let mut compared = 0;
+        for other in [false, true] {
+            for power in 0..20 {
+                let matrix = with(0.1_f64.powi(power), other).ordered(&order);
+                let [found, known] = [matrix.clone().planned(&plan), matrix].map(|of| of.solve().unwrap());
+                for (x, y) in found[0].iter().zip(&known[0]) {
+                    assert!((x - y).abs() < 1e-12, "{power} {other}: {x}, not {y}");
+                    compared += 1;
+                }
+            }
+        }
+        assert_eq!(compared, 40 * n);
+        let nothing = Plan::default().with(std::iter::empty(), &[(9, 0)]);
+        assert!(nothing.tape().is_none(), "a column that is not there");
     }
 
     #[test]
