@@ -105,14 +105,14 @@ impl Operation {
 
     /// Both sides of a matrix.
     fn on_both(&self, matrix: &[f64]) -> Vec<f64> {
-        let rows: Vec<f64> = matrix.chunks(DOFS).flat_map(|row| self.of(row)).collect();
-        if self.is_scalar {
-            return rows;
+        let mut changed = matrix.to_vec();
+        for _ in 0..if self.is_scalar { 1 } else { 2 } {
+            changed.chunks_exact_mut(DOFS).for_each(|row| (self.change)(row));
+            if !self.is_scalar {
+                (0..DOFS).for_each(|i| (0..i).for_each(|j| changed.swap(i * DOFS + j, j * DOFS + i)));
+            }
         }
-        let across = |matrix: &[f64]| -> Vec<f64> {
-            (0..DOFS * DOFS).map(|n| matrix[n % DOFS * DOFS + n / DOFS]).collect()
-        };
-        across(&across(&rows).chunks(DOFS).flat_map(|row| self.of(row)).collect::<Vec<f64>>())
+        changed
     }
 
     /// Of the second derivatives of component k.

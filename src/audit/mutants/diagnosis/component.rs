@@ -4,10 +4,11 @@ use crate::case::Case;
 use crate::case::initial_places;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::bound::Bound;
+use crate::mutants::diagnosis::cells::Cell;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::dictionary::of_dictionary;
 use crate::mutants::diagnosis::elsewhere::{beside, elsewhere};
-use crate::mutants::diagnosis::matching::{AtState, Cell, Class, Datum, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::matching::{AtState, Class, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::parts::parts;
 use crate::mutants::diagnosis::patterns::{
     differences, digits_lost, led_by_place, rounded, single_precision, single_precision_on_the_way,
@@ -130,16 +131,13 @@ impl Symptoms<'_> {
 
     fn at_state(&self) -> AtState {
         let Self { quantity, got, bound, .. } = *self;
-        let data = self.wanted().iter().map(|(k, i, want)| {
-            let tolerance = bound.tolerance(quantity, k, i);
-            ((k, i), Datum { got: got.get(k, i), want, tolerance, class: class(quantity, k, i) })
+        let given = self.wanted().iter().map(|(k, i, want)| {
+            ((k, i), (got.get(k, i), want, bound.tolerance(quantity, k, i), class(quantity, k, i)))
         });
         let mut hypotheses = self.hypotheses();
         let others = of_dictionary(self.case, quantity, self.wanted(), got);
         hypotheses.extend(others.hypotheses);
-        let mut state = AtState { data: data.collect(), hypotheses, tried: others.tried };
-        state.add_mistakes_of_entries();
-        state
+        AtState::new(given, hypotheses, others.tried)
     }
 
     fn hypotheses(&self) -> Vec<Hypothesis> {

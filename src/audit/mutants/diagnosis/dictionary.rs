@@ -34,27 +34,70 @@ struct Item<S> {
     x: S,
 }
 
-/// A formula in words.
-struct Formula {
-    words: String,
-    /// Of three numbers the place of this one, and the words for all of them, each in its component.
-    of_three: Option<(usize, String)>,
+/// A formula, in words where they are wanted. Of three numbers it has the place of this one.
+#[derive(Clone, Copy)]
+enum Formula {
+    /// As it is said.
+    Said(&'static str),
+    /// The coordinate of a vector along an axis of a frame.
+    Coordinate(&'static str, usize, &'static str),
+    /// |d₁| + |d₂| + |d₃| along the axes of a frame.
+    Sum(&'static str),
+    /// The distance from an axis of a frame.
+    FromAxis(usize, &'static str),
+    /// The magnitude of a vector.
+    Magnitude(&'static str),
+    /// An angle of a sequence of axes, of a rotation.
+    Angle([usize; 3], usize, &'static str),
+    /// A component of the rotation vector of a rotation.
+    Component(usize, &'static str),
+    /// The whole angle of a rotation.
+    Whole(&'static str),
+    /// The torsion of a rotation.
+    Torsion(&'static str),
+    /// A component of parameters, of a rotation.
+    Parameter(&'static str, usize, &'static str),
+    /// Entry n of a rotation, by rows.
+    Entry(usize, &'static str),
+    /// atan2 of two entries of Q, the second with a sign.
+    OfEntries(usize, &'static str, usize),
+    /// A component of φ_b − φ_a along axes.
+    Apart(usize, &'static str),
 }
 
 impl Formula {
-    fn one(words: impl Into<String>) -> Self {
-        Self { words: words.into(), of_three: None }
-    }
-
-    fn of_three(place: usize, words: String, all: &str) -> Self {
-        Self { words, of_three: Some((place, all.to_string())) }
-    }
-
-    /// What component k equals.
-    fn said(&self, k: usize) -> &str {
-        match &self.of_three {
-            Some((place, all)) if *place == k % 3 => all,
-            _ => &self.words,
+    /// In words; what component k equals where it has the place of this one.
+    fn said(self, k: usize) -> String {
+        let is = |place: usize| place == k % 3;
+        let entry = |n: usize| format!("{}{}", n / 3 + 1, n % 3 + 1);
+        match self {
+            Self::Said(words) => words.into(),
+            Self::Coordinate(name, i, of) if is(i) => {
+                format!("the coordinate of {name} along the axis of {of}")
+            }
+            Self::Coordinate(name, i, of) => format!("the coordinate of {name} along e{} of {of}", i + 1),
+            Self::Sum(of) => format!("|d₁| + |d₂| + |d₃| along the axes of {of}"),
+            Self::FromAxis(i, of) => format!("the distance from the axis e{} of {of}", i + 1),
+            Self::Magnitude(name) => format!("|{name}|"),
+            Self::Angle(axes, n, of) => {
+                let named = axes.map(|axis| format!("e{}", axis + 1)).join(" ");
+                let place = ["first ", "second ", "third "][n];
+                format!("the {}angle of the sequence {named} of {of}", if is(n) { "" } else { place })
+            }
+            Self::Component(i, of) if is(i) => format!("the rotation vector of {of}"),
+            Self::Component(i, of) => format!("component {} of the rotation vector of {of}", i + 1),
+            Self::Whole(of) => format!("the whole angle of {of}"),
+            Self::Torsion(of) => format!("the torsion of {of}"),
+            Self::Parameter(name, i, of) if is(i) => format!("{name}, of {of}"),
+            Self::Parameter(name, i, of) => format!("component {} of {name}, of {of}", i + 1),
+            Self::Entry(n, of) => format!("entry {} of {of}", entry(n)),
+            Self::OfEntries(m, sign, n) => {
+                format!("the angle atan2(Q{}, {sign}Q{}) of two entries of Q = AᵀB", entry(m), entry(n))
+            }
+            Self::Apart(i, of) => {
+                let component = if is(i) { String::new() } else { format!("component {} of ", i + 1) };
+                format!("{component}the difference φ_b − φ_a of the rotation vectors of the nodes{of}")
+            }
         }
     }
 }
@@ -190,35 +233,28 @@ fn lengths<S: Scalar<Real = f64>>(
     for (of, cause, frame) in frames {
         for (name, of_vector, vector) in vectors {
             let along = apply_transposed(&frame, vector);
-            let all = format!("the coordinate of {name} along the axis of {of}");
             for i in 0..3 {
-                let words = format!("the coordinate of {name} along e{} of {of}", i + 1);
-                add_item(of_vector.unwrap_or(cause), Formula::of_three(i, words, &all), along[i]);
+                add_item(of_vector.unwrap_or(cause), Formula::Coordinate(name, i, of), along[i]);
             }
             if of_vector.is_none() {
                 let magnitudes = along.map(abs);
                 let sum = magnitudes[0] + magnitudes[1] + magnitudes[2];
-                let whose = format!("along the axes of {of}");
-                add_item(Cause::OtherLength, Formula::one(format!("|d₁| + |d₂| + |d₃| {whose}")), sum);
+                add_item(Cause::OtherLength, Formula::Sum(of), sum);
                 for i in 0..3 {
                     let [j, k] = [(i + 1) % 3, (i + 2) % 3];
                     let across = norm([along[j], along[k]]);
-                    add_item(
-                        Cause::OtherLength,
-                        Formula::one(format!("the distance from the axis e{} of {of}", i + 1)),
-                        across,
-                    );
+                    add_item(Cause::OtherLength, Formula::FromAxis(i, of), across);
                 }
             }
         }
     }
-    add_item(Cause::OtherLength, Formula::one("the whole length |d|"), norm(d));
-    add_item(Cause::OtherLength, Formula::one("|d − d₀|"), norm(sub(d, d0)));
+    add_item(Cause::OtherLength, Formula::Said("the whole length |d|"), norm(d));
+    add_item(Cause::OtherLength, Formula::Said("|d − d₀|"), norm(sub(d, d0)));
     for (name, vector) in [vectors[2], vectors[3]].map(|(name, _, vector)| (name, vector)) {
-        add_item(Cause::OtherLength, Formula::one(format!("|{name}|")), norm(vector));
+        add_item(Cause::OtherLength, Formula::Magnitude(name), norm(vector));
     }
     let flows = pair.b.flow - pair.a.flow;
-    add_item(Cause::OtherParameters, Formula::one("Ψ_b − Ψ_a"), flows);
+    add_item(Cause::OtherParameters, Formula::Said("Ψ_b − Ψ_a"), flows);
 }
 
 /// What the strain l/l_ref − 1 of a belt ([`Measure::Strain`]) may be else: l = |d|, l_ref = l₀ + Ψ_a − Ψ_b, l₀ the material length at first.
@@ -228,7 +264,7 @@ fn strains<S: Scalar<Real = f64>>(pair: &Pair<S>, l0: f64, mut add_item: impl Fn
     let reference = l0 + a - b;
     let one = S::one();
     let over = |x: S, y: S| x * recip(y);
-    let mut add = |cause: Cause, words: &str, x: S| add_item(cause, Formula::one(words), x);
+    let mut add = |cause: Cause, words: &'static str, x: S| add_item(cause, Formula::Said(words), x);
     add(Cause::OtherLength, "l/l_ref", over(l, reference));
     add(Cause::OtherLength, "the elongation l − l_ref, not divided by l_ref", l - reference);
     add(Cause::OtherLength, "(l − l_ref)/l, divided by the length now", one - over(reference, l));
@@ -307,34 +343,26 @@ fn angles<S: Scalar<Real = f64>>(
         for (axes, three) in sequences(&r) {
             let is_relative = matches!(cause, Cause::OtherParameters | Cause::NodesSwapped);
             let of_sequence = if is_relative { Cause::OtherOrder } else { cause };
-            let named = axes.map(|axis| format!("e{}", axis + 1)).join(" ");
             for (n, x) in three.into_iter().enumerate() {
-                let place = ["first", "second", "third"][n];
-                let words = format!("the {place} angle of the sequence {named} of {of}");
-                let all = format!("the angle of the sequence {named} of {of}");
-                add_item(of_sequence, Formula::of_three(n, words, &all), x);
+                add_item(of_sequence, Formula::Angle(axes, n, of), x);
             }
         }
         let vector = so3::log(&r);
         for (i, x) in vector.into_iter().enumerate() {
-            let words = format!("component {} of the rotation vector of {of}", i + 1);
-            add_item(cause, Formula::of_three(i, words, &format!("the rotation vector of {of}")), x);
+            add_item(cause, Formula::Component(i, of), x);
         }
         let length = norm(vector);
-        add_item(cause, Formula::one(format!("the whole angle of {of}")), length);
-        add_item(cause, Formula::one(format!("the torsion of {of}")), so3::torsion(&r));
+        add_item(cause, Formula::Whole(of), length);
+        add_item(cause, Formula::Torsion(of), so3::torsion(&r));
         let along = direction(vector);
         for (name, function) in PARAMETERS {
             let made = lift(length, function(length.real()));
             for (i, x) in along.into_iter().enumerate() {
-                let words = format!("component {} of {name}, of {of}", i + 1);
-                let all = format!("{name}, of {of}");
-                add_item(Cause::OtherParameters, Formula::of_three(i, words, &all), x * made);
+                add_item(Cause::OtherParameters, Formula::Parameter(name, i, of), x * made);
             }
         }
         for (n, x) in r.as_flattened().iter().enumerate() {
-            let formula = format!("entry {}{} of {of}", n / 3 + 1, n % 3 + 1);
-            add_item(Cause::OtherParameters, Formula::one(formula), *x);
+            add_item(Cause::OtherParameters, Formula::Entry(n, of), *x);
         }
     }
     // An index or a sign mistyped.
@@ -342,10 +370,7 @@ fn angles<S: Scalar<Real = f64>>(
     for (m, y) in entries.iter().enumerate() {
         for (n, x) in entries.iter().enumerate().filter(|(n, _)| *n != m) {
             for (sign, x) in [("", *x), ("−", -*x)] {
-                let name = |n: usize| format!("Q{}{}", n / 3 + 1, n % 3 + 1);
-                let formula =
-                    format!("the angle atan2({}, {sign}{}) of two entries of Q = AᵀB", name(m), name(n));
-                add_item(Cause::OtherOrder, Formula::one(formula), atan2(*y, x));
+                add_item(Cause::OtherOrder, Formula::OfEntries(m, sign, n), atan2(*y, x));
             }
         }
     }
@@ -355,10 +380,8 @@ fn angles<S: Scalar<Real = f64>>(
         (" along the axes of a", apply_transposed(a, apart)),
         (" along the axes of a at first", apply_transposed(&a0, apart)),
     ] {
-        let all = format!("the difference φ_b − φ_a of the rotation vectors of the nodes{of}");
         for (i, x) in along.into_iter().enumerate() {
-            let words = format!("component {} of {all}", i + 1);
-            add_item(Cause::OtherParameters, Formula::of_three(i, words, &all), x);
+            add_item(Cause::OtherParameters, Formula::Apart(i, of), x);
         }
     }
 }
@@ -414,17 +437,17 @@ pub(super) fn of_dictionary(
 ) -> Found {
     let Some(Step { state, .. }) = case.last() else { return Found::default() };
     match quantity {
-        Quantity::Value => found(case, "", (&[0.0; DOFS], |x: f64| vec![x]), want, got),
+        Quantity::Value => found(case, "", (&[0.0; DOFS], |x: f64| [x]), want, got),
         Quantity::FirstDerivatives | Quantity::NodalForces => {
             let seeds = std::array::from_fn(|j| <DualSVec64<DOFS> as Seeded<DOFS>>::seed(0.0, j));
-            let read = |x: DualSVec64<DOFS>| x.gradient().to_vec();
+            let read = |x: DualSVec64<DOFS>| x.gradient();
             found(case, "the row of ", (&seeds, read), want, got)
         }
         Quantity::Rate | Quantity::Acceleration => {
             let seeds: [Dual2<f64>; DOFS] =
                 std::array::from_fn(|j| Dual2::new(0.0, state.velocity[j], state.acceleration[j]));
             let is_rate = quantity == Quantity::Rate;
-            let read = move |x: Dual2<f64>| vec![if is_rate { x.v1 } else { x.v2 }];
+            let read = move |x: Dual2<f64>| [if is_rate { x.v1 } else { x.v2 }];
             let of = if is_rate { "the rate of " } else { "the acceleration of " };
             found(case, of, (&seeds, read), want, got)
         }
@@ -434,14 +457,22 @@ pub(super) fn of_dictionary(
 
 /// Whether numbers agree, to a part of the largest.
 fn is_met(made: &[f64], by: &[f64]) -> bool {
-    let largest = made.iter().chain(by).fold(0.0_f64, |most, x| most.max(x.abs()));
-    made.iter().zip(by).all(|(x, y)| (x - y).abs() <= MET * largest)
+    let (mut largest, mut error) = (0.0_f64, 0.0_f64);
+    for (x, y) in made.iter().zip(by) {
+        let off = (x - y).abs();
+        if off.is_nan() {
+            return false;
+        }
+        largest = largest.max(x.abs()).max(y.abs());
+        error = error.max(off);
+    }
+    error <= MET * largest
 }
 
-fn found<S: Scalar<Real = f64>>(
+fn found<S: Scalar<Real = f64>, const N: usize>(
     case: &Case,
     of: &str,
-    (seeds, read): (&[S; DOFS], impl Fn(S) -> Vec<f64>),
+    (seeds, read): (&[S; DOFS], impl Fn(S) -> [f64; N]),
     want: &Entries<f64>,
     got: &Entries<f64>,
 ) -> Found {
@@ -509,7 +540,7 @@ fn found<S: Scalar<Real = f64>>(
         }
         for (item, first) in all.iter().zip(&at_first).filter(|(item, _)| item.unit == unit) {
             let Item { cause, formula, x, .. } = item;
-            let formula = formula.said(k);
+            let formula = || formula.said(k);
             // A distance has no axis that could be mistaken.
             let cause = if distances[k] { Cause::OtherLength } else { *cause };
             let since = *x - S::from_real(first.x);
@@ -517,26 +548,30 @@ fn found<S: Scalar<Real = f64>>(
             let is_value = S::ORDER == 0;
             if !is_met(&read(*x), wanted) {
                 let cause = if is_value && is_own { Cause::InitialKept } else { cause };
-                add(cause, &|| formula.to_string(), *x);
+                add(cause, &formula, *x);
             }
             // Derivatives know of no initial value.
             if is_value && !is_own {
-                add(cause, &|| format!("the change of {formula}"), since);
+                add(cause, &|| format!("the change of {}", formula()), since);
             }
             if let Some(own) =
                 own_first[k].filter(|own| is_value && *own != 0.0 && (own - first.x).abs() > MET)
             {
                 let less = *x - S::from_real(own);
                 if !is_met(&read(less), wanted) {
-                    add(cause, &|| format!("{formula}, less the initial value of the component"), less);
+                    add(cause, &|| format!("{}, less the initial value of the component", formula()), less);
                 }
                 // Minus that is minus the number, less the initial value.
                 let sum = *x + S::from_real(own);
-                add(cause, &|| format!("the sum of {formula} and the initial value of the component"), sum);
+                add(
+                    cause,
+                    &|| format!("the sum of {} and the initial value of the component", formula()),
+                    sum,
+                );
             }
             for function in FUNCTIONS.iter().filter(|function| function.of == unit) {
                 let made = lift(*x, (function.taylor)(x.real(), first.x));
-                add(other, &|| format!("{}, x {formula}", function.formula), made);
+                add(other, &|| format!("{}, x {}", function.formula, formula()), made);
             }
         }
         found.tried = found.tried.max(tried);

@@ -1,6 +1,7 @@
 //! Wrong numbers beside what mistakes would make of the right ones: which mistakes are believed, wherever the numbers come from.
 
 use crate::judge::bound::C;
+use crate::mutants::diagnosis::cells::{Cell, Cells};
 use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use crate::mutants::mutant::{Changes, NOTHING};
@@ -8,9 +9,6 @@ use pintle_kinematics::scalar::U;
 use pintle_scene::Code;
 use pintle_scene::grammar::number as short;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Where a number stands: its row (a component, an equation, a part) and its place in that row.
-pub(super) type Cell = (usize, usize);
 
 /// Numbers of one class have one unit.
 pub(super) type Class = (usize, usize, usize);
@@ -21,7 +19,8 @@ pub(super) struct Datum {
     pub(super) got: Option<f64>,
     pub(super) want: f64,
     pub(super) tolerance: f64,
-    pub(super) class: Class,
+    /// The largest tolerance of its class.
+    of_class: f64,
 }
 
 /// What a mistake would make of the numbers.
@@ -71,13 +70,17 @@ pub(super) trait Words {
 }
 
 /// Numbers at one state, and mistakes that may explain them.
-#[derive(Default)]
 pub(super) struct AtState {
-    pub(super) data: BTreeMap<Cell, Datum>,
-    pub(super) hypotheses: Vec<Hypothesis>,
+    data: Cells<Datum>,
+    /// The largest error of a number.
+    error: f64,
+    hypotheses: Vec<Hypothesis>,
     /// How many more were tried, and were not met.
-    pub(super) tried: usize,
+    tried: usize,
 }
+
+/// What was given of a number, what is wanted, the tolerance, and the class.
+pub(super) type Given = (Option<f64>, f64, f64, Class);
 
 /// Numbers at states at which some are wrong, and mistakes that may explain them.
 pub(super) struct Matching<'a> {
@@ -134,33 +137,41 @@ struct Explains {
 type ByState = BTreeMap<usize, Explains>;
 
 /// Wrong entries of a state, with the bits that each is worth.
-type Wrongs = BTreeMap<Cell, f64>;
+type Wrongs = Cells<f64>;
 
 impl AtState {
-    /// Adds what every number can suffer by itself: that it is missing, that it has the wrong sign.
-    pub(super) fn add_mistakes_of_entries(&mut self) {
-        for (place, datum) in self.data.iter().filter(|(_, datum)| datum.want != 0.0) {
-            self.hypotheses.push(Hypothesis::one(Cause::Dropped, *place, 0.0));
-            self.hypotheses.push(Hypothesis::one(Cause::Sign, *place, -datum.want));
-        }
-    }
-
-    /// The largest tolerance of each class.
-    fn tolerances(&self) -> BTreeMap<Class, f64> {
+    /// The numbers, and the mistakes that may explain them, of which so many more were tried; and what every number can suffer by itself: that
+    /// it is missing, that it has the wrong sign.
+    pub(super) fn new(
+        given: impl IntoIterator<Item = (Cell, Given)>,
+        hypotheses: Vec<Hypothesis>,
+        tried: usize,
+    ) -> Self {
         let mut largest: BTreeMap<Class, f64> = BTreeMap::new();
-        for datum in self.data.values() {
-            let most = largest.entry(datum.class).or_default();
-            *most = most.max(datum.tolerance);
+        let mut state = Self { data: Cells::default(), error: 0.0, hypotheses, tried };
+        let given: Vec<_> = given.into_iter().collect();
+        for (_, (.., tolerance, class)) in &given {
+            let most = largest.entry(*class).or_default();
+            *most = most.max(*tolerance);
         }
-        largest
+        for (place, (got, want, tolerance, class)) in given {
+            state.error = state.error.max(got.map_or(0.0, |got| (got - want).abs()));
+            if want != 0.0 {
+                state.hypotheses.push(Hypothesis::one(Cause::Dropped, place, 0.0));
+                state.hypotheses.push(Hypothesis::one(Cause::Sign, place, -want));
+            }
+            let of_class = largest.get(&class).copied().unwrap_or_default();
+            state.data.insert(place, Datum { got, want, tolerance, of_class });
+        }
+        state
     }
 
     fn wrong(&self, wider: f64) -> Wrongs {
-        let of = |(place, datum): (&Cell, &Datum)| {
+        let of = |(place, datum): (Cell, &Datum)| {
             let error = (datum.got? - datum.want).abs();
             let tolerance = wider * datum.tolerance;
             let bits = (error / tolerance).log2().clamp(0.0, f64::from(f64::MANTISSA_DIGITS));
-            (error.is_nan() || error > tolerance).then_some((*place, bits))
+            (error.is_nan() || error > tolerance).then_some((place, bits))
         };
         self.data.iter().filter_map(of).collect()
     }
@@ -170,17 +181,19 @@ impl AtState {
         &self,
         (changes, cause): (&[(usize, usize, f64)], Cause),
         wider: f64,
-        largest: &BTreeMap<Class, f64>,
         wrong: &Wrongs,
     ) -> Option<Wrongs> {
         let mut sizes = [0.0_f64; 2];
         let mut worst = [0.0_f64; 2];
         for (k, i, x) in changes {
-            let datum = self.data.get(&(*k, *i))?;
+            let datum = self.data.get((*k, *i))?;
             let got = datum.got?;
             let off = |from: f64| if got == from { 0.0 } else { (got - from).abs() };
             sizes = [sizes[0].max(x.abs()), sizes[1].max(datum.want.abs())];
             worst = [worst[0].max(off(datum.want)), worst[1].max(off(*x))];
+            if worst[1] > LEFT * self.error {
+                return None;
+            }
         }
         let [error, left] = worst;
         if !(error > 0.0 && left <= LEFT * error) {
@@ -189,19 +202,18 @@ impl AtState {
         // What is given has the rounding of the right numbers once more, for it is compared with rounded ones; and what is multiplied, that of the
         // product.
         let grown = if sizes[1] > 0.0 { (sizes[0] / sizes[1]).clamp(1.0, 1e6) } else { 1.0 };
-        let mut explained = Wrongs::new();
+        let mut explained = Wrongs::default();
         for (k, i, x) in changes {
-            let datum = self.data.get(&(*k, *i))?;
+            let datum = self.data.get((*k, *i))?;
             let got = datum.got?;
-            let class = largest.get(&datum.class).copied().unwrap_or(0.0);
-            let allowed = 2.0 * wider * cause.gain().max(grown) * class;
+            let allowed = 2.0 * wider * cause.gain().max(grown) * datum.of_class;
             // Wide tolerances confirm nothing: what a mistake changes visibly must be seen to have changed.
             let change = (x - datum.want).abs();
             let is_seen = change <= SEEN * error || (got - x).abs() <= change / 2.0;
             if got != *x && !((got - x).abs() <= allowed && is_seen) {
                 return None;
             }
-            if let Some(bits) = wrong.get(&(*k, *i)) {
+            if let Some(bits) = wrong.get((*k, *i)) {
                 // Of what is so much wider than the tolerance chance meets more.
                 let met = (allowed / (2.0 * wider * datum.tolerance)).log2().max(0.0);
                 explained.insert((*k, *i), if met.is_finite() { (bits - met).max(0.0) } else { 0.0 });
@@ -226,30 +238,29 @@ impl Matching<'_> {
     /// The mistakes that explain what is wrong, with tolerances `wider` times as wide; `None` where nothing is wrong.
     fn explain(&self, wider: f64) -> Option<Diagnosis> {
         let mut wrong: Vec<Wrongs> = self.states.iter().map(|state| state.wrong(wider)).collect();
-        if wrong.iter().all(BTreeMap::is_empty) {
+        if wrong.iter().all(Wrongs::is_empty) {
             return None;
         }
-        let all = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
+        let all = wrong.iter().map(Wrongs::len).max().unwrap_or(0);
         let mut found: BTreeMap<Key, ByState> = BTreeMap::new();
         for (n, state) in self.states.iter().enumerate() {
-            let largest = state.tolerances();
             let touches = |hypothesis: &&Hypothesis| {
-                hypothesis.changes.iter().any(|(k, i, _)| wrong[n].contains_key(&(*k, *i)))
+                hypothesis.changes.iter().any(|(k, i, _)| wrong[n].contains((*k, *i)))
             };
             let mut touching: Vec<&Hypothesis> = state.hypotheses.iter().filter(touches).collect();
             // What changes least comes first: another that explains no more adds nothing.
             touching.sort_by_key(|hypothesis| hypothesis.changes.len());
             for Hypothesis { cause, changes, relation, is_searched } in touching {
-                let Some(of) = state.explained((changes, *cause), wider, &largest, &wrong[n]) else {
+                let Some(of) = state.explained((changes, *cause), wider, &wrong[n]) else {
                     continue;
                 };
                 let explains =
                     found.entry((*is_searched, *cause, relation.clone())).or_default().entry(n).or_default();
-                if of.keys().all(|place| explains.entries.contains_key(place)) {
+                if of.cells().all(|place| explains.entries.contains(place)) {
                     continue;
                 }
                 explains.times += 1;
-                explains.entries.extend(of);
+                explains.entries.extend(of.iter().map(|(place, bits)| (place, *bits)));
                 explains.region.extend(changes.iter().map(|(k, i, _)| (*k, *i)));
             }
         }
@@ -264,7 +275,7 @@ impl Matching<'_> {
         if wider <= LOST[0] {
             diagnosis.causes.extend(self.singles(&mut wrong));
         }
-        diagnosis.unexplained = wrong.iter().map(BTreeMap::len).max().unwrap_or(0);
+        diagnosis.unexplained = wrong.iter().map(Wrongs::len).max().unwrap_or(0);
         // That some entries of several states are zero, say, explains nothing where others are wrong besides.
         if self.states.len() > 1
             && diagnosis.unexplained > 0
@@ -278,8 +289,7 @@ impl Matching<'_> {
 
     /// Adds what one number makes of others, the same at every state, which one entry tells and the others confirm.
     fn add_constants(&self, wider: f64, wrong: &[Wrongs], found: &mut BTreeMap<Key, ByState>) {
-        let largest: Vec<_> = self.states.iter().map(AtState::tolerances).collect();
-        let singles: BTreeSet<Cell> = wrong.iter().flat_map(BTreeMap::keys).copied().collect();
+        let singles: BTreeSet<Cell> = wrong.iter().flat_map(Wrongs::cells).collect();
         let of_cells = singles.into_iter().map(|place| (vec![place], true));
         let regions = self.regions.iter().map(|region| (region.clone(), false)).chain(of_cells);
         for (region, is_entry) in regions {
@@ -297,13 +307,13 @@ impl Matching<'_> {
                 let mut by_state = ByState::new();
                 for (n, wrong) in wrong.iter().enumerate() {
                     let data = &self.states[n].data;
-                    if !region.iter().any(|place| wrong.contains_key(place)) {
+                    if !region.iter().any(|place| wrong.contains(*place)) {
                         continue;
                     }
-                    let told = region.iter().filter_map(|place| Some((place, data.get(place)?)));
+                    let told = region.iter().filter_map(|place| Some((place, data.get(*place)?)));
                     let whole = told.clone().all(|(_, datum)| datum.got.is_some_and(f64::is_finite));
                     let changes: Vec<_> = told.map(|((k, i), datum)| (*k, *i, make(datum.want))).collect();
-                    let of = self.states[n].explained((&changes, cause), wider, &largest[n], wrong);
+                    let of = self.states[n].explained((&changes, cause), wider, wrong);
                     if let Some(entries) = of.filter(|_| whole) {
                         let region = region.iter().copied().collect();
                         by_state.insert(n, Explains { entries, region, times: 1 });
@@ -315,7 +325,7 @@ impl Matching<'_> {
                 let all = found.entry((false, cause, Some(relation))).or_default();
                 for (n, explains) in by_state {
                     let known = all.entry(n).or_default();
-                    known.entries.extend(explains.entries);
+                    known.entries.extend(explains.entries.iter().map(|(place, bits)| (place, *bits)));
                     known.region.extend(explains.region);
                     known.times += 1;
                 }
@@ -326,8 +336,8 @@ impl Matching<'_> {
     /// The wrong numbers of a region, at whatever state.
     fn wrongs(&self, region: &[Cell], wrong: &[Wrongs]) -> Vec<Off> {
         let of = |(state, wrong): (&AtState, &Wrongs)| {
-            let data = region.iter().filter(|place| wrong.contains_key(place)).filter_map(|place| {
-                let Datum { got, want, tolerance, .. } = state.data.get(place)?;
+            let data = region.iter().filter(|place| wrong.contains(**place)).filter_map(|place| {
+                let Datum { got, want, tolerance, .. } = state.data.get(*place)?;
                 let got = got.filter(|got| got.is_finite())?;
                 Some(Off { got, want: *want, tolerance: *tolerance })
             });
@@ -380,12 +390,11 @@ impl Matching<'_> {
             Side { right, largest, ..Side::default() }
         });
         for (state, wrong) in self.states.iter().zip(wrong) {
-            let Some((datum, got)) = state.data.get(&place).and_then(|datum| Some((datum, datum.got?)))
-            else {
+            let Some((datum, got)) = state.data.get(place).and_then(|datum| Some((datum, datum.got?))) else {
                 continue;
             };
             let (side, size) = (&mut sides[usize::from(datum.want > 0.0)], datum.want.abs());
-            if !wrong.contains_key(&place) {
+            if !wrong.contains(place) {
                 side.right += usize::from(size > datum.tolerance);
                 side.largest = side.largest.max(size - datum.tolerance);
                 continue;
@@ -430,7 +439,7 @@ impl Matching<'_> {
         let rank = |cause: Cause, by_state: &ByState| {
             let (mut bits, mut states, mut times, mut most) = (0.0, [0; 2], 0, 0.0_f64);
             for (n, explains) in by_state {
-                let left = explains.entries.iter().filter(|(place, _)| wrong[*n].contains_key(place));
+                let left = explains.entries.iter().filter(|(place, _)| wrong[*n].contains(*place));
                 let of: Vec<f64> = left.map(|(_, bits)| *bits).collect();
                 if of.is_empty() {
                     continue;
@@ -488,8 +497,8 @@ impl Matching<'_> {
         also.dedup();
         let (mut entries, mut region) = (BTreeSet::new(), BTreeSet::new());
         for (n, explains) in chosen.by_state {
-            if explains.entries.keys().any(|place| wrong[*n].contains_key(place)) {
-                entries.extend(explains.entries.keys().copied());
+            if explains.entries.cells().any(|place| wrong[*n].contains(place)) {
+                entries.extend(explains.entries.cells());
                 region.extend(explains.region.iter().copied());
             }
         }
@@ -499,7 +508,7 @@ impl Matching<'_> {
             _ => self.words.region(shown),
         };
         for (n, explains) in chosen.by_state {
-            wrong[*n].retain(|place, _| !explains.entries.contains_key(place));
+            wrong[*n].without(&explains.entries);
         }
         let relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
         // A formula that was searched for says all but that it is another.
@@ -543,22 +552,25 @@ impl Matching<'_> {
         if open.iter().any(|n| wrong[*n].len() > SINGLE) {
             return Vec::new();
         }
-        let of_all = open.iter().flat_map(|n| wrong[*n].keys().map(|place| self.single(*n, *place)));
-        if open.len() > 1 && of_all.into_iter().any(|found| found.cause != Cause::Spurious) {
+        let is_told = |n: &usize| {
+            let mut of_state = wrong[*n].cells().map(|place| self.single(*n, place));
+            of_state.any(|found| found.cause != Cause::Spurious)
+        };
+        if open.len() > 1 && open.iter().any(is_told) {
             return Vec::new();
         }
-        let places: Vec<Cell> = wrong[*first].keys().copied().collect();
+        let places: Vec<Cell> = wrong[*first].cells().collect();
         let mut found: Vec<Explained> = places.into_iter().map(|place| self.single(*first, place)).collect();
         let at = self.at(open.len(), open.len());
         found.iter_mut().for_each(|found| found.sentence += &at);
-        wrong.iter_mut().for_each(BTreeMap::clear);
+        wrong.iter_mut().for_each(Wrongs::clear);
         found
     }
 
     /// An entry that is wrong by itself, at a state.
     fn single(&self, n: usize, place: Cell) -> Explained {
         let name = self.words.entry(place);
-        let datum = self.states[n].data.get(&place);
+        let datum = self.states[n].data.get(place);
         let of = |f: fn(&Datum) -> Option<f64>| datum.and_then(f).unwrap_or(f64::NAN);
         let (got, want) = (of(|datum| datum.got), of(|datum| Some(datum.want)));
         // What is left of a cancellation has no relative error of its own.
@@ -700,7 +712,7 @@ pub(super) fn ranges(columns: &BTreeSet<usize>, name: &dyn Fn(usize) -> String) 
 
 #[cfg(test)]
 mod tests {
-    use super::{AtState, Cell, Datum, Matching, Words, bounds_in_words, ranges};
+    use super::{AtState, Cell, Matching, Words, bounds_in_words, ranges};
     use std::collections::BTreeSet;
 
     struct Plain;
@@ -723,8 +735,7 @@ mod tests {
     /// What is given where other numbers are expected, one state each: the bounds.
     fn bounds(numbers: &[(f64, f64)]) -> Option<String> {
         let state = |(got, want): &(f64, f64)| {
-            let datum = Datum { got: Some(*got), want: *want, tolerance: 1e-14, class: (0, 0, 0) };
-            AtState { data: [((0, 0), datum)].into(), ..AtState::default() }
+            AtState::new([((0, 0), (Some(*got), *want, 1e-14, (0, 0, 0)))], Vec::new(), 0)
         };
         let states: Vec<AtState> = numbers.iter().map(state).collect();
         let wrong: Vec<_> = states.iter().map(|state| state.wrong(1.0)).collect();

@@ -15,6 +15,7 @@
 //!
 //! | file | what mistakes make of |
 //! |---|---|
+//! | `cells` | (numbers by where they stand) |
 //! | `columns` | the columns of rows, and with them rates and second derivatives |
 //! | `component` | rows, rates, second derivatives, forces, stiffness |
 //! | `values` | values |
@@ -27,6 +28,7 @@
 //! | `seen` | numbers near special states, and nowhere else |
 //! | `patterns` | digits: lost near special states, or few everywhere |
 
+mod cells;
 mod columns;
 mod component;
 mod dictionary;

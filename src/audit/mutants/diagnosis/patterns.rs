@@ -2,8 +2,9 @@
 
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
+use crate::mutants::diagnosis::cells::Cell;
 use crate::mutants::diagnosis::component::Symptoms;
-use crate::mutants::diagnosis::matching::{Cell, Matching, Words, equation};
+use crate::mutants::diagnosis::matching::{Matching, Words, equation};
 use crate::mutants::diagnosis::places::{FORMULAS, OF_ANGLES, PLACES, places};
 use crate::mutants::diagnosis::seen::Seen;
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};

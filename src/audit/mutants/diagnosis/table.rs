@@ -3,10 +3,9 @@
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::table::{Convention, Entry, ResultTable};
+use crate::mutants::diagnosis::cells::Cell;
 use crate::mutants::diagnosis::component::is_derivative;
-use crate::mutants::diagnosis::matching::{
-    AtState, Cell, Datum, Hypothesis, Matching, Words, equation, ranges,
-};
+use crate::mutants::diagnosis::matching::{AtState, Hypothesis, Matching, Words, equation, ranges};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
 use std::collections::BTreeSet;
 
@@ -57,9 +56,9 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
     let width = table.width();
     let place = |i: usize| (i / width, i % width);
     let is_told = |i: usize| table.entries.get(i).is_some_and(|entry| !is_smooth || entry.sides.is_none());
-    let data = table.entries.iter().enumerate().filter(|(i, _)| is_told(*i)).map(|(i, entry)| {
+    let given = table.entries.iter().enumerate().filter(|(i, _)| is_told(*i)).map(|(i, entry)| {
         let (want, tolerance) = (entry.target(entry.got).to_f64(), entry.tolerance());
-        (place(i), Datum { got: Some(entry.got), want, tolerance, class: entry.class })
+        (place(i), (Some(entry.got), want, tolerance, entry.class))
     });
     let placed = |changes: &[(usize, f64)]| {
         let told = changes.iter().filter(|(i, _)| is_told(*i));
@@ -83,9 +82,7 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
         relation: relation.clone(),
         ..Hypothesis::many(*cause, placed(changes))
     }));
-    let mut state = AtState { data: data.collect(), hypotheses, tried: 0 };
-    state.add_mistakes_of_entries();
-    state
+    AtState::new(given, hypotheses, 0)
 }
 
 /// Every pair of columns exchanged in a row, and each copied into the place of every other.
