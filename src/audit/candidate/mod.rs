@@ -383,7 +383,9 @@ impl<'a> Candidate<'a> {
                 }
                 let Some(given) = answers.next().flatten() else { continue };
                 let is_wide = wide.contains(&asked.number);
-                match self.judge_on_sheet(asked, given, &mut routine, is_wide, &mut of_element)? {
+                let judged =
+                    self.judge_on_sheet((asked, given), &self.offers, &mut routine, is_wide, &mut of_element);
+                match judged? {
                     Some(checks) => checks_of(&mut found, checks),
                     None => elsewhere += 1,
                 }
@@ -487,11 +489,11 @@ impl<'a> Candidate<'a> {
         given
     }
 
-    /// What the routine gives at a state, judged; `None` where it continues angles on another sheet.
+    /// Quantities that the routine gives at a state, judged; `None` where it continues angles on another sheet.
     fn judge_on_sheet<E>(
         &self,
-        asked: &Asked,
-        given: Given,
+        (asked, given): (&Asked, Given),
+        quantities: &[Quantity],
         routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
         is_wide: bool,
         of_element: &mut Vec<WrongTable>,
@@ -502,14 +504,13 @@ impl<'a> Candidate<'a> {
         if sheet::is_another(&asked.case, &given, before) {
             return Ok(None);
         }
-        let checks = match sheet::mostly_another(&asked.case, &given, before) {
-            Some(values) => {
-                let of_values = Self { offers: vec![Quantity::Value], ..self.clone() };
-                of_values.judge(asked, &values, routine, is_wide, of_element)?
-            }
-            None => self.judge(asked, &given, routine, is_wide, of_element)?,
+        let of = |quantities: &[Quantity]| Self { offers: quantities.to_vec(), ..self.clone() };
+        let (judge, given) = match sheet::mostly_another(&asked.case, &given, before) {
+            Some(values) => (of(&[Quantity::Value]), values),
+            None if self.offers == quantities => (self.clone(), given),
+            None => (of(quantities), given.only(quantities, [true; 6])),
         };
-        Ok(Some(checks))
+        judge.judge(asked, &given, routine, is_wide, of_element).map(Some)
     }
 
     fn judge<E>(

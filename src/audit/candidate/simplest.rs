@@ -4,7 +4,7 @@ use crate::candidate::{Asked, Candidate, Given, Question};
 use crate::case::Case;
 use crate::case::failing::Failing;
 use crate::case::quantity::Quantity;
-use crate::judge::outcome::Check;
+use crate::judge::outcome::{Against, Check};
 use crate::replay::shrink::shrink_state;
 use pintle_kinematics::node::{DOF, Node};
 use pintle_kinematics::so3;
@@ -36,7 +36,7 @@ impl Candidate<'_> {
                 return false;
             }
             *trials -= 1;
-            self.is_wrong(case, quantity, routine).unwrap_or_else(|failed| {
+            self.is_wrong(case, (quantity, check.against), routine).unwrap_or_else(|failed| {
                 *error.borrow_mut() = Some(failed);
                 false
             })
@@ -45,18 +45,19 @@ impl Candidate<'_> {
         error.into_inner().map_or(Ok(found), Err)
     }
 
-    /// Whether numbers of a quantity are wrong at the end of a case.
+    /// Whether numbers of a quantity are wrong at the end of a case. The routine's own differences are asked for where they are the judge.
     fn is_wrong<E>(
         &self,
         case: &Case,
-        quantity: Quantity,
+        (quantity, against): (Quantity, Against),
         routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
     ) -> Result<bool, E> {
         let asked = Asked::new(0, case.clone());
         let is_in = case.last().is_some_and(|step| self.domain.holds(self.definition, &step.state.pair));
         let (true, Some(question)) = (is_in, asked.question(&self.offers)) else { return Ok(false) };
         let Some(given) = routine(&[question])?.into_iter().next().flatten() else { return Ok(false) };
-        let checks = self.judge_on_sheet(&asked, given, routine, false, &mut Vec::new())?;
+        let judged = if against == Against::Own { &self.offers[..] } else { &[quantity] };
+        let checks = self.judge_on_sheet((&asked, given), judged, routine, false, &mut Vec::new())?;
         let is_wrong = |check: &Check| check.quantity == Some(quantity) && check.verdict.is_mismatch();
         Ok(checks.is_some_and(|checks| checks.iter().any(is_wrong)))
     }
