@@ -10,7 +10,7 @@ mod tables;
 use crate::audit::{judged, named, spoiled};
 use pintle_audit::mutants::diagnosis::{Cause, Diagnosis, Symptoms, diagnose};
 use pintle_audit::mutants::mutant::{Mistake, Scene, mutants};
-use pintle_audit::sampling::{Region, draw_case};
+use pintle_audit::sampling::{Region, draw_case, extent};
 use pintle_audit::{Bound, Case, Entries, Numbers, Quantity};
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::NodalRow;
@@ -19,6 +19,8 @@ use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::vector::{apply_transposed, cross};
 use pintle_scene::Code;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A state at which both nodes are turned and moved, with its numbers and tolerances.
 fn drawn(connection: &ConnectionType, region: Region) -> (Case, Numbers<f64>, Bound) {
@@ -32,65 +34,68 @@ fn said(diagnosis: &Diagnosis) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Every mutant of every quantity of every type is diagnosed as what it is, or as what makes the same numbers.
-#[test]
-fn every_mutant_is_diagnosed_as_itself() {
-    let mut tried = std::collections::BTreeMap::<String, usize>::new();
-    for connection in TABLE {
-        let regions = [Region::Misaligned, Region::ManyTurns(7.0)];
-        for region in regions {
-            if !Region::of(connection, pintle_audit::sampling::extent(connection)).contains(&region) {
+/// Every mutant of every quantity of a type in a region is diagnosed as what it is, or as what makes the same numbers: how many of each mistake.
+fn each_is_diagnosed(connection: &ConnectionType, region: Region) -> BTreeMap<String, usize> {
+    let mut tried = BTreeMap::new();
+    let (case, want, bound) = drawn(connection, region);
+    let connector = case.connector();
+    let units: [Option<Unit>; 6] =
+        std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
+    let step = case.last().unwrap();
+    let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
+    let turns = branch.turns.map(|turns| turns.turns);
+    for quantity in Quantity::ALL {
+        let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
+        let scene = Scene { numbers: &want, case: &case, units, turns, scale: &scale };
+        for (n, mutant) in mutants(quantity, &scene).into_iter().enumerate() {
+            let single = mutant.changes.len() == 1;
+            let skipped = match mutant.mistake {
+                Mistake::Scaled(delta) => delta != 1e-1 && delta != 1e-6,
+                _ => false,
+            };
+            // Of the 196 entries of a matrix of second derivatives, some.
+            if skipped || (single && quantity.entries() > DOFS && n % 101 != 0) {
                 continue;
             }
-            let (case, want, bound) = drawn(connection, region);
-            let connector = case.connector();
-            let units: [Option<Unit>; 6] =
-                std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
-            let step = case.last().unwrap();
-            let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
-            let turns = branch.turns.map(|turns| turns.turns);
-            for quantity in Quantity::ALL {
-                let scale = |k: usize, i: usize| bound.scale(quantity, k, i);
-                let scene = Scene { numbers: &want, case: &case, units, turns, scale: &scale };
-                for (n, mutant) in mutants(quantity, &scene).into_iter().enumerate() {
-                    let single = mutant.changes.len() == 1;
-                    let skipped = match mutant.mistake {
-                        Mistake::Scaled(delta) => delta != 1e-1 && delta != 1e-6,
-                        _ => false,
-                    };
-                    // Of the 196 entries of a matrix of second derivatives, some.
-                    if skipped || (single && quantity.entries() > DOFS && n % 101 != 0) {
-                        continue;
-                    }
-                    let units = |(k, i, x): &(usize, usize, f64)| {
-                        (x - want.entries(quantity).get(*k, *i).unwrap()).abs()
-                            / bound.tolerance(quantity, *k, *i)
-                    };
-                    // What changes less than that cannot be told from chance.
-                    let largest = mutant.changes.iter().map(units).fold(0.0, f64::max);
-                    if largest < 1e6 {
-                        continue;
-                    }
-                    let got = mutant.applied(want.entries(quantity));
-                    let rows = want.entries(Quantity::FirstDerivatives);
-                    let symptoms =
-                        Symptoms { quantity, got: &got, rows, want: &want, case: &case, bound: &bound };
-                    let found = diagnose(&symptoms);
-                    let name = mutant.mistake.name();
-                    let found = found.unwrap_or_else(|| panic!("{}: {name}: nothing wrong", case.name));
-                    let cause = Cause::of(mutant.mistake);
-                    let what = format!("{} {}, {name}:\n{}", case.name, quantity.name(), said(&found));
-                    assert_eq!((found.causes.len(), found.unexplained), (1, 0), "{what}");
-                    let codes: Vec<Code> = found
-                        .causes
-                        .iter()
-                        .flat_map(|one| one.also.iter().copied().chain([one.code]))
-                        .collect();
-                    assert!(codes.contains(&cause.code()), "{what}");
-                    *tried.entry(name).or_default() += 1;
-                }
+            let units = |(k, i, x): &(usize, usize, f64)| {
+                (x - want.entries(quantity).get(*k, *i).unwrap()).abs() / bound.tolerance(quantity, *k, *i)
+            };
+            // What changes less than that cannot be told from chance.
+            let largest = mutant.changes.iter().map(units).fold(0.0, f64::max);
+            if largest < 1e6 {
+                continue;
             }
+            let got = mutant.applied(want.entries(quantity));
+            let rows = want.entries(Quantity::FirstDerivatives);
+            let symptoms = Symptoms { quantity, got: &got, rows, want: &want, case: &case, bound: &bound };
+            let found = diagnose(&symptoms);
+            let name = mutant.mistake.name();
+            let found = found.unwrap_or_else(|| panic!("{}: {name}: nothing wrong", case.name));
+            let cause = Cause::of(mutant.mistake);
+            let what = format!("{} {}, {name}:\n{}", case.name, quantity.name(), said(&found));
+            assert_eq!((found.causes.len(), found.unexplained), (1, 0), "{what}");
+            let codes: Vec<Code> =
+                found.causes.iter().flat_map(|one| one.also.iter().copied().chain([one.code])).collect();
+            assert!(codes.contains(&cause.code()), "{what}");
+            *tried.entry(name).or_default() += 1;
         }
+    }
+    tried
+}
+
+#[test]
+fn every_mutant_is_diagnosed_as_itself() {
+    let regions = [Region::Misaligned, Region::ManyTurns(7.0)];
+    let of = |connection: &'static ConnectionType| {
+        let possible = Region::of(connection, extent(connection));
+        let regions = regions.into_iter().filter(|region| possible.contains(region));
+        regions.map(|region| (connection, region)).collect::<Vec<_>>()
+    };
+    let found: Vec<_> =
+        TABLE.par_iter().flat_map_iter(of).map(|(of, region)| each_is_diagnosed(of, region)).collect();
+    let mut tried = BTreeMap::<String, usize>::new();
+    for (name, count) in found.into_iter().flatten() {
+        *tried.entry(name).or_default() += count;
     }
     // All mistakes were made, each in many places.
     for (name, count) in &tried {

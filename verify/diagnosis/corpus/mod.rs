@@ -78,6 +78,8 @@ pub(crate) struct Right<'a> {
     pub(crate) values_before: Components<f64>,
     /// The measures of the components; `None` where there is no such component.
     pub(crate) measures: [Option<Measure>; 6],
+    /// Whether the state was drawn, not one beside it.
+    pub(crate) is_drawn: bool,
     /// The right numbers at other nodes, after the same path: to be differenced, or with a and b exchanged.
     pub(crate) at: &'a dyn Fn(&State<f64>) -> Numbers<f64>,
 }
@@ -225,6 +227,7 @@ pub(crate) fn heard(
                 numbers: &right,
                 values_before: asked.values_before,
                 measures,
+                is_drawn: asked.is_drawn,
                 at: &at,
             };
             answer(&state, &mut numbers);
@@ -331,6 +334,10 @@ fn right_routines_are_not_called_wrong() {
         let product = checked(("product", &definition, &Quantity::ALL[..7]), |_, _| ());
         let by = |of: fn(&Narrow) -> Numbers<f64>| {
             checked(("formulas", &definition, &Quantity::ALL[..7]), |right, numbers| {
+                // Beside a state values alone are differenced.
+                if !right.is_drawn {
+                    return;
+                }
                 let found = of(&Narrow::of(right.case).unwrap());
                 for quantity in Quantity::ALL {
                     each(numbers, quantity, |k, i, x| found.entries(quantity).get(k, i).unwrap_or(x));
