@@ -23,7 +23,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import mpmath
-from mpmath import atan2, cos, hyp0f1, hyp2f1, mp, mpf, nstr, pi, rf, sin, sqrt
+from mpmath import atan2, cos, exp, hyp0f1, hyp2f1, mp, mpf, nstr, pi, rf, sin, sqrt
 
 DIGITS, SEED, ORDER = 100, 20261121, 5
 TARGET = Path(__file__).parents[2] / "verify/golden/wide.json"
@@ -162,6 +162,12 @@ def reciprocal():
     return [[x.text, out(1 / x.value)] for x in map(Input, values)]
 
 
+def exponential():
+    values = [0, 1, -1, "1e-300", "-1e-80", 2 * mp.ln2, -1000 * mp.ln2, mp.ln2 / 2, "709.5", "-99999"]
+    values += [log_uniform(-4, 4) for _ in range(20)] + [uniform(-40, 40) for _ in range(10)]
+    return [[x.text, out(exp(x.value))] for x in map(Input, values)]
+
+
 def sine_cosine():
     values = [k * pi / 4 for k in range(-8, 9) if k] + [float(k * pi / 4) for k in range(-8, 9) if k]
     values += ["1e-300", "1e300", "1e22", "1e-9", "9.99999e-10", "-1.00001e-9", 1000 * pi, float(100000 * pi / 2)]
@@ -266,7 +272,7 @@ def log_series():
 def document():
     tables = [
         parse, to_f64, arithmetic, square_root, reciprocal, sine_cosine, arctangent, with_turns, direction_and_norm,
-        exp_series, log_series,
+        exp_series, log_series, exponential,
     ]  # fmt: skip
     content = {"script": "scripts/numbers/wide_golden.py", "mpmath": mpmath.__version__, "digits": DIGITS, "seed": SEED}
     lines = [json.dumps(content)[:-1] + ","]
