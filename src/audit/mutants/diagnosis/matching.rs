@@ -79,9 +79,6 @@ pub(super) struct AtState {
     tried: usize,
 }
 
-/// What was given of a number, what is wanted, the tolerance, and the class.
-pub(super) type Given = (Option<f64>, f64, f64, Class);
-
 /// Numbers at states at which some are wrong, and mistakes that may explain them.
 pub(super) struct Matching<'a> {
     pub(super) states: Vec<AtState>,
@@ -140,10 +137,10 @@ type ByState = BTreeMap<usize, Explains>;
 type Wrongs = Cells<f64>;
 
 impl AtState {
-    /// The numbers, and the mistakes that may explain them, of which so many more were tried; and what every number can suffer by itself: that
-    /// it is missing, that it has the wrong sign.
+    /// Numbers, each with what was given, what is wanted, its tolerance and its class; and the mistakes that may explain them, of which so many more
+    /// were tried. Added is what every number can suffer by itself: that it is missing, that it has the wrong sign.
     pub(super) fn new(
-        given: impl IntoIterator<Item = (Cell, Given)>,
+        given: impl IntoIterator<Item = (Cell, (Option<f64>, f64, f64, Class))>,
         hypotheses: Vec<Hypothesis>,
         tried: usize,
     ) -> Self {
