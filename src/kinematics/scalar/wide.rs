@@ -64,7 +64,7 @@ const BIAS: i32 = 262_143;
 const TAU_REST: f64 = 1.632_735_494_056_505_3e-71;
 
 /// ln 2 − `LN_2`, where `LN_2` is ln 2 rounded to 237 bits.
-const LN_2_REST: f64 = 1.685_053_844_727_833_9e-72;
+const LN_2_REST: f64 = 1.685_053_844_727_834e-72;
 
 /// 1/18!, 1/17!, …, 1: of eʸ − 1 = y (1 + y/2! + …), at |y| < 7e-4 the first one left out is below 2⁻²⁴⁰ of the sum.
 static INVERSE_FACTORIALS: LazyLock<[Wide; 18]> = LazyLock::new(|| {
@@ -347,7 +347,8 @@ impl Real for Wide {
     fn exponential(self) -> Self {
         const DOUBLINGS: i32 = 9;
         const FARTHEST: f64 = 1e5;
-        if !(self.abs() < FARTHEST) {
+        let is_near = self.abs() < FARTHEST;
+        if !is_near {
             return Self(self.0.exp());
         }
         let n = (self / Self(consts::LN_2)).0.round();
