@@ -1,6 +1,6 @@
 //! [`Wide`] against committed values from mpmath, and then `f64` and dual numbers against [`Wide`].
 //!
-//! Errors are in units of 2⁻²³⁷ relative to the value, or to the conditioned scale where the test says so; half a unit to one
+//! Errors are in units of 2⁻²³⁷ relative to the value, or to the conditioned scale where the test says so. Half a unit to one
 //! unit is a correctly rounded result. Each tolerance states the measured maximum.
 
 #![expect(clippy::unwrap_used, reason = "a malformed golden file is a failed test")]

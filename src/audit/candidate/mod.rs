@@ -100,7 +100,7 @@ pub(in crate::candidate) const KEPT: usize = 16;
 /// So many times as far as usual nodes move at some states.
 pub(in crate::candidate) const FARTHEST: f64 = 50.0;
 
-/// By how much nodes move farther than usual, or less far, at a state: every fifth goes through orders of magnitude, which fall on any
+/// By how much nodes move farther than usual, or less far, at a state. Every fifth goes through orders of magnitude. These fall on any
 /// place of a cycle of four.
 pub(in crate::candidate) fn reach(i: usize, farthest: f64) -> f64 {
     if i % 5 == 2 { [farthest, 1e-2, farthest.sqrt(), 1e-4][(i / 5 + i / 20) % 4] } else { 1.0 }
@@ -504,19 +504,17 @@ impl<'a> Candidate<'a> {
         if sheet::is_another(&asked.case, &given, before) {
             return Ok(None);
         }
-        let of = |quantities: &[Quantity]| Self { offers: quantities.to_vec(), ..self.clone() };
-        let (judge, given) = match sheet::mostly_another(&asked.case, &given, before) {
-            Some(values) => (of(&[Quantity::Value]), values),
-            None if self.offers == quantities => (self.clone(), given),
-            None => (of(quantities), given.only(quantities, [true; 6])),
+        let (given, quantities) = match sheet::mostly_another(&asked.case, &given, before) {
+            Some(values) => (values, &[Quantity::Value][..]),
+            None => (given.only(quantities, [true; 6]), quantities),
         };
-        judge.judge(asked, &given, routine, is_wide, of_element).map(Some)
+        self.judge((asked, &given), quantities, routine, is_wide, of_element).map(Some)
     }
 
     fn judge<E>(
         &self,
-        asked: &Asked,
-        given: &Given,
+        (asked, given): (&Asked, &Given),
+        quantities: &[Quantity],
         routine: &mut impl FnMut(&[Question<'_>]) -> Result<Vec<Option<Given>>, E>,
         wide: bool,
         of_element: &mut Vec<WrongTable>,
@@ -527,7 +525,7 @@ impl<'a> Candidate<'a> {
         let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return Ok(checks) };
         let Some(product) = crate::oracles::force::product_with_forces(case) else { return Ok(checks) };
         let asks = |oracle: Oracle| self.settings.oracles.contains(&oracle);
-        let offers = |quantity: Quantity| self.offers.contains(&quantity);
+        let offers = |quantity: Quantity| quantities.contains(&quantity);
         let Some(truth) = Truth::of(case) else { return Ok(checks) };
         let nearness = truth.nearness();
         // On a singular set only the wide differences tell its two sides.
@@ -570,7 +568,7 @@ impl<'a> Candidate<'a> {
         let has_value = |k: usize| values(k).is_some() || is_due(k) && !is_one_form[k];
         // The same numbers by dual numbers, where differences are not asked for.
         let others: LazyCell<_, _> = LazyCell::new(|| truth.dual());
-        for quantity in self.offers.iter().copied().filter(|of| Quantity::ALL.contains(of)) {
+        for quantity in quantities.iter().copied().filter(|of| Quantity::ALL.contains(of)) {
             if !asks(Oracle::WideDifferences) {
                 if quantity == Quantity::FirstDerivatives && asks(Oracle::NodalDual) && nearness > 0.0 {
                     compare(quantity, &narrow.nodal_dual(bound));

@@ -15,8 +15,8 @@ use std::cell::RefCell;
 const TRIALS: usize = 300;
 
 impl Candidate<'_> {
-    /// The simplest state found at which numbers that a check calls wrong are wrong, in words: zero, one or few digits in place of each number, right
-    /// angles in place of each rotation. The connector stays what it is, and the state within the domain. `None` of a check that calls nothing wrong.
+    /// The simplest state found at which numbers are wrong that a check calls wrong, in words. It has zero, one or few digits in place of each
+    /// number, and right angles in place of each rotation. The connector stays what it is, and the state within the domain. `None` of a check that calls nothing wrong.
     ///
     /// # Errors
     /// The first of the routine.

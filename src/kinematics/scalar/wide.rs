@@ -191,8 +191,8 @@ impl Wide {
         self.0.is_finite()
     }
 
-    /// arctan q for 0 ≤ q ≤ 1: arctan t + arctan((q − t)/(1 + q t)) with t = n/128 the nearest, and the power series of the second: in half of
-    /// the time of f256's own.
+    /// arctan q = arctan t + arctan((q − t)/(1 + q t)) for 0 ≤ q ≤ 1, with t = n/128 the nearest. The power series of the second takes half of the
+    /// time of f256's own.
     fn inverse_tangent(self) -> Self {
         let parts = ARCTANGENT_PARTS as f64;
         let n = (self.to_f64() * parts).round();
@@ -280,7 +280,7 @@ impl Real for Wide {
     }
 
     /// By Newton's method: a quarter of the time of f256's own, which finds one bit after the other. 1/√m is known to 53 bits from doubles,
-    /// after two steps to 200; the last step adds the rest of m − r², which a fused multiply-add gives without its rounding.
+    /// after two steps to 200. The last step adds the rest of m − r², which a fused multiply-add gives without its rounding.
     fn square_root(self) -> Self {
         let (high, low) = self.0.to_bits();
         let biased = (high >> FRACTION_BITS) as i32;
@@ -346,6 +346,7 @@ impl Real for Wide {
     /// from m to m (m + 2), nine in all, doubles y without loss.
     fn exponential(self) -> Self {
         const DOUBLINGS: i32 = 9;
+        // Farther away are the ends of the exponents, at e^±181 704, which f256 knows.
         const FARTHEST: f64 = 1e5;
         let is_near = self.abs() < FARTHEST;
         if !is_near {

@@ -4,7 +4,6 @@
 pub(super) type Cell = (usize, usize);
 
 /// What stands in cells, in the order of rows and places.
-#[derive(Clone, Debug)]
 pub(super) struct Cells<T> {
     rows: Vec<Vec<Option<T>>>,
     len: usize,

@@ -44,6 +44,10 @@ fn multiplied(row: &mut [f64], columns: Range<usize>, factor: f64) {
     row[columns].iter_mut().for_each(|x| *x *= factor);
 }
 
+fn transpose_in_place(matrix: &mut [f64]) {
+    (0..DOFS).for_each(|i| (0..i).for_each(|j| matrix.swap(i * DOFS + j, j * DOFS + i)));
+}
+
 impl Operation {
     fn new(cause: Cause, change: impl Fn(&mut [f64]) + 'static) -> Self {
         Self {
@@ -106,11 +110,11 @@ impl Operation {
     /// Both sides of a matrix.
     fn on_both(&self, matrix: &[f64]) -> Vec<f64> {
         let mut changed = matrix.to_vec();
-        for _ in 0..if self.is_scalar { 1 } else { 2 } {
+        changed.chunks_exact_mut(DOFS).for_each(|row| (self.change)(row));
+        if !self.is_scalar {
+            transpose_in_place(&mut changed);
             changed.chunks_exact_mut(DOFS).for_each(|row| (self.change)(row));
-            if !self.is_scalar {
-                (0..DOFS).for_each(|i| (0..i).for_each(|j| changed.swap(i * DOFS + j, j * DOFS + i)));
-            }
+            transpose_in_place(&mut changed);
         }
         changed
     }

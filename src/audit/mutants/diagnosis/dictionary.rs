@@ -591,8 +591,8 @@ mod tests {
     use pintle_kinematics::measure::Unit;
     use pintle_kinematics::node::DOFS;
 
-    /// Coordinates, lengths and angles of the types that they define are among the numbers, and have the values, rows, rates and accelerations of
-    /// the catalogue's formulas, which share none of this.
+    /// Coordinates, lengths and angles of the types that they define are among the numbers. They have the values, rows, rates and accelerations
+    /// of the catalogue's formulas, which share none of this.
     #[test]
     fn numbers_of_the_catalogue_are_in_it() {
         let mut compared = 0;

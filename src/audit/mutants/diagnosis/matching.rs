@@ -188,6 +188,7 @@ impl AtState {
             let off = |from: f64| if got == from { 0.0 } else { (got - from).abs() };
             sizes = [sizes[0].max(x.abs()), sizes[1].max(datum.want.abs())];
             worst = [worst[0].max(off(datum.want)), worst[1].max(off(*x))];
+            // No error here is larger.
             if worst[1] > LEFT * self.error {
                 return None;
             }
