@@ -878,13 +878,10 @@ mod tests {
             };
             let asked = Asked::new(0, case.clone());
             let given = routine(&case.last().unwrap().state);
-            let Ok(checks) = Candidate::new("mine", &definition).settings(settings).judge(
-                &asked,
-                &given,
-                &mut answers,
-                wide,
-                &mut Vec::new(),
-            );
+            let candidate = Candidate::new("mine", &definition).settings(settings);
+            let at_state = (&asked, &given);
+            let Ok(checks) =
+                candidate.judge(at_state, &candidate.offers, &mut answers, wide, &mut Vec::new());
             checks
         };
         let of = |checks: &[Check], oracle: Oracle| {
