@@ -667,8 +667,11 @@ fn obeys(name: &str, allowed: f64, expected: usize, seen: &mut Seen) {
     let times = vec![0.23 * end, 0.51 * end, 0.77 * end];
     let options = Options { most_steps: FEW, times, ..Options::default() };
     let one: Solution<f64> = solved(deck, &options);
-    let other: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..options });
+    let other: Solution<f64> = solved(deck, &Options { method: Method::Collocation, ..options.clone() });
     let apart = one.difference(&other);
+    // Positions are back on their equations however large the errors of steps are.
+    let coarse: Solution<f64> = solved(deck, &Options { digits: 8, ..options });
+    assert!(coarse.violation < 5e-15, "{name}, 8 digits: {}", coarse.violation);
     assert!(apart.largest() <= allowed && apart.event * end <= EVENT, "{name}: {apart:?}");
     assert_eq!(one.events.len(), expected, "{name}");
     assert!(one.violation < 5e-15 && one.lipschitz < 1.0, "{name}: {} {}", one.violation, one.lipschitz);
@@ -1024,7 +1027,7 @@ fn faults_are_noticed() {
     let faults: [(Fault, &[&str]); 25] = [
         (Fault::SlipReversed, &["stop_friction"]),
         (Fault::OnsetByDefault, &["stop_friction"]),
-        (Fault::Drift, &["pendulum_turns", "double_pendulum", "spherical_pendulum", "four_bar"]),
+        (Fault::Drift, &["pendulum_turns"]),
         (Fault::EventInterpolated, &["friction_decay"]),
         (Fault::CouplingLeftOut, &["drawer", "cross_friction"]),
         (Fault::KinkPassed, &["slider_crank"]),

@@ -3,7 +3,7 @@
 use crate::fault::{Fault, has};
 use crate::motion::mechanism::{Hold, Mechanism, TableOf};
 use crate::motion::mode::{Does, Modes};
-use crate::motion::rows::{Assembled, Beginnings, Instant, Now, Owner, Row, Trouble};
+use crate::motion::rows::{Assembled, Beginnings, Instant, Line, Lines, Now, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, WORKS};
 use crate::number::Number;
 use pintle_kinematics::connector::{Branch, Increment, Output, Request, State as PairState, Tally, Turns};
@@ -82,7 +82,8 @@ impl<R: Number> Mechanism<R> {
         let zero = R::ZERO;
         let count = self.bodies.len();
         let mut all = Assembled {
-            rows: Vec::new(),
+            lines: Lines::with_capacity(4 * PAIR * (self.joints.len() + self.mpcs.len())),
+            rows: Vec::with_capacity(6 * (self.joints.len() + self.mpcs.len())),
             joints: Vec::with_capacity(self.joints.len()),
             masses: self.bodies.iter().map(|body| body.mass).collect(),
             inertias: Vec::with_capacity(count),
@@ -218,23 +219,20 @@ impl<R: Number> Mechanism<R> {
             Some(&evaluation),
             &mut tally,
         );
-        let spread = |row: &[R; PAIR]| -> Vec<(usize, R)> {
-            let mut found = Vec::with_capacity(PAIR);
-            for (j, entry) in row.iter().enumerate() {
-                if let Some(n) = joint.ends[j / DOFS].filter(|_| zero.less(entry.magnitude())) {
-                    found.push((DOFS * n + j % DOFS, *entry));
-                }
-            }
-            found
+        let lines = &mut all.lines;
+        let mut spread = |row: &[R; PAIR]| -> Line {
+            let entries = row.iter().enumerate().filter(|(_, entry)| zero.less(entry.magnitude()));
+            lines
+                .add(entries.filter_map(|(j, entry)| Some((DOFS * joint.ends[j / DOFS]? + j % DOFS, *entry))))
         };
-        let column = |k: usize| {
+        let (mut rows, mut columns) = ([Line::default(); 6], [Line::default(); 6]);
+        for k in (0..6).filter(|k| joint.wanted[*k]) {
             let mut unit = [None; 6];
             unit[k] = Some(R::integer(1));
-            if joint.wanted[k] { spread(&forces.nodal(&unit)) } else { Vec::new() }
-        };
+            columns[k] = spread(&forces.nodal(&unit));
+            rows[k] = evaluation.jacobian[k].as_ref().map_or(Line::default(), &mut spread);
+        }
         let value = |of: [Option<R>; 6]| of.map(|x| x.unwrap_or(zero));
-        let rows: [Vec<(usize, R)>; 6] =
-            std::array::from_fn(|k| evaluation.jacobian[k].as_ref().map_or(Vec::new(), spread));
         let mut now = Now {
             position: value(evaluation.position),
             displacement: value(evaluation.displacement),
@@ -245,7 +243,7 @@ impl<R: Number> Mechanism<R> {
             viscous: [zero; 6],
             load: [zero; 6],
             held: [zero; 6],
-            columns: std::array::from_fn(column),
+            columns,
             rows,
             branch,
         };
@@ -298,14 +296,16 @@ impl<R: Number> Mechanism<R> {
                 now.load[k] = self.load(drive, when, || joint.title.clone())?;
             }
             let known = now.elastic[k] + now.viscous[k] + now.held[k] - now.load[k];
-            for (dof, entry) in &now.columns[k] {
+            for (dof, entry) in all.lines.of(now.columns[k]) {
                 all.applied[*dof] = all.applied[*dof] - known * *entry;
             }
             all.powers[0] = all.powers[0] + now.load[k] * now.velocity[k];
             all.powers[1] = all.powers[1] + now.viscous[k] * now.velocity[k];
             // The force of a belt on its flow is not that of a potential: what it takes counts as stored.
             let rate = match is_belt {
-                true => now.columns[k]
+                true => all
+                    .lines
+                    .of(now.columns[k])
                     .iter()
                     .fold(zero, |sum, (dof, entry)| sum + *entry * at.rates[dof / DOFS][dof % DOFS]),
                 false => now.velocity[k],
@@ -318,8 +318,7 @@ impl<R: Number> Mechanism<R> {
                 continue;
             }
             let owner = Owner::Joint(index, k);
-            let force = now.columns[k].clone();
-            let coefficients = now.rows[k].clone();
+            let (force, coefficients) = (now.columns[k], now.rows[k]);
             // A one-form is known by its rate: steps are too long for sums along them.
             let is_one_form = joint.connector.position_measure(k).is_some_and(|of| of.is_one_form());
             if joint.constrained[k] {
@@ -396,36 +395,40 @@ impl<R: Number> Mechanism<R> {
                     "a belt whose friction has a largest force, or depends on slip or tension, is not solved in a dynamic step",
                 );
             }
-            let entry = |of: &[(usize, R)]| of.iter().find(|(dof, _)| *dof == flow).map_or(zero, |(_, x)| *x);
+            let entry = |of: Line| {
+                let mut entries = all.lines.of(of).iter();
+                entries.find(|(dof, _)| *dof == flow).map_or(zero, |(_, x)| *x)
+            };
             // Which of the two pulls: the flow is in balance, T1 e1 + T2 e2 + n T_f e = 0 with e2 = −e1.
             let now = &all.joints[slider.joint];
             let along = if has(Fault::CapstanTurned) { -along[FLOW] } else { along[FLOW] };
-            let pulls = along * entry(&now.columns[FLOW]) * entry(&now.columns[0]);
+            let pulls = along * entry(now.columns[FLOW]) * entry(now.columns[0]);
             let ratio = one + exp_m1(mu.real() * R::from_f64(angle));
             let (first, second) = if zero.less(pulls) { (-ratio, one) } else { (one, -ratio) };
             let mut row = Row {
                 owner: Owner::Ring(s),
-                coefficients: Vec::new(),
-                force: Some(vec![(flow, one)]),
+                coefficients: Line::default(),
+                force: None,
                 residual: Some(zero),
                 rate: Some(zero),
                 bias: zero,
                 driven: zero,
             };
+            let mut coefficients: Vec<(usize, R)> = Vec::new();
             let mut stiffness = zero;
             for (of, weight) in [(slider.joint, first), (next, second)] {
                 let Some([value, rate, bias, slope]) = self.tension(of, all) else { continue };
                 let plus = |sum: Option<R>, x: R| sum.map(|sum| sum + weight * x);
                 (row.residual, row.rate) = (plus(row.residual, value), plus(row.rate, rate));
                 row.bias = row.bias + weight * bias;
-                let entries =
-                    all.joints[of].rows[0].iter().map(|(dof, entry)| (*dof, weight * slope * *entry));
-                row.coefficients.extend(entries);
-                stiffness = stiffness + (slope * entry(&all.joints[of].rows[0])).magnitude();
+                let along = all.joints[of].rows[0];
+                coefficients.extend(all.lines.of(along).iter().map(|(dof, x)| (*dof, weight * slope * *x)));
+                stiffness = stiffness + (slope * entry(along)).magnitude();
             }
             // As a length of belt.
             let scale = stiffness.reciprocal_or_zero();
-            row.coefficients.iter_mut().for_each(|(_, entry)| *entry = *entry * scale);
+            row.coefficients = all.lines.add(coefficients.into_iter().map(|(dof, x)| (dof, x * scale)));
+            row.force = Some(all.lines.add([(flow, one)]));
             (row.residual, row.rate) = (row.residual.map(|x| x * scale), row.rate.map(|x| x * scale));
             row.bias = row.bias * scale;
             all.rows.push(row);
@@ -494,13 +497,11 @@ impl<R: Number> Mechanism<R> {
             let is_there = constraint.rows();
             for row in (0..is_there.len()).filter(|row| is_there[*row]) {
                 let Some(gradient) = &found.jacobian[row] else { continue };
-                let mut coefficients = Vec::new();
-                for (j, entry) in gradient.iter().enumerate() {
+                let entries = gradient.iter().enumerate().filter(|(_, entry)| zero.less(entry.magnitude()));
+                let coefficients = all.lines.add(entries.filter_map(|(j, entry)| {
                     let (place, number) = mpc::Kind::column_dof(j);
-                    if let Some(n) = nodes.get(place).filter(|_| zero.less(entry.magnitude())) {
-                        coefficients.push((DOFS * n + place_of(number), *entry));
-                    }
-                }
+                    Some((DOFS * nodes.get(place)? + place_of(number), *entry))
+                }));
                 all.rows.push(Row {
                     owner: Owner::Mpc(index, row),
                     force: None,
@@ -515,7 +516,7 @@ impl<R: Number> Mechanism<R> {
         for (index, (_, relation, nodes)) in self.relations.iter().enumerate() {
             let points: Vec<Point<R>> = nodes.iter().map(|n| point(at, *n)).collect();
             for (number, row) in relation.evaluate(&points, &request, &mut tally).into_iter().enumerate() {
-                let coefficients = spread(relation.columns(), &row.gradient, nodes);
+                let coefficients = all.lines.add(spread(relation.columns(), &row.gradient, nodes));
                 all.rows.push(Row {
                     owner: Owner::Relation(index, number),
                     force: None,
@@ -560,8 +561,8 @@ impl<R: Number> Mechanism<R> {
                 (DOFS * m + 3 + k, arm[j]),
                 (DOFS * m + 3 + j, -arm[k]),
             ];
-            let coefficients: Vec<(usize, R)> =
-                entries.into_iter().filter(|(_, entry)| zero.less(entry.magnitude())).collect();
+            let entries = entries.into_iter().filter(|(_, entry)| zero.less(entry.magnitude()));
+            let coefficients = all.lines.add(entries);
             all.rows.push(Row {
                 owner: Owner::Mpc(index, i),
                 force: None,
@@ -573,7 +574,7 @@ impl<R: Number> Mechanism<R> {
             });
         }
         for i in 0..3 {
-            let coefficients = vec![(DOFS * s + 3 + i, one), (DOFS * m + 3 + i, -one)];
+            let coefficients = all.lines.add([(DOFS * s + 3 + i, one), (DOFS * m + 3 + i, -one)]);
             all.rows.push(Row {
                 owner: Owner::Mpc(index, 3 + i),
                 force: None,
@@ -609,7 +610,7 @@ impl<R: Number> Mechanism<R> {
             let points = [point(at, bound.node)];
             let found = bound.relation.evaluate(&points, &request, &mut Tally::default());
             let Some(row) = found.into_iter().next() else { continue };
-            let coefficients = spread(bound.relation.columns(), &row.gradient, &[bound.node]);
+            let coefficients = all.lines.add(spread(bound.relation.columns(), &row.gradient, &[bound.node]));
             all.rows.push(Row {
                 owner: Owner::Bound(index),
                 force: None,
@@ -729,9 +730,11 @@ fn point<R: Number>(at: &Instant<'_, R>, node: usize) -> Point<R> {
     }
 }
 
-fn spread<R: Number>(columns: &[(usize, u8)], gradient: &[R], nodes: &[usize]) -> Vec<(usize, R)> {
-    let zero = R::ZERO;
-    let all = columns.iter().zip(gradient).filter(|(_, entry)| zero.less(entry.magnitude()));
+fn spread<'a, R: Number>(
+    columns: &'a [(usize, u8)],
+    gradient: &'a [R],
+    nodes: &'a [usize],
+) -> impl Iterator<Item = (usize, R)> + 'a {
+    let all = columns.iter().zip(gradient).filter(|(_, entry)| R::ZERO.less(entry.magnitude()));
     all.filter_map(|((place, number), entry)| Some((DOFS * nodes.get(*place)? + place_of(*number), *entry)))
-        .collect()
 }

@@ -1,11 +1,11 @@
 //! The equations of motion at one instant: M a + Σ f G + h = 0, J a + b = 0, and the limit of each friction that slips.
 
 use crate::fault::{Fault, has};
-use crate::motion::linear::{NoPivot, System};
+use crate::motion::linear::{Dense, NoPivot, System};
 use crate::motion::mechanism::{Mechanism, Slider, Stop, TableOf};
 use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, Touch};
-use crate::motion::rows::{Assembled, Layout, NoPivotAt, Owner, Row, Trouble};
-use crate::motion::slide::{Limit, belt_limit, length, limit};
+use crate::motion::rows::{Assembled, Layout, Line, NoPivotAt, Owner, Row, Trouble};
+use crate::motion::slide::{Contact, Limit, belt_limit, length};
 use crate::motion::state::DOFS;
 use crate::number::{Number, is_finite, larger, largest};
 use pintle_kinematics::vector::{apply, dot};
@@ -67,12 +67,12 @@ impl<R: Number> Assembled<R> {
         }
         for (r, index) in layout.kept.iter().enumerate() {
             let row = &self.rows[*index];
-            for (dof, entry) in row.force() {
+            for (dof, entry) in self.lines.of(row.force()) {
                 if let Some(place) = layout.place[*dof] {
                     matrix.add(place, n + r, *entry);
                 }
             }
-            for (dof, entry) in &row.coefficients {
+            for (dof, entry) in self.lines.of(row.coefficients) {
                 if let Some(place) = layout.place[*dof] {
                     matrix.add(n + r, place, *entry);
                 }
@@ -103,29 +103,10 @@ impl<R: Number> Assembled<R> {
         Ok((change, found.get(n..).unwrap_or_default().to_vec()))
     }
 
-    /// The forces that press in a connector, and those of its friction.
-    fn of_joint(
-        &self,
-        joint: usize,
-        forces: &[R],
-        layout: &Layout,
-        (stuck, slipping): (&dyn Fn(usize) -> bool, &[R; 6]),
-    ) -> ([R; 6], [R; 6]) {
+    /// The forces that press in a connector without those of its equations.
+    fn pressing(&self, joint: usize) -> [R; 6] {
         let now = &self.joints[joint];
-        let mut pressing: [R; 6] = std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k]);
-        let mut friction: [R; 6] = std::array::from_fn(|k| slipping[k] + now.held[k]);
-        for (force, index) in forces.iter().zip(&layout.kept) {
-            if let Owner::Joint(of, k) = self.rows[*index].owner
-                && of == joint
-            {
-                if stuck(k) {
-                    friction[k] = friction[k] + *force;
-                } else {
-                    pressing[k] = pressing[k] + *force;
-                }
-            }
-        }
-        (pressing, friction)
+        std::array::from_fn(|k| now.elastic[k] + now.viscous[k] - now.load[k])
     }
 
     /// Adds a unit of a friction along n as a right-hand side.
@@ -138,7 +119,7 @@ impl<R: Number> Assembled<R> {
     ) {
         for (k, radius) in &slider.components {
             let factor = R::from_f64(*radius) * along[*k];
-            for (dof, entry) in &self.joints[slider.joint].columns[*k] {
+            for (dof, entry) in self.lines.of(self.joints[slider.joint].columns[*k]) {
                 if let Some(place) = layout.place[*dof] {
                     matrix.add(place, side, -(factor * *entry));
                 }
@@ -146,7 +127,7 @@ impl<R: Number> Assembled<R> {
         }
     }
 
-    /// Accelerations and forces in a mode. Branches of friction that `guess` knows begin from its forces.
+    /// Accelerations and forces in a mode.
     pub(crate) fn solve(
         &self,
         mechanism: &Mechanism<R>,
@@ -154,6 +135,20 @@ impl<R: Number> Assembled<R> {
         modes: &Modes<R>,
     ) -> Result<Solved<R>, Trouble> {
         self.solve_from(mechanism, layout, modes, None)
+    }
+
+    /// The same, from the limits of frictions at an instant that is near.
+    pub(crate) fn solve_near(
+        &self,
+        mechanism: &Mechanism<R>,
+        layout: &Layout,
+        (modes, limits): (&Modes<R>, &[R]),
+    ) -> Result<Solved<R>, Trouble> {
+        let slips = |(_, mode): &(&R, &Mode<R>)| mode.along().is_some();
+        let start: Vec<R> =
+            limits.iter().zip(&modes.frictions).filter(slips).map(|(limit, _)| *limit).collect();
+        let is_known = limits.len() == modes.frictions.len();
+        self.solve_from(mechanism, layout, modes, Some(start.as_slice()).filter(|_| is_known))
     }
 
     /// Other friction forces that fit a mode than those of its solution: as far as Newton's method finds them from large ones.
@@ -214,37 +209,36 @@ impl<R: Number> Assembled<R> {
             .map(|((s, along), v)| direction(&mechanism.sliders[*s], &modes.frictions[*s], along, v))
             .collect();
         let rate_of = |i: usize| moving[i].iter().zip(&directions[i]).fold(zero, |sum, (v, n)| sum + *v * *n);
-        let limit_of = |s: usize, pressing: &[R; 6], rate: R, known: bool| {
-            let slider = &mechanism.sliders[s];
+        let conditions = Conditions::default();
+        // A slip rate, and the point of its table where that ends.
+        let with_table = |s: usize, rate: R| {
             let mut tables = mechanism.tables.iter().zip(&modes.spans);
-            let table = tables.find(|(table, _)| known && table.of == TableOf::Slip(s));
-            let rate = (rate, table.and_then(|(table, span)| table.inside(*span, rate)));
+            let table = tables.find(|(table, _)| table.of == TableOf::Slip(s));
+            (rate, table.and_then(|(table, span)| table.inside(*span, rate)))
+        };
+        let contact_of = |s: usize| {
+            let slider = &mechanism.sliders[s];
             let now = &self.joints[slider.joint];
-            if let Some((next, angle)) = slider.ring {
-                let belt = mechanism.belt(slider)?;
-                let tension = |joint: usize| self.joints[joint].elastic[0] + self.joints[joint].viscous[0];
-                let tensions = [tension(slider.joint), tension(next)];
-                return Some(belt_limit(belt, tensions, angle, rate, &Conditions::default()));
-            }
-            let friction = mechanism.friction(slider)?;
+            let friction = mechanism.friction(slider).filter(|_| slider.ring.is_none())?;
             let slip = self.slips.get(s).copied().unwrap_or(zero);
-            let known = known.then_some(&modes.frictions[s].branches);
-            let places = (now.position, now.motion, slip);
-            Some(limit(friction, pressing, rate, places, &Conditions::default(), known))
+            Some(Contact::new(friction, (now.position, now.motion, slip), &conditions))
         };
-        let stuck_of = |s: usize, k: usize| mechanism.is_stuck(modes, mechanism.sliders[s].joint, k);
-        let friction_of = |joint: usize, tensions: &[R]| {
-            let mut friction = [zero; 6];
-            for (i, (s, _)) in slipping.iter().enumerate() {
-                let slider = &mechanism.sliders[*s];
-                if slider.joint == joint {
-                    for (k, radius) in &slider.components {
-                        friction[*k] = friction[*k] + tensions[i] * R::from_f64(*radius) * directions[i][*k];
-                    }
-                }
-            }
-            friction
+        let of_ring = |s: usize, rate: R| {
+            let slider = &mechanism.sliders[s];
+            let (next, angle) = slider.ring?;
+            let tension = |joint: usize| self.joints[joint].elastic[0] + self.joints[joint].viscous[0];
+            let tensions = [tension(slider.joint), tension(next)];
+            Some(belt_limit(mechanism.belt(slider)?, tensions, angle, with_table(s, rate), &conditions))
         };
+        // The equations of connectors: connector, component, and whether friction is what holds it.
+        let owners: Vec<Option<(usize, usize, bool)>> = layout
+            .kept
+            .iter()
+            .map(|index| match self.rows[*index].owner {
+                Owner::Joint(of, k) => Some((of, k, mechanism.is_stuck(modes, of, k))),
+                _ => None,
+            })
+            .collect();
         let side = n + m;
         let mut matrix = self.matrix(layout, 1 + slipping.len());
         for (i, dof) in layout.columns.iter().enumerate() {
@@ -273,31 +267,48 @@ impl<R: Number> Assembled<R> {
         };
         let mut forces = start.map_or_else(|| vec![zero; m], |start| with(start, n..n + m));
         let mut tensions = start.map_or_else(|| vec![zero; slipping.len()], <[R]>::to_vec);
-        for iteration in 0.. {
-            let mut limits = System::new(slipping.len(), 1);
-            for (i, (s, _)) in slipping.iter().enumerate() {
+        // What presses in each friction that slips: of its connector, and by which equations.
+        let contacts: Vec<_> = slipping
+            .iter()
+            .map(|(s, _)| {
                 let joint = mechanism.sliders[*s].joint;
-                let stuck = |k: usize| stuck_of(*s, k);
-                let (pressing, _) = self.of_joint(joint, &forces, layout, (&stuck, &[zero; 6]));
-                let Some(found) = limit_of(*s, &pressing, rate_of(i), true) else { continue };
+                let all = owners.iter().enumerate();
+                let presses = all.filter_map(|(r, owner)| match owner {
+                    Some((of, k, false)) if *of == joint => Some((r, *k)),
+                    _ => None,
+                });
+                (contact_of(*s), self.pressing(joint), presses.collect::<Vec<_>>())
+            })
+            .collect();
+        for iteration in 0.. {
+            if slipping.is_empty() {
+                forces = with(&[], n..n + m);
+                break;
+            }
+            let mut limits = Dense::new(slipping.len());
+            for (i, (s, _)) in slipping.iter().enumerate() {
+                let (contact, own, presses) = &contacts[i];
+                let mut pressing = *own;
+                presses.iter().for_each(|(r, k)| pressing[*k] = pressing[*k] + forces[*r]);
+                let found = match contact {
+                    Some(contact) => {
+                        let known = Some(&modes.frictions[*s].branches);
+                        Some(contact.limit(&pressing, with_table(*s, rate_of(i)), known, false))
+                    }
+                    None => of_ring(*s, rate_of(i)),
+                };
+                let Some(found) = found else { continue };
                 limits.add(i, i, R::integer(1));
                 let mut right = found.value;
-                for (r, index) in layout.kept.iter().enumerate() {
-                    if let Owner::Joint(of, k) = self.rows[*index].owner
-                        && of == joint
-                        && !stuck(k)
-                        && !has(Fault::CouplingLeftOut)
-                    {
-                        right = right + found.gradient[k] * (without[n + r] - forces[r]);
-                        for (j, change) in changes.iter().enumerate() {
-                            limits.add(i, j, -found.gradient[k] * change[n + r]);
-                        }
+                for (r, k) in presses.iter().filter(|_| !has(Fault::CouplingLeftOut)) {
+                    right = right + found.gradient[*k] * (without[n + r] - forces[*r]);
+                    for (j, change) in changes.iter().enumerate() {
+                        limits.add(i, j, -found.gradient[*k] * change[n + r]);
                     }
                 }
-                limits.add(i, slipping.len(), right);
+                limits.right[i] = right;
             }
-            let found = limits.solve().map_err(|error| Trouble::Singular(NoPivotAt::Slider(error.column)))?;
-            let next = found.into_iter().next().unwrap_or_default();
+            let next = limits.solve().map_err(|error| Trouble::Singular(NoPivotAt::Slider(error.column)))?;
             if !next.iter().all(|x| is_finite(*x)) {
                 return Err(Trouble::NotFinite);
             }
@@ -308,7 +319,7 @@ impl<R: Number> Assembled<R> {
             (forces, tensions) = (moved, next);
             let is_done = !(size * R::from_f64(1e3 * R::ROUNDING)).less(change);
             let is_faulty = has(Fault::CouplingLeftOut) && iteration > 0;
-            if slipping.is_empty() || is_done || is_faulty {
+            if is_done || is_faulty {
                 break;
             }
             if iteration >= ITERATIONS {
@@ -337,17 +348,31 @@ impl<R: Number> Assembled<R> {
         for (x, dof) in accelerations.iter().zip(&layout.columns) {
             solved.accelerations[dof / DOFS][dof % DOFS] = *x;
         }
-        for (joint, _) in self.joints.iter().enumerate() {
-            let slipping_friction = friction_of(joint, &tensions);
-            let stuck = |k: usize| mechanism.is_stuck(modes, joint, k);
-            let (pressing, friction) =
-                self.of_joint(joint, &solved.forces, layout, (&stuck, &slipping_friction));
-            solved.total.push(std::array::from_fn(|k| pressing[k] + friction[k]));
-            solved.friction.push(friction);
-            solved.slipping.push(slipping_friction);
-            let rates = &self.joints[joint].velocity;
-            for k in (0..6).filter(|_| !has(Fault::FrictionForgotten)) {
-                solved.sums[1] = solved.sums[1] + slipping_friction[k] * rates[k];
+        for (joint, now) in self.joints.iter().enumerate() {
+            solved.total.push(self.pressing(joint));
+            solved.friction.push(now.held);
+            solved.slipping.push([zero; 6]);
+        }
+        for (i, (s, _)) in slipping.iter().enumerate() {
+            let slider = &mechanism.sliders[*s];
+            for (k, radius) in &slider.components {
+                let force = tensions[i] * R::from_f64(*radius) * directions[i][*k];
+                for of in [&mut solved.slipping[slider.joint], &mut solved.friction[slider.joint]] {
+                    of[*k] = of[*k] + force;
+                }
+            }
+        }
+        for (owner, force) in owners.iter().zip(&solved.forces) {
+            let Some((joint, k, is_stuck)) = *owner else { continue };
+            let of = if is_stuck { &mut solved.friction[joint] } else { &mut solved.total[joint] };
+            of[k] = of[k] + *force;
+        }
+        for (joint, now) in self.joints.iter().enumerate() {
+            for k in 0..6 {
+                solved.total[joint][k] = solved.total[joint][k] + solved.friction[joint][k];
+                if !has(Fault::FrictionForgotten) {
+                    solved.sums[1] = solved.sums[1] + solved.slipping[joint][k] * now.velocity[k];
+                }
             }
         }
         for (force, index) in solved.forces.iter().zip(&layout.kept).filter(|_| !has(Fault::DriveForgotten)) {
@@ -365,7 +390,13 @@ impl<R: Number> Assembled<R> {
             }
             let of_slip = slipping.iter().position(|(of, _)| *of == s);
             let rate = of_slip.map_or(zero, &rate_of);
-            let Some(found) = limit_of(s, &pressing, rate, of_slip.is_some()) else { continue };
+            let table = of_slip.map_or((rate, None), |_| with_table(s, rate));
+            let known = of_slip.map(|_| &mode.branches);
+            let found = match contact_of(s) {
+                Some(contact) => Some(contact.limit(&pressing, table, known, true)),
+                None => of_ring(s, rate),
+            };
+            let Some(found) = found else { continue };
             let tractions: Vec<R> = slider
                 .components
                 .iter()
@@ -411,9 +442,10 @@ impl<R: Number> Assembled<R> {
     pub(crate) fn slip_acceleration(&self, slider: &Slider, accelerations: &[[R; DOFS]]) -> Vec<R> {
         let now = &self.joints[slider.joint];
         let of = |(k, radius): &(usize, f64)| {
-            let acceleration = now.rows[*k]
-                .iter()
-                .fold(now.bias[*k], |sum, (dof, entry)| sum + *entry * accelerations[dof / DOFS][dof % DOFS]);
+            let acceleration =
+                self.lines.of(now.rows[*k]).iter().fold(now.bias[*k], |sum, (dof, entry)| {
+                    sum + *entry * accelerations[dof / DOFS][dof % DOFS]
+                });
             R::from_f64(*radius) * acceleration
         };
         slider.components.iter().map(of).collect()
@@ -451,8 +483,8 @@ impl<R: Number> Assembled<R> {
                 all[of_moment] = all[of_moment] + turning[k];
             }
         }
-        let mut add = |force: R, column: &[(usize, R)]| {
-            for (dof, entry) in column {
+        let mut add = |force: R, column: Line| {
+            for (dof, entry) in self.lines.of(column) {
                 all[*dof] = all[*dof] + force * *entry;
             }
         };
@@ -464,7 +496,7 @@ impl<R: Number> Assembled<R> {
         }
         for (now, friction) in self.joints.iter().zip(&solved.slipping) {
             for (column, force) in now.columns.iter().zip(friction) {
-                add(*force, column);
+                add(*force, *column);
             }
         }
         all
@@ -474,10 +506,10 @@ impl<R: Number> Assembled<R> {
     pub(crate) fn supported(&self, mechanism: &Mechanism<R>, layout: &Layout) -> Vec<bool> {
         let mut held = mechanism.held.clone();
         for row in self.rows.iter().filter(|row| matches!(row.owner, Owner::Bound(_))) {
-            row.coefficients.iter().for_each(|(dof, _)| held[*dof] = true);
+            self.lines.of(row.coefficients).iter().for_each(|(dof, _)| held[*dof] = true);
         }
         for row in layout.open.iter().filter_map(|row| self.rows.get(*row)) {
-            row.force().iter().for_each(|(dof, _)| held[*dof] = false);
+            self.lines.of(row.force()).iter().for_each(|(dof, _)| held[*dof] = false);
         }
         held
     }

@@ -2,7 +2,7 @@
 
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::Modes;
-use crate::motion::rows::{Assembled, Layout, Owner, Row};
+use crate::motion::rows::{Assembled, Layout, Lines, Owner, Row};
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
@@ -21,7 +21,9 @@ impl Layout {
         let count = DOFS * mechanism.bodies.len();
         let mut is_touched = vec![false; count];
         for row in &assembled.rows {
-            for (dof, entry) in row.coefficients.iter().chain(row.force()) {
+            for (dof, entry) in
+                [row.coefficients, row.force()].into_iter().flat_map(|line| assembled.lines.of(line))
+            {
                 is_touched[*dof] |= entry.to_f64().abs() > ZERO;
             }
         }
@@ -54,7 +56,11 @@ impl Layout {
 
     /// Finds the order of elimination, where equations have more entries than ever, and what it does, where they have others.
     pub(crate) fn arrange<R: Number>(&mut self, assembled: &Assembled<R>) {
-        let filled = assembled.rows.iter().map(|row| row.coefficients.len() + row.force().len()).sum();
+        let filled = assembled
+            .rows
+            .iter()
+            .map(|row| assembled.lines.of(row.coefficients).len() + assembled.lines.of(row.force()).len())
+            .sum();
         let is_more = filled > self.filled;
         let mut matrix = assembled.matrix(self, 0);
         if is_more {
@@ -91,7 +97,8 @@ impl Layout {
         });
         for (index, row) in held.chain(stuck).filter(|(index, _)| !alone[*index]) {
             let mut vector = vec![0.0; n];
-            self.entries(mechanism, row).for_each(|(place, entry)| vector[place] += entry);
+            self.entries(mechanism, (&assembled.lines, row))
+                .for_each(|(place, entry)| vector[place] += entry);
             let size = norm(&vector);
             if size <= ZERO * ZERO {
                 // All of it is held.
@@ -153,9 +160,9 @@ impl Layout {
     fn entries<'a, R: Number>(
         &'a self,
         mechanism: &'a Mechanism<R>,
-        row: &'a Row<R>,
+        (lines, row): (&'a Lines<R>, &Row<R>),
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        row.coefficients.iter().filter_map(|(dof, entry)| {
+        lines.of(row.coefficients).iter().filter_map(|(dof, entry)| {
             let scale = if dof % DOFS < 3 { 1.0 } else { mechanism.length };
             Some((self.place[*dof]?, entry.to_f64() / scale))
         })
@@ -169,7 +176,8 @@ impl Layout {
         let mut entries: Vec<BTreeMap<usize, f64>> = Vec::with_capacity(assembled.rows.len());
         for (index, row) in assembled.rows.iter().enumerate() {
             let mut all = BTreeMap::new();
-            self.entries(mechanism, row).for_each(|(place, entry)| *all.entry(place).or_insert(0.0) += entry);
+            self.entries(mechanism, (&assembled.lines, row))
+                .for_each(|(place, entry)| *all.entry(place).or_insert(0.0) += entry);
             all.keys().for_each(|place| of_columns[*place].push(index));
             entries.push(all);
         }

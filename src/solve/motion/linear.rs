@@ -1,7 +1,7 @@
 //! Small systems of linear equations, on any number.
 
 use crate::motion::plan::{Plan, Tape};
-use crate::number::{Number, is_finite, larger};
+use crate::number::{Number, is_finite, larger, largest};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -40,6 +40,9 @@ const PIVOT: f64 = 1e5;
 
 /// Of the pivots that are at least this part of the largest one, that of the shortest row is taken.
 const SHORTEST: f64 = 0.1;
+
+/// The same where elimination is planned: its pivots serve until they are [`SHORTEST`].
+const PLANNED: f64 = 0.5;
 
 /// A matrix, eliminated.
 struct Eliminated<R> {
@@ -87,7 +90,7 @@ impl<R: Number> System<R> {
         if !is_reordered && is_good() {
             return None;
         }
-        let found = self.eliminated(&self.order).ok()?;
+        let found = self.eliminated(&self.order, PLANNED).ok()?;
         let rows = found.pivots.iter().map(|(row, _)| *row);
         let pivots: Vec<(usize, usize)> = self.order.iter().copied().zip(rows).collect();
         Some(before.with(entries(), &pivots))
@@ -227,7 +230,10 @@ impl<R: Number> System<R> {
         // The pivot that there is not is named as in the natural order.
         let eliminated = match self.tape.as_ref().and_then(|tape| self.along(tape)) {
             Some(eliminated) => eliminated,
-            None => self.eliminated(&self.order).or_else(|_| self.eliminated(&natural))?,
+            None => {
+                let found = self.eliminated(&self.order, SHORTEST);
+                found.or_else(|_| self.eliminated(&natural, SHORTEST))?
+            }
         };
         let solved = self.right.iter().map(|right| {
             let mut x = eliminated.solve(right);
@@ -274,6 +280,9 @@ impl<R: Number> System<R> {
             let inverse = R::integer(1) / pivot;
             for line in &tape.lines[step.lines.clone()] {
                 let factor = left[line.slot].1 * inverse;
+                if factor.is_nothing() {
+                    continue;
+                }
                 if most.less(factor.magnitude()) {
                     return None;
                 }
@@ -289,7 +298,7 @@ impl<R: Number> System<R> {
     }
 
     /// Elimination with pivots that are large in rows divided by their largest entry.
-    fn eliminated(&self, order: &[usize]) -> Result<Eliminated<R>, NoPivot> {
+    fn eliminated(&self, order: &[usize], shortest: f64) -> Result<Eliminated<R>, NoPivot> {
         const NONE: usize = usize::MAX;
         let n = order.len();
         let mut place = vec![0; n];
@@ -363,7 +372,7 @@ impl<R: Number> System<R> {
             };
             let size = |row: usize| leading(row).magnitude();
             let most = candidates.iter().fold(R::ZERO, |most, row| larger(most, size(*row)));
-            let enough = most * R::from_f64(SHORTEST);
+            let enough = most * R::from_f64(shortest);
             let large = candidates.iter().filter(|row| !size(**row).less(enough));
             let length = |row: usize| whole[row].as_ref().map_or(rows[row].len(), |whole| whole.length);
             let best =
@@ -434,6 +443,63 @@ impl<R: Number> Eliminated<R> {
             x[*column] = sum / *divisor;
         }
         x
+    }
+}
+
+/// A few equations of as many unknowns, most of whose entries are there.
+pub(crate) struct Dense<R> {
+    /// By rows.
+    entries: Vec<R>,
+    pub(crate) right: Vec<R>,
+}
+
+impl<R: Number> Dense<R> {
+    /// Zero.
+    pub(crate) fn new(size: usize) -> Self {
+        Self { entries: vec![R::ZERO; size * size], right: vec![R::ZERO; size] }
+    }
+
+    /// Adds to an entry.
+    pub(crate) fn add(&mut self, row: usize, column: usize, amount: R) {
+        let entry = &mut self.entries[row * self.right.len() + column];
+        *entry = *entry + amount;
+    }
+
+    /// The solution, with pivots that are large in rows divided by their largest entry.
+    pub(crate) fn solve(self) -> Result<Vec<R>, NoPivot> {
+        let Self { mut entries, mut right } = self;
+        let n = right.len();
+        let least = R::from_f64(PIVOT * R::ROUNDING);
+        let mut sizes = vec![R::ZERO; n];
+        for (row, x) in entries.chunks_exact_mut(n.max(1)).zip(&mut right) {
+            let factor = largest(row.iter().copied()).reciprocal_or_zero();
+            *x = *x * factor;
+            for (entry, size) in row.iter_mut().zip(&mut sizes) {
+                *entry = *entry * factor;
+                *size = larger(*size, entry.magnitude());
+            }
+        }
+        for k in 0..n {
+            let size = |row: usize| entries[row * n + k].magnitude();
+            let best = (k + 1..n).fold(k, |best, row| if size(best).less(size(row)) { row } else { best });
+            if !(least * sizes[k]).less(size(best)) {
+                return Err(NoPivot { column: k });
+            }
+            right.swap(k, best);
+            (0..n).for_each(|j| entries.swap(k * n + j, best * n + j));
+            for row in k + 1..n {
+                let factor = entries[row * n + k] / entries[k * n + k];
+                for j in k + 1..n {
+                    entries[row * n + j] = entries[row * n + j] - factor * entries[k * n + j];
+                }
+                right[row] = right[row] - factor * right[k];
+            }
+        }
+        for k in (0..n).rev() {
+            let sum = (k + 1..n).fold(right[k], |sum, j| sum - entries[k * n + j] * right[j]);
+            right[k] = sum / entries[k * n + k];
+        }
+        Ok(right)
     }
 }
 
@@ -604,7 +670,10 @@ mod tests {
         let first = first.ordered(&order);
         let plan = first.plan(&Plan::default(), true).unwrap();
         assert!(first.along(&plan.tape().unwrap()).is_some() && first.plan(&plan, false).is_none());
-        assert_eq!(first.clone().planned(&plan).solve(), first.solve());
+        let [planned, along] =
+            [first.eliminated(&order, super::PLANNED).unwrap(), first.along(&plan.tape().unwrap()).unwrap()]
+                .map(|of| of.solve(&first.right[0]));
+        assert_eq!(planned, along);
         let mut compared = 0;
         for other in [false, true] {
             for power in 0..20 {

@@ -21,14 +21,51 @@ pub(crate) enum Owner {
     Given(usize),
 }
 
+/// The entries of rows and columns of one instant, one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines<R> {
+    /// By degree of freedom, 7 for each node.
+    entries: Vec<(usize, R)>,
+}
+
+/// Some of them: a row, or a column.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Line {
+    from: usize,
+    to: usize,
+}
+
+impl<R: Copy> Lines<R> {
+    /// None yet, and room for so many.
+    pub(crate) fn with_capacity(count: usize) -> Self {
+        Self { entries: Vec::with_capacity(count) }
+    }
+
+    /// One more.
+    pub(crate) fn add(&mut self, entries: impl IntoIterator<Item = (usize, R)>) -> Line {
+        let from = self.entries.len();
+        self.entries.extend(entries);
+        Line { from, to: self.entries.len() }
+    }
+
+    /// The entries of one.
+    pub(crate) fn of(&self, line: Line) -> &[(usize, R)] {
+        self.entries.get(line.from..line.to).unwrap_or_default()
+    }
+
+    /// The entries of all.
+    pub(crate) fn all(&self) -> &[(usize, R)] {
+        &self.entries
+    }
+}
+
 /// One equation.
 #[derive(Clone, Debug)]
 pub(crate) struct Row<R> {
     pub(crate) owner: Owner,
-    /// By degree of freedom, 7 for each node.
-    pub(crate) coefficients: Vec<(usize, R)>,
+    pub(crate) coefficients: Line,
     /// The nodal forces of a unit of its force, where they are not the coefficients.
-    pub(crate) force: Option<Vec<(usize, R)>>,
+    pub(crate) force: Option<Line>,
     /// What must be zero, unless only rates are prescribed.
     pub(crate) residual: Option<R>,
     /// Its rate, unless only accelerations are.
@@ -41,8 +78,8 @@ pub(crate) struct Row<R> {
 
 impl<R> Row<R> {
     /// The nodal forces of a unit of its force.
-    pub(crate) fn force(&self) -> &[(usize, R)] {
-        self.force.as_deref().unwrap_or(&self.coefficients)
+    pub(crate) fn force(&self) -> Line {
+        self.force.unwrap_or(self.coefficients)
     }
 }
 
@@ -61,15 +98,16 @@ pub(crate) struct Now<R> {
     /// The forces of frictions that springs hold.
     pub(crate) held: [R; 6],
     /// The nodal forces of a unit of each component's force.
-    pub(crate) columns: [Vec<(usize, R)>; 6],
+    pub(crate) columns: [Line; 6],
     /// The derivatives of each position.
-    pub(crate) rows: [Vec<(usize, R)>; 6],
+    pub(crate) rows: [Line; 6],
     pub(crate) branch: Branch<R>,
 }
 
 /// All that is known of one instant before accelerations are.
 #[derive(Clone, Debug)]
 pub(crate) struct Assembled<R> {
+    pub(crate) lines: Lines<R>,
     pub(crate) rows: Vec<Row<R>>,
     pub(crate) joints: Vec<Now<R>>,
     pub(crate) masses: Vec<R>,

@@ -42,113 +42,145 @@ fn coefficient<R: Number>(
     [mu.real() + along, by_normal]
 }
 
-/// The limit of a friction: the forces p that press, the slip rate, positions and slip; branches that are known stay.
-pub(crate) fn limit<R: Number>(
-    friction: &Friction,
-    pressing: &[R; 6],
-    (rate, inside): (R, Option<R>),
-    (position, motion, slip): ([R; 6], [R; 6], R),
-    conditions: &Conditions,
-    known: Option<&Branches<R>>,
-) -> Limit<R> {
-    let zero = R::ZERO;
-    let context = Context { position, motion, accumulated_slip: slip, conditions };
-    let parts = friction.criterion.contact_parts(&context);
-    // Where all that presses passes zero together, what is left of it is rounding of the rest.
-    let internal = friction.criterion.internal_force(&context);
-    let size = larger(larger(largest(*pressing), internal.magnitude()), R::from_f64(f64::MIN_POSITIVE));
-    let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).powf(0.5));
-    let mut branches = Branches::none();
-    let mut turns = Vec::new();
-    let (mut contact, mut gradient);
-    match &parts {
-        Some(ContactParts { linear, magnitudes, .. }) => {
-            gradient = *linear;
-            contact = dot(linear, pressing);
-            for (i, (factor, rows)) in magnitudes.iter().enumerate() {
-                let vector: Vec<R> = rows.iter().map(|row| dot(row, pressing)).collect();
-                let told = known.and_then(|known| known.magnitudes.get(i));
-                let length = length(&vector);
-                let along = |unit: &[R]| vector.iter().zip(unit).fold(zero, |sum, (x, e)| sum + *x * *e);
-                let aside = |unit: &[R]| {
-                    let part = along(unit);
-                    largest(vector.iter().zip(unit).map(|(x, e)| *x - part * *e))
-                };
-                // A vector that keeps to a line goes on through zero along it, to the end of the step.
-                let unit = match told {
-                    Some(Some(unit)) if aside(unit).less(small) => Some(unit.clone()),
-                    _ => None,
-                };
-                let is_nothing = !small.less(length);
-                let (value, direction) = match &unit {
-                    Some(unit) => (along(unit), unit.clone()),
-                    None if is_nothing => (length, vec![zero; vector.len()]),
-                    None => (length, vector.iter().map(|x| *x / length).collect()),
-                };
-                if let Some(Some(unit)) = told {
-                    turns.push((Some(i), [along(unit), size]));
-                }
-                contact = contact + *factor * value;
-                for (row, e) in rows.iter().zip(&direction) {
-                    for (entry, x) in gradient.iter_mut().zip(row) {
-                        *entry = *entry + *factor * *x * *e;
+/// What presses in a friction, where its connector is now.
+pub(crate) struct Contact<'a, R: Number> {
+    friction: &'a Friction,
+    context: Context<'a, R>,
+    parts: Option<ContactParts<R>>,
+    internal: R,
+    /// Whether F_C + F_C^int may change its sign: a sum of magnitudes has none to change.
+    may_turn: bool,
+}
+
+impl<'a, R: Number> Contact<'a, R> {
+    /// At positions and a slip.
+    pub(crate) fn new(
+        friction: &'a Friction,
+        (position, motion, slip): ([R; 6], [R; 6], R),
+        conditions: &'a Conditions,
+    ) -> Self {
+        let context = Context { position, motion, accumulated_slip: slip, conditions };
+        let parts = friction.criterion.contact_parts(&context);
+        let internal = friction.criterion.internal_force(&context);
+        let may_turn = internal.less(R::ZERO)
+            || match &parts {
+                Some(parts) => parts.linear.iter().any(|x| R::ZERO.less(x.magnitude())),
+                None => friction.criterion.contact_norms(&context).is_empty(),
+            };
+        Self { friction, context, parts, internal, may_turn }
+    }
+
+    /// The limit at the forces p that press, and a slip rate; branches that are known stay. Of the limit value and gradient alone are found
+    /// where `is_whole` is false.
+    pub(crate) fn limit(
+        &self,
+        pressing: &[R; 6],
+        (rate, inside): (R, Option<R>),
+        known: Option<&Branches<R>>,
+        is_whole: bool,
+    ) -> Limit<R> {
+        let zero = R::ZERO;
+        let Self { friction, context, parts, internal, may_turn } = self;
+        // Where all that presses passes zero together, what is left of it is rounding of the rest.
+        let size = larger(larger(largest(*pressing), internal.magnitude()), R::from_f64(f64::MIN_POSITIVE));
+        let small = size * R::from_f64(SMALL * (R::ROUNDING / f64::ROUNDING).sqrt());
+        let mut branches = Branches::none();
+        let mut turns = Vec::new();
+        let (mut contact, mut gradient);
+        match parts {
+            Some(ContactParts { linear, magnitudes, .. }) => {
+                gradient = *linear;
+                contact = dot(linear, pressing);
+                for (i, (factor, rows)) in magnitudes.iter().enumerate() {
+                    let mut places = [zero; 6];
+                    places.iter_mut().zip(rows).for_each(|(x, row)| *x = dot(row, pressing));
+                    let vector = &places[..rows.len().min(6)];
+                    let told = known.and_then(|known| known.magnitudes.get(i));
+                    let length = length(vector);
+                    let along = |unit: &[R]| vector.iter().zip(unit).fold(zero, |sum, (x, e)| sum + *x * *e);
+                    let aside = |unit: &[R]| {
+                        let part = along(unit);
+                        largest(vector.iter().zip(unit).map(|(x, e)| *x - part * *e))
+                    };
+                    let is_nothing = !small.less(length);
+                    // A vector that keeps to a line goes on through zero along it, to the end of the step.
+                    let mut direction = [zero; 6];
+                    let value = match told {
+                        Some(Some(unit)) if aside(unit).less(small) => {
+                            direction.iter_mut().zip(unit).for_each(|(x, e)| *x = *e);
+                            along(unit)
+                        }
+                        _ => {
+                            if !is_nothing {
+                                direction.iter_mut().zip(vector).for_each(|(e, x)| *e = *x / length);
+                            }
+                            length
+                        }
+                    };
+                    contact = contact + *factor * value;
+                    for (row, e) in rows.iter().zip(&direction) {
+                        for (entry, x) in gradient.iter_mut().zip(row) {
+                            *entry = *entry + *factor * *x * *e;
+                        }
                     }
+                    if !is_whole {
+                        continue;
+                    }
+                    if let Some(Some(unit)) = told {
+                        turns.push((Some(i), [along(unit), size]));
+                    }
+                    branches.magnitudes.push(match told {
+                        Some(told) if is_nothing => told.clone(),
+                        _ if is_nothing => None,
+                        _ => Some(vector.iter().map(|x| *x / length).collect()),
+                    });
                 }
-                branches.magnitudes.push(match told {
-                    Some(told) if is_nothing => told.clone(),
-                    _ if is_nothing => None,
-                    _ => Some(vector.iter().map(|x| *x / length).collect()),
-                });
+            }
+            None => {
+                // A derived component: its kinks are not events.
+                let seeded: [R::Gradient<6>; 6] =
+                    std::array::from_fn(|k| R::Gradient::<6>::seed(pressing[k], k));
+                let constant = R::Gradient::<6>::from_real;
+                let (point, _) =
+                    friction.criterion.at(&seeded, constant(R::integer(1)), None, &context.map(constant));
+                contact = point.contact.real();
+                gradient = point.contact.gradient();
             }
         }
-        None => {
-            // A derived component: its kinks are not events.
-            let seeded: [R::Gradient<6>; 6] = std::array::from_fn(|k| R::Gradient::<6>::seed(pressing[k], k));
-            let constant = R::Gradient::<6>::from_real;
-            let (point, _) =
-                friction.criterion.at(&seeded, constant(R::integer(1)), None, &context.map(constant));
-            contact = point.contact.real();
-            gradient = point.contact.gradient();
+        let signed = contact + *internal;
+        let told = known.and_then(|known| known.normal);
+        let now = if *may_turn && signed.less(zero) { R::integer(-1) } else { R::integer(1) };
+        branches.normal = small.less(signed.magnitude()).then_some(now);
+        let sign = told.unwrap_or(now);
+        if told.is_some() && *may_turn && is_whole {
+            turns.push((None, [sign * signed, size]));
         }
-    }
-    let signed = contact + internal;
-    let told = known.and_then(|known| known.normal);
-    // A sum of magnitudes has no sign to change.
-    let may_turn = internal.less(zero)
-        || match &parts {
-            Some(parts) => parts.linear.iter().any(|x| zero.less(x.magnitude())),
-            None => friction.criterion.contact_norms(&context).is_empty(),
+        let normal = sign * signed;
+        let [mu, by_normal] = coefficient(&friction.coefficient, (rate, inside), normal, context.conditions);
+        let (value, slope) = (mu * normal, mu + by_normal * normal);
+        let mut caps = None;
+        if let Some(maximum) = friction.maximum.map(R::from_f64) {
+            let below = maximum - value;
+            let is_capped = known.and_then(|known| known.is_capped).unwrap_or(below.less(zero));
+            caps = Some([if is_capped { -below } else { below }, maximum]);
+            branches.is_capped = Some(below.less(zero));
+            if is_capped {
+                let none = vec![];
+                return Limit { value: maximum, gradient: [zero; 6], turns, caps, branches, reach: none };
+            }
+        }
+        let reach = match parts {
+            _ if !is_whole => Vec::new(),
+            None => vec![(slope.magnitude(), vec![gradient])],
+            Some(parts) => {
+                let linear = (slope.magnitude(), vec![parts.linear]);
+                let others = parts.magnitudes.iter();
+                let others = others.map(|(factor, rows)| ((slope * *factor).magnitude(), rows.clone()));
+                std::iter::once(linear).chain(others).collect()
+            }
         };
-    let now = if may_turn && signed.less(zero) { R::integer(-1) } else { R::integer(1) };
-    branches.normal = small.less(signed.magnitude()).then_some(now);
-    let sign = told.unwrap_or(now);
-    if told.is_some() && may_turn {
-        turns.push((None, [sign * signed, size]));
+        Limit { value, gradient: gradient.map(|entry| sign * slope * entry), turns, caps, branches, reach }
     }
-    let normal = sign * signed;
-    let [mu, by_normal] = coefficient(&friction.coefficient, (rate, inside), normal, conditions);
-    let (value, slope) = (mu * normal, mu + by_normal * normal);
-    let mut caps = None;
-    if let Some(maximum) = friction.maximum.map(R::from_f64) {
-        let below = maximum - value;
-        let is_capped = known.and_then(|known| known.is_capped).unwrap_or(below.less(zero));
-        caps = Some([if is_capped { -below } else { below }, maximum]);
-        branches.is_capped = Some(below.less(zero));
-        if is_capped {
-            let none = vec![];
-            return Limit { value: maximum, gradient: [zero; 6], turns, caps, branches, reach: none };
-        }
-    }
-    let reach = match &parts {
-        None => vec![(slope.magnitude(), vec![gradient])],
-        Some(parts) => {
-            let linear = (slope.magnitude(), vec![parts.linear]);
-            let others = parts.magnitudes.iter();
-            let others = others.map(|(factor, rows)| ((slope * *factor).magnitude(), rows.clone()));
-            std::iter::once(linear).chain(others).collect()
-        }
-    };
-    Limit { value, gradient: gradient.map(|entry| sign * slope * entry), turns, caps, branches, reach }
 }
 
 /// The limit of a belt at its tensions before and after the ring: min(T1, T2) (exp(μ α) − 1). Tensions follow from where things are, so that

@@ -306,7 +306,9 @@ impl<R: Number> Run<'_, R> {
             let joint = &found.joints[slider.joint];
             let mut along = [R::ZERO; 6];
             for (k, radius) in &slider.components {
-                let rate = joint.rows[*k]
+                let rate = found
+                    .lines
+                    .of(joint.rows[*k])
                     .iter()
                     .fold(joint.velocity[*k], |sum, (dof, entry)| sum + *entry * change[*dof]);
                 along[*k] = R::from_f64(*radius) * rate;
@@ -372,7 +374,7 @@ impl<R: Number> Run<'_, R> {
     ) -> [R; 2] {
         let now = &found.joints[joint];
         let mut sum = [now.bias[k], now.bias[k].magnitude()];
-        for (dof, entry) in &now.rows[k] {
+        for (dof, entry) in found.lines.of(now.rows[k]) {
             let part = *entry * solved.accelerations[dof / DOFS][dof % DOFS];
             sum = [sum[0] + part, sum[1] + part.magnitude()];
         }

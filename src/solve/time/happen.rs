@@ -141,7 +141,8 @@ impl<R: Number> Run<'_, R> {
             let slider = &self.mechanism.sliders[s];
             let rows = &found.joints[slider.joint].rows;
             let rates: [R; 6] = std::array::from_fn(|k| {
-                rows[k].iter().fold(R::ZERO, |sum, (dof, entry)| sum + *entry * change[*dof])
+                let entries = found.lines.of(rows[k]).iter();
+                entries.fold(R::ZERO, |sum, (dof, entry)| sum + *entry * change[*dof])
             });
             let along = slider.rates(&rates);
             let size = length(&along);

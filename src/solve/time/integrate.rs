@@ -7,11 +7,13 @@ use crate::motion::mode::Switch;
 use crate::motion::rows::Trouble;
 use crate::number::Number;
 use crate::time::onset::{Onset, Turns};
-use crate::time::stiff::{Jacobian, Spectrum, Stages};
+use crate::time::stiff::{self, Improvement, Spectrum};
+use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
+use std::ops::Range;
 
 /// How a solution goes on in time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Extrapolation of the midpoint rule; Radau collocation where motion is stiff.
@@ -38,6 +40,26 @@ pub(crate) struct Tried<R> {
     pub(crate) growth: f64,
     /// Switches within the step, by the part of it that has passed.
     pub(crate) inner: Vec<(f64, Vec<Switch<R>>)>,
+    /// Its stages, where there are some.
+    pub(crate) stages: Option<Stages<R>>,
+}
+
+/// The rates at the stages of a step, which those of another one begin with: polynomials in time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Stages<R> {
+    begin: R,
+    length: R,
+    rates: Vec<Vec<R>>,
+}
+
+/// What is known of a motion q̇ = V(q, v), v̇ = A(t, q, v) besides its flow.
+pub(crate) struct Ahead<'a, R> {
+    /// How many q there are.
+    pub(crate) positions: usize,
+    /// V at y = (q, v, …).
+    pub(crate) moving: &'a dyn Fn(&[R]) -> Vec<R>,
+    /// The stages of another step.
+    pub(crate) stages: Option<&'a Stages<R>>,
 }
 
 /// ẏ = f(t, y).
@@ -48,8 +70,8 @@ pub(crate) type Flow<'a, R> = dyn FnMut(R, &[R]) -> Result<Slope<R>, Trouble> + 
 pub(crate) enum Newton<'a, R> {
     /// Nothing: motion is not stiff.
     None,
-    /// All numbers.
-    All(Jacobian<R>),
+    /// All numbers, of such sizes.
+    All(Vec<R>),
     /// The velocities of slips that begin.
     Onsets(&'a [Onset<R>]),
 }
@@ -95,7 +117,7 @@ impl<R: Number> Rule<R> {
         start: (R, &[R], &Slope<R>),
         h: R,
         allowed: &[R],
-        newton: &Newton<'_, R>,
+        (newton, ahead): (&Newton<'_, R>, Option<&Ahead<'_, R>>),
     ) -> Result<Tried<R>, Trouble> {
         if self.method == Method::Extrapolation && matches!(newton, Newton::None) {
             return self.extrapolated(flow, start, h, allowed);
@@ -105,7 +127,7 @@ impl<R: Number> Rule<R> {
             Method::Extrapolation => Tableau::radau(stages),
             Method::Collocation => Tableau::new(gauss(stages)),
         });
-        collocate(flow, start, h, allowed, tableau, newton)
+        collocate(flow, start, h, allowed, tableau, (newton, ahead))
     }
 
     /// The same by extrapolation, whatever the method.
@@ -195,12 +217,12 @@ fn extrapolate<R: Number>(
             let spare = columns.saturating_sub(used + 1) as f64 / columns as f64;
             let growth = (growth * (1.0 + spare)).clamp(0.5, GROWTH);
             let end = sum(y, table.pop());
-            return Ok(Tried { end, error, growth, inner });
+            return Ok(Tried { end, error, growth, inner, stages: None });
         }
     }
     let growth = (0.9 * error.powf(-1.0 / (2.0 * columns as f64 - 1.0))).clamp(0.1, 0.8);
     let end = sum(y, table.pop());
-    Ok(Tried { end, error, growth, inner })
+    Ok(Tried { end, error, growth, inner, stages: None })
 }
 
 fn sum<R: Number>(y: &[R], moved: Option<Vec<R>>) -> Vec<R> {
@@ -214,7 +236,7 @@ const ITERATIONS: usize = 150;
 const LEFT: f64 = 1e-3;
 
 fn too_long<R: Number>(y: &[R]) -> Tried<R> {
-    Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new() }
+    Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new(), stages: None }
 }
 
 fn collocate<R: Number>(
@@ -222,39 +244,68 @@ fn collocate<R: Number>(
     (t, y, slope): (R, &[R], &Slope<R>),
     h: R,
     allowed: &[R],
-    Tableau { points, matrix, weights, fewer, spectrum }: &Tableau<R>,
-    newton: &Newton<'_, R>,
+    tableau: &Tableau<R>,
+    (newton, ahead): (&Newton<'_, R>, Option<&Ahead<'_, R>>),
 ) -> Result<Tried<R>, Trouble> {
-    let stages = points.len();
-    let mut rates = vec![slope.rates.clone(); stages];
-    let mut switches = vec![Vec::new(); stages];
-    let combine = |weights: &[R], rates: &[Vec<R>]| -> Vec<R> {
-        let mut sum = vec![R::ZERO; y.len()];
-        for (weight, rates) in weights.iter().zip(rates) {
-            let factor = h * *weight;
-            for (sum, rate) in sum.iter_mut().zip(rates) {
-                *sum = *sum + factor * *rate;
-            }
-        }
-        y.iter().zip(sum).map(|(y, moved)| *y + moved).collect()
-    };
-    let (all, onsets) = match (newton, spectrum) {
+    let Tableau { points, matrix, weights, fewer, spectrum } = tableau;
+    let count = points.len();
+    let mut rates = vec![slope.rates.clone(); count];
+    let mut switches = vec![Vec::new(); count];
+    let combine = |weights: &[R], rates: &[Vec<R>]| moved(y, h, weights, rates, 0..y.len());
+    let (sizes, onsets) = match (newton, spectrum) {
         (Newton::None, _) => (None, None),
         (Newton::Onsets(onsets), _) => (None, Some(Turns::new(onsets, y, matrix))),
-        (Newton::All(jacobian), Some(spectrum)) => (Some(Stages::new(spectrum, jacobian, h.to_f64())), None),
+        (Newton::All(sizes), Some(spectrum)) => (Some((sizes, spectrum)), None),
         (Newton::All(_), None) => return Ok(too_long(y)),
     };
-    let is_implicit = all.is_some() || onsets.is_some();
+    let is_implicit = sizes.is_some() || onsets.is_some();
+    let mut all: Option<Improvement<'_>> = None;
+    let ahead = ahead.filter(|_| onsets.is_none());
+    let known = ahead.and_then(|ahead| ahead.stages?.at(tableau, (t, slope), h, (allowed, ahead.positions)));
+    if let Some(known) = known {
+        rates = known;
+    }
     let [mut before, mut least] = [f64::INFINITY; 2];
     let mut iterations = 0.0;
     for iteration in 0.. {
         iterations += 1.0;
         let mut change: f64 = 0.0;
-        let mut lacks = Vec::with_capacity(stages);
-        let mut slopes = Vec::with_capacity(stages);
-        for i in 0..stages {
-            let mut stage = combine(&matrix[i], &rates);
+        let mut lacks = Vec::with_capacity(count);
+        let mut slopes = Vec::with_capacity(count);
+        let mut states: Vec<Vec<R>> = matrix.iter().map(|weights| combine(weights, &rates)).collect();
+        if let Some(ahead) = ahead.filter(|_| !is_implicit || iteration == 0) {
+            // Positions follow from rates at once, not an iteration later. Where nothing is known yet of turns, twice.
+            for _ in 0..if iteration == 0 { 2 } else { 1 } {
+                for (rates, state) in rates.iter_mut().zip(&states) {
+                    rates.iter_mut().zip((ahead.moving)(state)).for_each(|(rate, moves)| *rate = moves);
+                }
+                for (state, weights) in states.iter_mut().zip(matrix) {
+                    let these = 0..ahead.positions;
+                    state[these.clone()].clone_from_slice(&moved(y, h, weights, &rates, these));
+                }
+            }
+        }
+        if let Some((sizes, spectrum)) = sizes.filter(|_| iteration == 0) {
+            // In the middle of the step, for iterations converge by how much it changes.
+            let middle = count / 2;
+            let state = &states[middle];
+            let time = t + h * points[middle];
+            let slope = flow(time, state)?;
+            let jacobian = stiff::jacobian(flow, (time, state, &slope), sizes)?;
+            all = Some(Improvement::new(spectrum, &jacobian, h.to_f64()));
+        }
+        for (i, mut stage) in states.into_iter().enumerate() {
             let time = t + h * points[i];
+            if !is_implicit {
+                let known = stage;
+                stage = combine(&matrix[i], &rates);
+                if let Some(ahead) = ahead {
+                    let these = 0..ahead.positions;
+                    stage[these.clone()].clone_from_slice(&known[these.clone()]);
+                    rates[i].iter_mut().zip((ahead.moving)(&stage)).for_each(|(rate, moves)| *rate = moves);
+                    stage[these.clone()].clone_from_slice(&moved(y, h, &matrix[i], &rates, these));
+                }
+            }
             if let Some(onsets) = onsets.as_ref().filter(|_| iteration == 0) {
                 onsets.rest(&mut stage);
             }
@@ -290,7 +341,7 @@ fn collocate<R: Number>(
         let contracts = iteration > 0 && change < before;
         let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
-        let most = if is_implicit { 0.5 } else { 0.05 };
+        let most = if is_implicit { 2.0 } else { 0.05 };
         least = least.min(change);
         // Rounding may well be more once than it was before.
         let is_rounding = is_slow && least < most && change < 4.0 * most;
@@ -312,15 +363,78 @@ fn collocate<R: Number>(
     let error = part.powf(1.5) / tolerance;
     let growth = match error <= 1e-30 {
         true => GROWTH,
-        false => (0.9 * error.powf(-1.0 / (2.0 * stages as f64))).clamp(0.1, GROWTH),
+        false => (0.9 * error.powf(-1.0 / (2.0 * count as f64))).clamp(0.1, GROWTH),
     };
     // Longer steps contract less: where an iteration gains less than a digit, they are long enough.
-    let growth = match all {
+    let growth = match sizes {
         Some(_) => growth.min((1.0 - tolerance.log10()) / iterations),
         None => growth,
     };
     let inner = points.iter().zip(switches).map(|(c, switches)| (c.to_f64(), switches)).collect();
-    Ok(Tried { end, error, growth, inner })
+    let stages = Some(Stages { begin: t, length: h, rates });
+    Ok(Tried { end, error, growth, inner, stages })
+}
+
+/// Some of the numbers y + h Σ w_j ẏ_j.
+fn moved<R: Number>(y: &[R], h: R, weights: &[R], rates: &[Vec<R>], which: Range<usize>) -> Vec<R> {
+    let mut sum = vec![R::ZERO; which.len()];
+    for (weight, rates) in weights.iter().zip(rates) {
+        let factor = h * *weight;
+        for (sum, rate) in sum.iter_mut().zip(&rates[which.clone()]) {
+            *sum = *sum + factor * *rate;
+        }
+    }
+    y[which].iter().zip(sum).map(|(y, moved)| *y + moved).collect()
+}
+
+impl<R: Number> Stages<R> {
+    /// The rates at the stages of another step, by polynomials through those of this one that are next to its beginning: as many of them as
+    /// tell most, by what they miss of the slope there. `None` where that slope itself tells more.
+    fn at(
+        &self,
+        tableau: &Tableau<R>,
+        (t, slope): (R, &Slope<R>),
+        h: R,
+        (allowed, positions): (&[R], usize),
+    ) -> Option<Vec<Vec<R>>> {
+        /// Of what rates change polynomials miss less than this part.
+        const GAIN: f64 = 0.01;
+        /// So little rates change by rounding, in units of what is allowed.
+        const NOISE: f64 = 1e3;
+        let points = &tableau.points;
+        if self.rates.len() != points.len() || self.rates.iter().any(|of| of.len() != slope.rates.len()) {
+            return None;
+        }
+        let from = (t - self.begin) / self.length;
+        let place = |c: R| from + c * h / self.length;
+        let at = |count: usize, x: R| -> Vec<R> {
+            let mut sum = vec![R::ZERO; slope.rates.len()];
+            for (j, (point, rates)) in points.iter().zip(&self.rates).enumerate().take(count) {
+                let others = points.iter().enumerate().take(count).filter(|(i, _)| *i != j);
+                let weight = others
+                    .fold(R::integer(1), |weight, (_, other)| weight * (x - *other) / (*point - *other));
+                sum.iter_mut().zip(rates).for_each(|(sum, rate)| *sum = *sum + weight * *rate);
+            }
+            sum
+        };
+        let beyond = |rates: &[R]| {
+            let pairs = rates.iter().zip(&slope.rates).skip(positions);
+            excess(pairs.map(|(then, now)| h * (*then - *now)), allowed.get(positions..).unwrap_or_default())
+        };
+        // What polynomials miss grows as Π (x − c).
+        let miss = |count: usize| {
+            let growth = points.iter().take(count).fold(1.0, |growth, point| {
+                growth * ((place(R::integer(1)) - *point) / (from - *point)).to_f64().abs()
+            });
+            beyond(&at(count, from)) * growth
+        };
+        let counts = (1..=points.len()).rev().step_by(2);
+        let (least, count) =
+            counts.map(|count| (miss(count), count)).min_by(|one, two| one.0.total_cmp(&two.0))?;
+        let found: Vec<Vec<R>> = points.iter().map(|c| at(count, place(*c))).collect();
+        let changes = found.iter().map(|rates| beyond(rates)).fold(0.0, f64::max);
+        (least < GAIN * changes && changes > NOISE).then_some(found)
+    }
 }
 
 impl<R: Number> Tableau<R> {
@@ -421,8 +535,9 @@ mod tests {
         for i in 0..steps {
             let t = R::from_f64(h * i as f64);
             let slope = flow(t, &y).unwrap();
-            let tried =
-                rule.step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed, &Newton::None).unwrap();
+            let tried = rule
+                .step(&mut flow, (t, &y, &slope), R::from_f64(h), &allowed, (&Newton::None, None))
+                .unwrap();
             assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
             y = tried.end;
         }

@@ -5,6 +5,7 @@ use crate::motion::rows::{Beginnings, Instant, Layout};
 use crate::motion::state::State;
 use crate::number::Number;
 use crate::refusal::Refusal;
+use crate::time::integrate::Stages;
 use crate::time::run::{Run, Stick};
 use crate::time::solution::{Event, Frame};
 use crate::time::step::Quiet;
@@ -29,6 +30,8 @@ pub struct Kept<R> {
     is_new: bool,
     #[serde(default)]
     quiet: Quiet,
+    #[serde(default = "Option::default")]
+    stages: Option<Stages<R>>,
     stretched: Vec<R>,
     stiffness: Vec<R>,
     beginnings: Beginnings,
@@ -89,6 +92,7 @@ impl<R: Number> Run<'_, R> {
             fastest: self.fastest,
             is_new: self.is_new,
             quiet: self.quiet,
+            stages: self.stages.clone(),
             stretched: self.stretched.clone(),
             stiffness: self.mechanism.stiffness.clone(),
             beginnings: self.beginnings.clone(),
@@ -119,6 +123,7 @@ impl<R: Number> Run<'_, R> {
         self.fastest = kept.fastest;
         self.is_new = kept.is_new;
         self.quiet = kept.quiet;
+        self.stages = kept.stages;
         self.stretched = kept.stretched;
         self.mechanism.stiffness = kept.stiffness;
         self.beginnings = kept.beginnings;

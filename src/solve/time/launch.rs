@@ -19,7 +19,7 @@ impl<R: Number> Run<'_, R> {
         let mut found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
         let zero = R::ZERO;
         for (given, (node, k, amount)) in self.mechanism.velocities.iter().enumerate() {
-            let coefficients = vec![(DOFS * node + k, R::integer(1))];
+            let coefficients = found.lines.add([(DOFS * node + k, R::integer(1))]);
             let now = self.state.rates[*node][*k];
             found.rows.push(Row {
                 owner: Owner::Given(given),
@@ -38,7 +38,8 @@ impl<R: Number> Run<'_, R> {
         let most = rates.fold(0.0, |most: f64, rate| most.max(rate.to_f64().abs()));
         let mut misfit: f64 = 0.0;
         for row in &found.rows {
-            let moved = row.coefficients.iter().fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
+            let entries = found.lines.of(row.coefficients).iter();
+            let moved = entries.fold(zero, |sum, (dof, entry)| sum + *entry * change[*dof]);
             let gap = (row.rate.unwrap_or(zero) + moved).to_f64().abs();
             // Rounding alone leaves a part of the largest.
             let size = row.rate.map_or(0.0, |rate| rate.to_f64().abs()).max(moved.to_f64().abs());

@@ -9,7 +9,7 @@ use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Own
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Method, Rule, Tableau};
+use crate::time::integrate::{Method, Rule, Stages, Tableau};
 use crate::time::keep::{Keeping, Kept};
 use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution};
 use crate::time::step::Quiet;
@@ -114,6 +114,10 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) is_new: bool,
     /// Steps since the last event, and whether motion has been found to be stiff.
     pub(crate) quiet: Quiet,
+    /// The limits of frictions as the step began, where there are no others.
+    pub(crate) limits: Vec<R>,
+    /// The stages of the last step.
+    pub(crate) stages: Option<Stages<R>>,
     /// The energy in the spring of each friction as slip began, where stick is elastic.
     pub(crate) stretched: Vec<R>,
     /// How sharply what happens now is met: the margin of its events.
@@ -372,6 +376,8 @@ impl<'a, R: Number> Run<'a, R> {
             fastest: 0.0,
             is_new: false,
             quiet: Quiet::default(),
+            limits: Vec::new(),
+            stages: None,
             stretched: Vec::new(),
             crossing: None,
             is_still: false,

@@ -10,7 +10,7 @@ use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
-use crate::time::integrate::{Newton, Slope, Tried, at_zero};
+use crate::time::integrate::{Ahead, Newton, Slope, Tried, at_zero};
 use crate::time::onset::{Onset, decay};
 use crate::time::run::Run;
 use crate::time::stiff;
@@ -112,6 +112,37 @@ impl<R: Number> Run<'_, R> {
         (poses, rates, turned)
     }
 
+    /// The rates of positions: velocities, and of turns since the state what these make of angular velocities.
+    fn moving(&self, base: &State<R>, y: &[R]) -> Vec<R> {
+        let columns = &self.layout.columns;
+        let velocities = y.get(columns.len()..).unwrap_or_default();
+        let mut moving = Vec::with_capacity(columns.len());
+        let mut at = 0;
+        while let Some(dof) = columns.get(at) {
+            let (node, k) = (dof / DOFS, dof % DOFS);
+            if !(3..6).contains(&k) || has(Fault::TurnRateTaken) {
+                moving.push(velocities[at]);
+                at += 1;
+                continue;
+            }
+            // Those of one node stand together.
+            let rates = &base.rates[node];
+            let (mut turned, mut spin) = ([R::ZERO; 3], [rates[3], rates[4], rates[5]]);
+            let these = at..columns[at..]
+                .iter()
+                .position(|of| *of >= DOFS * node + 6)
+                .map_or(columns.len(), |n| at + n);
+            for i in these.clone() {
+                (turned[columns[i] % DOFS - 3], spin[columns[i] % DOFS - 3]) = (y[i], velocities[i]);
+            }
+            let back = pintle_kinematics::so3::inverse_left_jacobian(turned);
+            let all = pintle_kinematics::vector::apply(&back, spin);
+            moving.extend(columns[these.clone()].iter().map(|of| all[of % DOFS - 3]));
+            at = these.end;
+        }
+        moving
+    }
+
     /// ẏ.
     fn bare_flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
         let n = self.layout.columns.len();
@@ -126,26 +157,9 @@ impl<R: Number> Run<'_, R> {
             branches: &base.branches,
         };
         let found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
-        let solved = found.solve(&self.mechanism, &self.layout, &self.modes)?;
+        let solved = found.solve_near(&self.mechanism, &self.layout, (&self.modes, &self.limits))?;
         let mut slope = Slope { rates: Vec::with_capacity(y.len()), switches: solved.switches.clone() };
-        let mut turning: Vec<Option<Vector<R>>> = vec![None; poses.len()];
-        for dof in &self.layout.columns {
-            let (node, k) = (dof / DOFS, dof % DOFS);
-            slope.rates.push(match k {
-                3..6 => {
-                    let all = turning[node].get_or_insert_with(|| {
-                        let spin = [rates[node][3], rates[node][4], rates[node][5]];
-                        let back = pintle_kinematics::so3::inverse_left_jacobian(turned[node]);
-                        if has(Fault::TurnRateTaken) {
-                            return spin;
-                        }
-                        pintle_kinematics::vector::apply(&back, spin)
-                    });
-                    all[k - 3]
-                }
-                _ => rates[node][k],
-            });
-        }
+        slope.rates.extend(self.moving(base, y));
         for dof in &self.layout.columns {
             slope.rates.push(solved.accelerations[dof / DOFS][dof % DOFS]);
         }
@@ -289,10 +303,13 @@ impl<R: Number> Run<'_, R> {
         let onsets = self.onsets(y.len() - base.sums.len());
         let newton = match self.quiet.is_stiff {
             _ if !onsets.is_empty() => Newton::Onsets(&onsets),
-            true => Newton::All(stiff::midway(&mut flow, start, h, &sizes)?),
+            true => Newton::All(sizes),
             false => Newton::None,
         };
-        let mut tried = self.rule.step(&mut flow, start, h, &allowed, &newton);
+        let moving = |y: &[R]| self.moving(base, y);
+        let positions = self.layout.columns.len();
+        let ahead = Ahead { positions, moving: &moving, stages: self.stages.as_ref() };
+        let mut tried = self.rule.step(&mut flow, start, h, &allowed, (&newton, Some(&ahead)));
         // Near rest the direction of a slip changes at once, and stages do not contract.
         let turns = |slider: &Slider| slider.components.len() > 1;
         if tried.as_ref().is_ok_and(|tried| tried.error.is_infinite())
@@ -302,6 +319,9 @@ impl<R: Number> Run<'_, R> {
             tried = self.rule.extrapolated(&mut flow, start, h, &allowed);
         }
         self.solution.evaluations += evaluations;
+        if let Ok(tried) = &mut tried {
+            self.stages = tried.stages.take().or(self.stages.take());
+        }
         tried
     }
 
@@ -425,6 +445,9 @@ impl<R: Number> Run<'_, R> {
         let allowed = self.allowed(&y, self.h);
         let mut flow = |time: R, y: &[R]| self.flow(&base, time, y).map(|(slope, _)| slope);
         let found = flow(base.time, &y).and_then(|slope| {
+            if stiff::is_lively(&mut flow, (base.time, &y, &slope), &allowed, self.h)? {
+                return Ok(false);
+            }
             let sizes = self.sizes_for_differences(&base, &y, &allowed)?;
             let jacobian = stiff::jacobian(&mut flow, (base.time, &y, &slope), &sizes)?;
             Ok(stiff::is_stiff(&jacobian, &slope.rates, &allowed, self.h))
@@ -456,6 +479,7 @@ impl<R: Number> Run<'_, R> {
                     "something rings or is stiff: ask for a shorter time",
                 ));
             }
+            self.limits.clear();
             self.leave_onsets()?;
             let base = self.state.clone();
             let y = self.packed();
@@ -463,6 +487,10 @@ impl<R: Number> Run<'_, R> {
                 self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
             if self.keep_branches(&solved) {
                 (slope, solved) = self.flow(&base, base.time, &y).map_err(|trouble| self.say(trouble))?;
+            }
+            // Where there may be other solutions, that is sought which is found from no friction at all.
+            if self.solution.lipschitz < 1.0 {
+                self.limits = solved.limits.iter().map(|limit| limit.value).collect();
             }
             if self.solution.lipschitz >= 1.0 {
                 let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;

@@ -48,17 +48,25 @@ pub(crate) fn jacobian<R: Number>(
     Ok(found)
 }
 
-/// The Jacobian in the middle of a step, for iterations converge by how much it changes.
-pub(crate) fn midway<R: Number>(
+/// Whether rates change along the motion by more than anything leaves of them that decays as fast as steps of length h may go.
+pub(crate) fn is_lively<R: Number>(
     flow: &mut Flow<'_, R>,
     (t, y, slope): (R, &[R], &Slope<R>),
-    h: R,
-    sizes: &[R],
-) -> Result<Jacobian<R>, Trouble> {
-    let half = h * R::ratio(1, 2);
-    let there: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + half * *rate).collect();
-    let rates = flow(t + half, &there)?;
-    jacobian(flow, (t + half, &there, &rates), sizes)
+    allowed: &[R],
+    h: f64,
+) -> Result<bool, Trouble> {
+    /// What decays more often within an explicit step makes it fail.
+    const FASTEST: f64 = 64.0;
+    let by = R::from_f64(h * DIFFERENCE);
+    let there: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
+    let then = flow(t + by, &there)?;
+    let size = |of: &mut dyn Iterator<Item = f64>| {
+        of.zip(allowed).fold(0.0_f64, |most, (x, size)| most.max((x / size.to_f64()).abs()))
+    };
+    let changes = then.rates.iter().zip(&slope.rates).map(|(then, now)| ((*then - *now) / by).to_f64() * h);
+    let changes = size(&mut { changes });
+    let rates = size(&mut slope.rates.iter().map(|x| x.to_f64()));
+    Ok(changes > LEFT * FASTEST * rates)
 }
 
 /// Whether motion is stiff for steps of length h: something decays that fast, and rates change far less, for of that nothing is left.
@@ -73,10 +81,20 @@ pub(crate) fn is_stiff<R: Number>(jacobian: &Jacobian<R>, rates: &[R], allowed: 
     };
     let rates = DVector::from_iterator(n, rates.iter().map(|x| x.to_f64()));
     let change = &matrix * &rates;
-    let Some(found) = Schur::try_new(matrix, f64::EPSILON, ITERATIONS) else { return false };
-    let is_fast = |x: &Complex<f64>| {
-        x.re <= -DECAYS && x.im.abs() <= -x.re && size(&change) <= LEFT * -x.re * size(&rates)
+    let (changes, size_of_rates) = (size(&change), size(&rates));
+    // No eigenvalue is beyond a norm of the matrix, nor its square beyond one of the square: mostly that is enough, and Schur's form is dear.
+    let unit = |i: usize| allowed.get(i).map_or(1.0, |size| size.to_f64());
+    let norm = |of: &DMatrix<f64>| {
+        let sum = |i: usize| (0..n).map(|j| of[(i, j)].abs() * unit(j)).sum::<f64>() / unit(i);
+        (0..n).map(sum).fold(0.0, f64::max)
     };
+    let is_too_slow = |largest: f64| largest < DECAYS || changes > LEFT * largest * size_of_rates;
+    if is_too_slow(norm(&matrix)) || is_too_slow(norm(&(&matrix * &matrix)).sqrt()) {
+        return false;
+    }
+    let Some(found) = Schur::try_new(matrix, f64::EPSILON, ITERATIONS) else { return false };
+    let is_fast =
+        |x: &Complex<f64>| x.re <= -DECAYS && x.im.abs() <= -x.re && changes <= LEFT * -x.re * size_of_rates;
     found.complex_eigenvalues().iter().any(is_fast)
 }
 
@@ -127,12 +145,12 @@ impl Spectrum {
 /// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles.
 ///
 /// It is (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8).
-pub(crate) struct Stages<'a> {
+pub(crate) struct Improvement<'a> {
     spectrum: &'a Spectrum,
     eliminated: Vec<LU<Complex<f64>, Dyn, Dyn>>,
 }
 
-impl<'a> Stages<'a> {
+impl<'a> Improvement<'a> {
     /// For a step of length h.
     pub(crate) fn new<R: Number>(spectrum: &'a Spectrum, jacobian: &Jacobian<R>, h: f64) -> Self {
         let n = jacobian.len();
@@ -166,7 +184,7 @@ impl<'a> Stages<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_stiff, jacobian, midway, sizes};
+    use super::{is_stiff, jacobian, sizes};
     use crate::number::Number;
     use crate::time::integrate::{Method, Newton, Rule, Slope};
     use pintle_kinematics::scalar::Wide;
@@ -186,8 +204,8 @@ mod tests {
         for i in 0..4 {
             let t = R::ratio(i, 4);
             let slope = flow(t, &y).unwrap();
-            let known = midway(&mut flow, (t, &y, &slope), h, &sizes(&y, &allowed)).unwrap();
-            let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, &Newton::All(known)).unwrap();
+            let newton = Newton::All(sizes(&y, &allowed));
+            let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, (&newton, None)).unwrap();
             assert!(tried.error <= 1.0, "{method:?}: {}", tried.error);
             y = tried.end;
         }

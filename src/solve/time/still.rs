@@ -93,7 +93,9 @@ impl<R: Number> Assembled<R> {
                 }
             }
         }
-        for (dof, _) in self.joints.iter().flat_map(|now| now.columns.iter().flatten()) {
+        for (dof, _) in
+            self.joints.iter().flat_map(|now| now.columns.iter().flat_map(|of| self.lines.of(*of)))
+        {
             if dof % DOFS == DOFS - 1 {
                 self.flows[dof / DOFS] = one;
             }
@@ -106,9 +108,7 @@ impl<R: Number> Assembled<R> {
         let mut acts: Vec<bool> = (0..self.applied.len())
             .map(|dof| self.is_loaded(dof) || dof % DOFS < 6 && self.has_inertia(dof))
             .collect();
-        let rows = self.rows.iter().flat_map(|row| row.coefficients.iter().chain(row.force()));
-        let columns = self.joints.iter().flat_map(|now| now.columns.iter().chain(&now.rows).flatten());
-        for (dof, _) in rows.chain(columns) {
+        for (dof, _) in self.lines.all() {
             acts[*dof] = true;
         }
         for (node, body) in mechanism.bodies.iter().enumerate() {

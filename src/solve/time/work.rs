@@ -112,8 +112,9 @@ impl<R: Number> Run<'_, R> {
         let found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
         let [mut external, _, stored] = found.powers;
         for (force, index) in at.solved.forces.iter().zip(&self.layout.kept) {
-            let along = found.rows[*index]
-                .force()
+            let along = found
+                .lines
+                .of(found.rows[*index].force())
                 .iter()
                 .fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof / DOFS][dof % DOFS]);
             external = external - *force * along;
