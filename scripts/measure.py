@@ -38,7 +38,7 @@ WORK = ROOT / "target" / "peers"
 EXPLANATION = ROOT / "docs" / "explanation"
 DOCUMENTS = (
     "README.md",
-    *(f"docs/explanation/{page}.md" for page in ("assembly", "audit", "build", "other-checkers", "performance", "scale", "stress", "time-against-error")),
+    *(f"docs/explanation/{page}.md" for page in ("assembly", "audit", "build", "other-checkers", "performance", "scale", "solutions", "stress", "time-against-error")),
 )
 OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
 OURS = "pintle"
@@ -474,6 +474,14 @@ def lanes(arguments):
     }
 
 
+def solutions(arguments):
+    """What the problems of references/ take, on doubles and on 237 bits."""
+    [doubles] = printed("solutions", is_pinned=False)(arguments).values()
+    [wide] = printed("solutions", "wide", is_pinned=False)(arguments).values()
+    text = wide.split("```text\n")[1]
+    return {"solutions": doubles.replace("\n```", f"\n\non 237 bits, 25 digits\n{text}")}
+
+
 def instructions(arguments):
     """What callgrind counts for a tile of four states, of batches and of rows by hand."""
     program = executable("lanes")
@@ -622,6 +630,7 @@ MEASUREMENTS = {
     printed("history", is_pinned=False): ("history",),
     printed("threads", is_pinned=False): ("threads",),
     printed("arrays", is_pinned=False): ("arrays",),
+    solutions: ("solutions",),
     printed("stress", "--picture", str(EXPLANATION / "stress.svg")): ("stress",),
     proof: ("proof",),
     printed("assembly"): ("assembly",),

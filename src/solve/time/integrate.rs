@@ -76,6 +76,13 @@ pub(crate) enum Newton<'a, R> {
     Onsets(&'a [Onset<R>]),
 }
 
+impl<R: Number> Ahead<'_, R> {
+    /// The rates of positions at a stage.
+    fn turn(&self, state: &[R], rates: &mut [R]) {
+        rates.iter_mut().zip((self.moving)(state)).for_each(|(rate, moves)| *rate = moves);
+    }
+}
+
 /// A method, and the digits that are wanted.
 #[derive(Clone, Debug)]
 pub(crate) struct Rule<R> {
@@ -265,6 +272,11 @@ fn collocate<R: Number>(
     if let Some(known) = known {
         rates = known;
     }
+    let places = ahead.map_or(0, |ahead| ahead.positions);
+    let fill = |state: &mut [R], weights: &[R], rates: &[Vec<R>], which: Range<usize>| {
+        state[which.clone()].clone_from_slice(&moved(y, h, weights, rates, which));
+    };
+    let mut states: Vec<Vec<R>> = matrix.iter().map(|weights| combine(weights, &rates)).collect();
     let [mut before, mut least] = [f64::INFINITY; 2];
     let mut iterations = 0.0;
     for iteration in 0.. {
@@ -272,17 +284,26 @@ fn collocate<R: Number>(
         let mut change: f64 = 0.0;
         let mut lacks = Vec::with_capacity(count);
         let mut slopes = Vec::with_capacity(count);
-        let mut states: Vec<Vec<R>> = matrix.iter().map(|weights| combine(weights, &rates)).collect();
-        if let Some(ahead) = ahead.filter(|_| !is_implicit || iteration == 0) {
+        match ahead {
             // Positions follow from rates at once, not an iteration later. Where nothing is known yet of turns, twice.
-            for _ in 0..if iteration == 0 { 2 } else { 1 } {
-                for (rates, state) in rates.iter_mut().zip(&states) {
-                    rates.iter_mut().zip((ahead.moving)(state)).for_each(|(rate, moves)| *rate = moves);
+            Some(ahead) if iteration == 0 => {
+                for _ in 0..2 {
+                    states.iter().zip(&mut rates).for_each(|(state, rates)| ahead.turn(state, rates));
+                    states
+                        .iter_mut()
+                        .zip(matrix)
+                        .for_each(|(of, weights)| fill(of, weights, &rates, 0..places));
                 }
+            }
+            Some(ahead) if !is_implicit => {
                 for (state, weights) in states.iter_mut().zip(matrix) {
-                    let these = 0..ahead.positions;
-                    state[these.clone()].clone_from_slice(&moved(y, h, weights, &rates, these));
+                    fill(state, weights, &rates, places..y.len());
                 }
+                states.iter().zip(&mut rates).for_each(|(state, rates)| ahead.turn(state, rates));
+            }
+            _ if iteration == 0 => {}
+            _ => {
+                states.iter_mut().zip(matrix).for_each(|(of, weights)| fill(of, weights, &rates, 0..y.len()));
             }
         }
         if let Some((sizes, spectrum)) = sizes.filter(|_| iteration == 0) {
@@ -292,29 +313,27 @@ fn collocate<R: Number>(
             let time = t + h * points[middle];
             let slope = flow(time, state)?;
             let jacobian = stiff::jacobian(flow, (time, state, &slope), sizes)?;
-            all = Some(Improvement::new(spectrum, &jacobian, h.to_f64()));
+            all = Improvement::new(spectrum, &jacobian, (h.to_f64(), places));
         }
-        for (i, mut stage) in states.into_iter().enumerate() {
-            let time = t + h * points[i];
+        for i in 0..count {
+            let (time, stage) = (t + h * points[i], &mut states[i]);
             if !is_implicit {
-                let known = stage;
-                stage = combine(&matrix[i], &rates);
+                // By what the stages before it have become.
+                fill(stage, &matrix[i], &rates, places..y.len());
                 if let Some(ahead) = ahead {
-                    let these = 0..ahead.positions;
-                    stage[these.clone()].clone_from_slice(&known[these.clone()]);
-                    rates[i].iter_mut().zip((ahead.moving)(&stage)).for_each(|(rate, moves)| *rate = moves);
-                    stage[these.clone()].clone_from_slice(&moved(y, h, &matrix[i], &rates, these));
+                    ahead.turn(stage, &mut rates[i]);
+                    fill(stage, &matrix[i], &rates, 0..places);
                 }
             }
             if let Some(onsets) = onsets.as_ref().filter(|_| iteration == 0) {
-                onsets.rest(&mut stage);
+                onsets.rest(stage);
             }
-            let mut found = flow(time, &stage)?;
+            let mut found = flow(time, stage)?;
             if let Some(onsets) = &onsets {
                 if iteration == 0 {
                     onsets.begin(&mut found.rates);
                 }
-                slopes.push(onsets.slopes(flow, (time, &stage, &found.rates))?);
+                slopes.push(onsets.slopes(flow, (time, stage, &found.rates))?);
             }
             switches[i] = found.switches;
             let by: Vec<R> = found.rates.iter().zip(&rates[i]).map(|(new, old)| *new - *old).collect();
@@ -341,7 +360,7 @@ fn collocate<R: Number>(
         let contracts = iteration > 0 && change < before;
         let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
-        let most = if is_implicit { 2.0 } else { 0.05 };
+        let most = if is_implicit { 0.5 } else { 0.05 };
         least = least.min(change);
         // Rounding may well be more once than it was before.
         let is_rounding = is_slow && least < most && change < 4.0 * most;

@@ -504,8 +504,15 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             let nearest = self.rests_in(&solved)?;
-            if let Some((slider, rest, true)) = nearest {
-                self.go_to_rest(slider, rest, goal)?;
+            if let Some((slider, rest, is_now)) =
+                nearest.filter(|(_, rest, now)| *now || rest.to_f64() < least)
+            {
+                if is_now {
+                    self.go_to_rest(slider, rest, goal)?;
+                } else {
+                    // No step is as short as what is left.
+                    self.state.time = (self.state.time + rest).lesser(goal);
+                }
                 self.happens(slider, Cause::Stops)?;
                 continue;
             }

@@ -7,6 +7,7 @@ use crate::motion::rows::Trouble;
 use crate::number::{Number, larger};
 use crate::time::integrate::{Flow, Slope};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
+use std::ops::Range;
 
 /// By which part of its size each number is moved for a difference.
 const DIFFERENCE: f64 = 6e-8;
@@ -147,21 +148,20 @@ impl Spectrum {
 /// It is (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8).
 pub(crate) struct Improvement<'a> {
     spectrum: &'a Spectrum,
-    eliminated: Vec<LU<Complex<f64>, Dyn, Dyn>>,
+    eliminated: Vec<Eliminated>,
 }
 
 impl<'a> Improvement<'a> {
-    /// For a step of length h.
-    pub(crate) fn new<R: Number>(spectrum: &'a Spectrum, jacobian: &Jacobian<R>, h: f64) -> Self {
-        let n = jacobian.len();
-        let scaled = |value: &Complex<f64>| {
-            DMatrix::from_fn(n, n, |i, j| {
-                let one = if i == j { Complex::from(1.0) } else { Complex::from(0.0) };
-                one - value * (h * jacobian[j][i].to_f64())
-            })
-        };
-        let eliminated = spectrum.values.iter().map(|value| scaled(value).lu()).collect();
-        Self { spectrum, eliminated }
+    /// For a step of length h, where the first numbers are positions. `None` where the matrix cannot be inverted.
+    pub(crate) fn new<R: Number>(
+        spectrum: &'a Spectrum,
+        jacobian: &Jacobian<R>,
+        (h, positions): (f64, usize),
+    ) -> Option<Self> {
+        let doubles: Vec<Vec<f64>> =
+            jacobian.iter().map(|column| column.iter().map(|x| h * x.to_f64()).collect()).collect();
+        let all = spectrum.values.iter().map(|value| Eliminated::new(&doubles, *value, positions));
+        Some(Self { spectrum, eliminated: all.collect::<Option<_>>()? })
     }
 
     /// By what the stages change where they lack so much.
@@ -170,7 +170,7 @@ impl<'a> Improvement<'a> {
         let stages = DMatrix::from_fn(n, lacks.len(), |i, stage| Complex::from(lacks[stage][i].to_f64()));
         let mut apart = stages * &self.spectrum.inverse;
         for (m, (eliminated, count)) in self.eliminated.iter().zip(&self.spectrum.counts).enumerate() {
-            let solved = eliminated.solve(&apart.column(m))? * Complex::from(*count);
+            let solved = eliminated.solve(apart.column(m).into_owned())? * Complex::from(*count);
             apart.set_column(m, &solved);
         }
         let found = apart * self.spectrum.vectors.transpose();
@@ -179,6 +179,80 @@ impl<'a> Improvement<'a> {
                 .map(|stage| (0..n).map(|i| R::from_f64(found[(i, stage)].re)).collect())
                 .collect(),
         )
+    }
+}
+
+/// 1 − z A without positions q, whose rates follow from the other numbers v, and from q of the same node: x_q = (1 − z A_qq)⁻¹ (r_q + z A_qv x_v).
+struct Eliminated {
+    /// (1 − z A_qq)⁻¹ in blocks.
+    blocks: Vec<(Range<usize>, DMatrix<Complex<f64>>)>,
+    /// z A_qv by rows: what is not zero.
+    moving: Vec<Vec<(usize, Complex<f64>)>>,
+    /// z A_vq.
+    forces: DMatrix<Complex<f64>>,
+    /// 1 − z A_vv − z A_vq (1 − z A_qq)⁻¹ z A_qv.
+    others: LU<Complex<f64>, Dyn, Dyn>,
+}
+
+impl Eliminated {
+    fn new(jacobian: &[Vec<f64>], z: Complex<f64>, positions: usize) -> Option<Self> {
+        let m = jacobian.len() - positions;
+        let entry = |i: usize, j: usize| z * jacobian[j][i];
+        let one = |i: usize, j: usize| Complex::from(if i == j { 1.0 } else { 0.0 });
+        let mut blocks: Vec<(Range<usize>, DMatrix<Complex<f64>>)> = Vec::new();
+        let mut start = 0;
+        while start < positions {
+            let (mut end, mut i) = (start + 1, start);
+            while i < end {
+                let couples = |j: &usize| jacobian[*j][i] != 0.0 || jacobian[i][*j] != 0.0;
+                end = (end..positions).rev().find(couples).map_or(end, |last| last + 1);
+                i += 1;
+            }
+            let of = |i: usize, j: usize| one(i, j) - entry(start + i, start + j);
+            blocks.push((start..end, DMatrix::from_fn(end - start, end - start, of).try_inverse()?));
+            start = end;
+        }
+        let row = |i: usize| -> Vec<(usize, Complex<f64>)> {
+            (0..m).map(|j| (j, entry(i, positions + j))).filter(|(_, x)| *x != Complex::from(0.0)).collect()
+        };
+        let moving: Vec<_> = (0..positions).map(row).collect();
+        let forces = DMatrix::from_fn(m, positions, |i, j| entry(positions + i, j));
+        let mut others = DMatrix::from_fn(m, m, |i, j| one(i, j) - entry(positions + i, positions + j));
+        for (range, inverse) in &blocks {
+            for (b, i) in range.clone().enumerate() {
+                for (j, x) in &moving[i] {
+                    for (a, q) in range.clone().enumerate() {
+                        let by = -inverse[(a, b)] * x;
+                        others.column_mut(*j).axpy(by, &forces.column(q), Complex::from(1.0));
+                    }
+                }
+            }
+        }
+        Some(Self { blocks, moving, forces, others: others.lu() })
+    }
+
+    fn solve(&self, right: DVector<Complex<f64>>) -> Option<DVector<Complex<f64>>> {
+        let positions = self.moving.len();
+        let mut x = right;
+        self.turn(&mut x);
+        let rest = x.rows(positions, x.len() - positions) + &self.forces * x.rows(0, positions);
+        let rest = self.others.solve(&rest)?;
+        let mut by = DVector::zeros(x.len());
+        for (by, row) in by.iter_mut().zip(&self.moving) {
+            *by = row.iter().fold(Complex::from(0.0), |sum, (j, entry)| sum + entry * rest[*j]);
+        }
+        self.turn(&mut by);
+        x.iter_mut().zip(&by).take(positions).for_each(|(x, by)| *x += by);
+        x.rows_mut(positions, rest.len()).copy_from(&rest);
+        Some(x)
+    }
+
+    /// x_q as (1 − z A_qq)⁻¹ x_q.
+    fn turn(&self, x: &mut DVector<Complex<f64>>) {
+        for (range, inverse) in &self.blocks {
+            let turned = inverse * x.rows(range.start, range.len());
+            x.rows_mut(range.start, range.len()).copy_from(&turned);
+        }
     }
 }
 
