@@ -479,7 +479,7 @@ def solutions(arguments):
     [doubles] = printed("solutions", is_pinned=False)(arguments).values()
     [wide] = printed("solutions", "wide", is_pinned=False)(arguments).values()
     text = wide.split("```text\n")[1]
-    return {"solutions": doubles.replace("\n```", f"\n\non 237 bits, 25 digits\n{text}")}
+    return {"solutions": f"{doubles.removesuffix('```')}\non 237 bits, 25 digits\n{text}"}
 
 
 def instructions(arguments):

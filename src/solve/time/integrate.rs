@@ -407,8 +407,8 @@ fn moved<R: Number>(y: &[R], h: R, weights: &[R], rates: &[Vec<R>], which: Range
 }
 
 impl<R: Number> Stages<R> {
-    /// The rates at the stages of another step, by polynomials through those of this one that are next to its beginning: as many of them as
-    /// tell most, by what they miss of the slope there. `None` where that slope itself tells more.
+    /// The rates at the stages of another step, by polynomials through those of this one that are next to its beginning. What they miss of the
+    /// slope there tells how many of them are best. `None` where the slope itself is better.
     fn at(
         &self,
         tableau: &Tableau<R>,
