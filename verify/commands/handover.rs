@@ -205,7 +205,9 @@ fn python() -> Option<PathBuf> {
 fn run_script(python: &Path, name: &str, text: &str) -> (bool, String) {
     let path = folder().join(format!("{name}.py"));
     fs::write(&path, text).unwrap();
-    let output = Command::new(python).arg("-I").arg(&path).output().unwrap();
+    // Each is run once: what XLA optimises takes longer than it saves.
+    let once = ("XLA_FLAGS", "--xla_backend_optimization_level=0");
+    let output = Command::new(python).arg("-I").arg(&path).env(once.0, once.1).output().unwrap();
     let said =
         [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
     (output.status.success(), said)
