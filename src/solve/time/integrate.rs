@@ -426,13 +426,16 @@ impl<R: Number> Stages<R> {
         }
         let from = (t - self.begin) / self.length;
         let place = |c: R| from + c * h / self.length;
+        // What is known at the beginning itself tells nothing of what polynomials miss there.
+        let known: Vec<(R, &Vec<R>)> =
+            points.iter().copied().zip(&self.rates).filter(|(c, _)| !(*c - from).is_nothing()).collect();
         let at = |count: usize, x: R| -> Vec<R> {
             let mut sum = vec![R::ZERO; slope.rates.len()];
-            for (j, (point, rates)) in points.iter().zip(&self.rates).enumerate().take(count) {
-                let others = points.iter().enumerate().take(count).filter(|(i, _)| *i != j);
+            for (j, (point, rates)) in known.iter().enumerate().take(count) {
+                let others = known.iter().enumerate().take(count).filter(|(i, _)| *i != j);
                 let weight = others
-                    .fold(R::integer(1), |weight, (_, other)| weight * (x - *other) / (*point - *other));
-                sum.iter_mut().zip(rates).for_each(|(sum, rate)| *sum = *sum + weight * *rate);
+                    .fold(R::integer(1), |weight, (_, (other, _))| weight * (x - *other) / (*point - *other));
+                sum.iter_mut().zip(*rates).for_each(|(sum, rate)| *sum = *sum + weight * *rate);
             }
             sum
         };
@@ -442,12 +445,10 @@ impl<R: Number> Stages<R> {
         };
         // What polynomials miss grows as Π (x − c).
         let miss = |count: usize| {
-            let growth = points.iter().take(count).fold(1.0, |growth, point| {
-                growth * ((place(R::integer(1)) - *point) / (from - *point)).to_f64().abs()
-            });
-            beyond(&at(count, from)) * growth
+            let parts = known.iter().take(count).map(|(c, _)| (place(R::integer(1)) - *c) / (from - *c));
+            beyond(&at(count, from)) * parts.fold(1.0, |growth, part| growth * part.to_f64().abs())
         };
-        let counts = (1..=points.len()).rev().step_by(2);
+        let counts = (1..=known.len()).rev().step_by(2);
         let (least, count) =
             counts.map(|count| (miss(count), count)).min_by(|one, two| one.0.total_cmp(&two.0))?;
         let found: Vec<Vec<R>> = points.iter().map(|c| at(count, place(*c))).collect();
