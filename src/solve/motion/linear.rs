@@ -552,7 +552,7 @@ fn subtract<R: Number>(row: &[(usize, R)], pivot: &[(usize, R)], factor: R, into
 
 #[cfg(test)]
 mod tests {
-    use super::System;
+    use super::{Dense, System};
     use crate::motion::plan::Plan;
     use pintle_kinematics::scalar::{Scalar, Wide};
 
@@ -573,6 +573,33 @@ mod tests {
         for x in &found[0] {
             assert!((*x - Wide::from_f64(1.0)).abs() < Wide::from_f64(1e-50), "{}", x.real());
         }
+    }
+
+    #[test]
+    fn a_few_equations_have_the_solution_of_many() {
+        let n = 5;
+        let mut compared = 0;
+        for tiny in [1.0, 1e-3, 0.0] {
+            let (mut dense, mut sparse) = (Dense::new(n), System::new(n, 1));
+            for i in 0..n {
+                for j in 0..n {
+                    let entry =
+                        if i == j { tiny } else { ((3 * i + 5 * j) % 7) as f64 * 10.0_f64.powi(i as i32) };
+                    dense.add(i, j, entry);
+                    sparse.add(i, j, entry);
+                }
+                dense.right[i] = 1.0 + i as f64;
+                sparse.add(i, n, 1.0 + i as f64);
+            }
+            for (x, y) in dense.solve().unwrap().iter().zip(&sparse.solve().unwrap()[0]) {
+                assert!((x - y).abs() < 1e-12 * (1.0 + y.abs()), "{x}, not {y}");
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 3 * n);
+        let mut singular: Dense<f64> = Dense::new(2);
+        (0..4).for_each(|k| singular.add(k / 2, k % 2, 1.0));
+        assert_eq!(singular.solve().unwrap_err().column, 1);
     }
 
     #[test]

@@ -534,7 +534,7 @@ fn legendre<R: Number>(n: usize, x: R) -> (R, R) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Newton, Rule, Slope};
+    use super::{Ahead, Method, Newton, Rule, Slope, Stages};
     use crate::number::Number;
     use pintle_kinematics::scalar::Wide;
 
@@ -562,6 +562,40 @@ mod tests {
             y = tried.end;
         }
         (energy(&y) - start).magnitude().to_f64()
+    }
+
+    /// The second of two steps ends where it would, in fewer instants, where it begins with the stages of the first; what jumps between them
+    /// begins with its slope.
+    #[test]
+    fn stages_go_on_from_those_of_the_step_before() {
+        for method in [Method::Extrapolation, Method::Collocation] {
+            let rule: Rule<f64> = Rule::new(method, 14);
+            let newton = match method {
+                Method::Extrapolation => Newton::All(vec![1.0; 2]),
+                Method::Collocation => Newton::None,
+            };
+            let (h, allowed) = (0.1, [1e-14; 3]);
+            let step = |force: f64, (t, y): (f64, &[f64]), stages: Option<&Stages<f64>>| {
+                let mut count = 0;
+                let mut flow = |_: f64, y: &[f64]| {
+                    count += 1;
+                    Ok(Slope { rates: vec![y[1], force - y[0] - y[0].powi(3)], switches: Vec::new() })
+                };
+                let slope = flow(t, y).unwrap();
+                let ahead = Ahead { positions: 1, moving: &|y: &[f64]| vec![y[1]], stages };
+                let tried = rule.step(&mut flow, (t, y, &slope), h, &allowed, (&newton, Some(&ahead)));
+                (tried.unwrap(), count)
+            };
+            let (first, _) = step(0.0, (0.0, &[1.0, 0.5]), None);
+            for (force, is_new) in [(0.0, false), (3.0, true)] {
+                let next = |stages| step(force, (h, &first.end), stages);
+                let ((plain, many), (ahead, few)) = (next(None), next(first.stages.as_ref()));
+                let apart =
+                    plain.end.iter().zip(&ahead.end).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+                assert!(apart < 1e-14, "{method:?}: {apart:e}");
+                assert!(if is_new { few == many } else { few + 9 <= many }, "{method:?}: {few} of {many}");
+            }
+        }
     }
 
     #[test]

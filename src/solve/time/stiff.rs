@@ -258,7 +258,7 @@ impl Eliminated {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_stiff, jacobian, sizes};
+    use super::{Complex, DVector, Eliminated, is_stiff, jacobian, sizes};
     use crate::number::Number;
     use crate::time::integrate::{Method, Newton, Rule, Slope};
     use pintle_kinematics::scalar::Wide;
@@ -286,6 +286,27 @@ mod tests {
         let wanted = (-1.0_f64).exp();
         let of_x = (y[1].to_f64() - wanted).abs();
         of_x.max((y[0] - apart(y[1])).magnitude().to_f64())
+    }
+
+    /// Two nodes that turn about three axes and one, with rates that depend on all: what is solved for fits 1 − z A.
+    #[test]
+    fn positions_are_eliminated_exactly() {
+        let (positions, n) = (5, 12);
+        let is_there =
+            |i: usize, j: usize| i >= positions || j >= positions && (i < 3) == (j < 8) || i / 3 == j / 3;
+        let number = |i: usize, j: usize| ((7 * i + 13 * j + i * j) % 17) as f64 / 17.0 - 0.4;
+        let jacobian: Vec<Vec<f64>> = (0..n)
+            .map(|j| (0..n).map(|i| if is_there(i, j) { number(i, j) } else { 0.0 }).collect())
+            .collect();
+        let z = Complex::new(0.7, -0.4);
+        let found = Eliminated::new(&jacobian, z, positions).unwrap();
+        assert_eq!(found.blocks.iter().map(|(range, _)| range.clone()).collect::<Vec<_>>(), [0..3, 3..5]);
+        let right = DVector::from_fn(n, |i, _| Complex::new(1.0 + i as f64, 0.5 - i as f64));
+        let x = found.solve(right.clone()).unwrap();
+        for i in 0..n {
+            let times = (0..n).fold(Complex::from(0.0), |sum, j| sum + z * jacobian[j][i] * x[j]);
+            assert!((x[i] - times - right[i]).norm() < 1e-12, "{i}");
+        }
     }
 
     #[test]
