@@ -561,8 +561,8 @@ fn a_wrong_row_has_too_large_a_remainder() {
     assert!(without.rust().unwrap_err().to_string().contains("along a direction"));
 }
 
-/// What is audited in a deck is shrunk to what a deck can hold, and to values of which each is known: what is written replays without
-/// the fault, in every form that it has.
+/// What is audited in a deck is shrunk to what a deck can hold, and to values of which each is known. What is written replays without the fault,
+/// in every form that it has.
 #[test]
 fn what_is_shrunk_can_be_handed_over() {
     let mut count = 0;

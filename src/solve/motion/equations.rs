@@ -223,12 +223,12 @@ impl<R: Number> Assembled<R> {
             let slip = self.slips.get(s).copied().unwrap_or(zero);
             Some(Contact::new(friction, (now.position, now.motion, slip), &conditions))
         };
-        let of_ring = |s: usize, rate: R| {
+        let of_ring = |s: usize, rate: (R, Option<R>)| {
             let slider = &mechanism.sliders[s];
             let (next, angle) = slider.ring?;
             let tension = |joint: usize| self.joints[joint].elastic[0] + self.joints[joint].viscous[0];
             let tensions = [tension(slider.joint), tension(next)];
-            Some(belt_limit(mechanism.belt(slider)?, tensions, angle, with_table(s, rate), &conditions))
+            Some(belt_limit(mechanism.belt(slider)?, tensions, angle, rate, &conditions))
         };
         // The equations of connectors: connector, component, and whether friction is what holds it.
         let owners: Vec<Option<(usize, usize, bool)>> = layout
@@ -280,6 +280,8 @@ impl<R: Number> Assembled<R> {
                 (contact_of(*s), self.pressing(joint), presses.collect::<Vec<_>>())
             })
             .collect();
+        let rates: Vec<_> =
+            slipping.iter().enumerate().map(|(i, (s, _))| with_table(*s, rate_of(i))).collect();
         for iteration in 0.. {
             if slipping.is_empty() {
                 forces = with(&[], n..n + m);
@@ -293,9 +295,9 @@ impl<R: Number> Assembled<R> {
                 let found = match contact {
                     Some(contact) => {
                         let known = Some(&modes.frictions[*s].branches);
-                        Some(contact.limit(&pressing, with_table(*s, rate_of(i)), known, false))
+                        Some(contact.limit(&pressing, rates[i], known, false))
                     }
-                    None => of_ring(*s, rate_of(i)),
+                    None => of_ring(*s, rates[i]),
                 };
                 let Some(found) = found else { continue };
                 limits.add(i, i, R::integer(1));
@@ -389,12 +391,15 @@ impl<R: Number> Assembled<R> {
                 }
             }
             let of_slip = slipping.iter().position(|(of, _)| *of == s);
-            let rate = of_slip.map_or(zero, &rate_of);
-            let table = of_slip.map_or((rate, None), |_| with_table(s, rate));
+            let (rate, inside) = of_slip.map_or((zero, None), |i| rates[i]);
             let known = of_slip.map(|_| &mode.branches);
-            let found = match contact_of(s) {
-                Some(contact) => Some(contact.limit(&pressing, table, known, true)),
-                None => of_ring(s, rate),
+            let contact = match of_slip {
+                Some(i) => &contacts[i].0,
+                None => &contact_of(s),
+            };
+            let found = match contact {
+                Some(contact) => Some(contact.limit(&pressing, (rate, inside), known, true)),
+                None => of_ring(s, (rate, inside)),
             };
             let Some(found) = found else { continue };
             let tractions: Vec<R> = slider

@@ -446,7 +446,8 @@ impl<R: Number> Eliminated<R> {
     }
 }
 
-/// A few equations of as many unknowns, most of whose entries are there.
+/// A few equations of as many unknowns, most of whose entries are there: [`System`] would spend more on its lists than on them.
+#[derive(Clone, Debug)]
 pub(crate) struct Dense<R> {
     /// By rows.
     entries: Vec<R>,
@@ -465,9 +466,20 @@ impl<R: Number> Dense<R> {
         *entry = *entry + amount;
     }
 
-    /// The solution, with pivots that are large in rows divided by their largest entry.
+    /// The solution. Where no pivot is found, that of [`System::solve`], which tries other units.
     pub(crate) fn solve(self) -> Result<Vec<R>, NoPivot> {
-        let Self { mut entries, mut right } = self;
+        self.eliminated().or_else(|_| {
+            let n = self.right.len();
+            let mut system = System::new(n, 1);
+            self.entries.iter().enumerate().for_each(|(at, x)| system.add(at / n, at % n, *x));
+            self.right.iter().enumerate().for_each(|(row, x)| system.add(row, n, *x));
+            Ok(system.solve()?.swap_remove(0))
+        })
+    }
+
+    /// The same with pivots that are large in rows divided by their largest entry.
+    fn eliminated(&self) -> Result<Vec<R>, NoPivot> {
+        let Self { mut entries, mut right } = self.clone();
         let n = right.len();
         let least = R::from_f64(PIVOT * R::ROUNDING);
         let mut sizes = vec![R::ZERO; n];

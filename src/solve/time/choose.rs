@@ -222,7 +222,7 @@ impl<R: Number> Run<'_, R> {
         self.settle(modes, &found, layout, &solved)
     }
 
-    /// A mode in which all these frictions stand, though fewer hold what there is: as many stick as are independent, the others have no force, or
+    /// A mode in which all these frictions stand, though fewer hold what there is. As many stick as are independent; the others have no force, or
     /// their limit against where it would go without friction. The one that is surest of those first found; none where none is consistent.
     pub(crate) fn shared(
         &mut self,

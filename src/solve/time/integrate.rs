@@ -408,7 +408,7 @@ fn moved<R: Number>(y: &[R], h: R, weights: &[R], rates: &[Vec<R>], which: Range
 
 impl<R: Number> Stages<R> {
     /// The rates at the stages of another step, by polynomials through those of this one that are next to its beginning. What they miss of the
-    /// slope there tells how many of them are best. `None` where the slope itself is better.
+    /// slope there tells how many of them are best. `None` where the slope itself is better. (Hairer, Wanner, II, IV.8: starting values.)
     fn at(
         &self,
         tableau: &Tableau<R>,

@@ -182,7 +182,8 @@ impl<'a> Improvement<'a> {
     }
 }
 
-/// 1 − z A without positions q, whose rates follow from the other numbers v, and from q of the same node: x_q = (1 − z A_qq)⁻¹ (r_q + z A_qv x_v).
+/// 1 − z A without positions q: x_q = (1 − z A_qq)⁻¹ (r_q + z A_qv x_v). Their rates follow from the other numbers v, and from q of the same
+/// node.
 struct Eliminated {
     /// (1 − z A_qq)⁻¹ in blocks.
     blocks: Vec<(Range<usize>, DMatrix<Complex<f64>>)>,

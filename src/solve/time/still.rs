@@ -68,8 +68,8 @@ struct Before<'a, R> {
     slips: &'a [(usize, R)],
 }
 
-/// How many roundings a slip may be off: that of each of two positions, which come from two triads, a difference of points and a
-/// product with a direction, some thirty operations.
+/// How many roundings a slip may be off: that of two positions. Each comes from two triads, a difference of points and a product with a
+/// direction, some thirty operations.
 const SLIP_ROUNDINGS: f64 = 64.0;
 
 /// A step that leaves less than this part of itself goes to the end: of a rest as small as rounding, forth and back are the same.
@@ -722,8 +722,8 @@ impl<R: Number> Run<'_, R> {
         length * R::from_f64(if self.options.method == Method::Extrapolation { 3e-3 } else { 5e-3 })
     }
 
-    /// The rate of a slip at a time after now, by differences that stay within `length`, for there is no corner of a load: central ones, extrapolated;
-    /// at an end of it one-sided ones.
+    /// The rate of a slip at a time after now, by differences that stay within `length`, for there is no corner of a load. They are central and
+    /// extrapolated, at an end of it one-sided.
     fn slip_rate(&mut self, at: R, s: usize, length: R) -> Result<R, Refusal> {
         let (zero, start) = (R::ZERO, self.state.time);
         let until = if zero.less(at) { at } else { length };
