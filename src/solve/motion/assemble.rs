@@ -1,9 +1,9 @@
 //! What holds at an instant: inertia, loads, the forces that follow from motions, and every equation.
 
 use crate::fault::{Fault, has};
-use crate::motion::mechanism::{Hold, Mechanism, TableOf};
+use crate::motion::mechanism::{Carry, Hold, Mechanism, TableOf};
 use crate::motion::mode::{Does, Modes};
-use crate::motion::rows::{Assembled, Beginnings, Instant, Line, Lines, Now, Owner, Row, Trouble};
+use crate::motion::rows::{Assembled, Beginnings, Carried, Instant, Line, Lines, Now, Owner, Row, Trouble};
 use crate::motion::state::{DOFS, Pose, WORKS};
 use crate::number::Number;
 use pintle_kinematics::connector::{Branch, Increment, Output, Request, State as PairState, Tally, Turns};
@@ -82,7 +82,10 @@ impl<R: Number> Mechanism<R> {
         let zero = R::ZERO;
         let count = self.bodies.len();
         let mut all = Assembled {
-            lines: Lines::with_capacity(4 * PAIR * (self.joints.len() + self.mpcs.len())),
+            lines: Lines::with_capacity(
+                4 * PAIR * (self.joints.len() + self.mpcs.len()),
+                self.carried_at(at),
+            ),
             rows: Vec::with_capacity(6 * (self.joints.len() + self.mpcs.len())),
             joints: Vec::with_capacity(self.joints.len()),
             masses: self.bodies.iter().map(|body| body.mass).collect(),
@@ -96,6 +99,17 @@ impl<R: Number> Mechanism<R> {
         };
         self.loads(at, &mut all)?;
         Ok(all)
+    }
+
+    /// The nodes that are carried, as they are now.
+    fn carried_at(&self, at: &Instant<'_, R>) -> Vec<Option<Carried<R>>> {
+        let now = |carry: &Option<Carry<R>>| {
+            let Carry { by, arm } = (*carry)?;
+            let rates = at.rates[by];
+            let (arm, spin) = (apply(&at.poses[by].rotation, arm), [rates[3], rates[4], rates[5]]);
+            Some(Carried { by, arm, swept: cross(spin, cross(spin, arm)) })
+        };
+        self.carried.iter().map(now).collect()
     }
 
     /// Inertia and loads.
@@ -135,7 +149,7 @@ impl<R: Number> Mechanism<R> {
             }
             for (k, force) in force.into_iter().enumerate() {
                 all.powers[0] = all.powers[0] + force * rates[k];
-                all.applied[DOFS * n + k] = force - if k < 3 { zero } else { gyroscopic[k - 3] };
+                all.act(DOFS * n + k, force - if k < 3 { zero } else { gyroscopic[k - 3] });
             }
             all.inertias.push(inertia);
         }
@@ -220,17 +234,21 @@ impl<R: Number> Mechanism<R> {
             &mut tally,
         );
         let lines = &mut all.lines;
-        let mut spread = |row: &[R; PAIR]| -> Line {
+        let mut spread = |row: &[R; PAIR]| -> (Line, R) {
             let entries = row.iter().enumerate().filter(|(_, entry)| zero.less(entry.magnitude()));
-            lines
-                .add(entries.filter_map(|(j, entry)| Some((DOFS * joint.ends[j / DOFS]? + j % DOFS, *entry))))
+            lines.add_row(
+                entries.filter_map(|(j, entry)| Some((DOFS * joint.ends[j / DOFS]? + j % DOFS, *entry))),
+            )
         };
         let (mut rows, mut columns) = ([Line::default(); 6], [Line::default(); 6]);
+        let mut swept = [zero; 6];
         for k in (0..6).filter(|k| joint.wanted[*k]) {
             let mut unit = [None; 6];
             unit[k] = Some(R::integer(1));
-            columns[k] = spread(&forces.nodal(&unit));
-            rows[k] = evaluation.jacobian[k].as_ref().map_or(Line::default(), &mut spread);
+            columns[k] = spread(&forces.nodal(&unit)).0;
+            if let Some(row) = &evaluation.jacobian[k] {
+                (rows[k], swept[k]) = spread(row);
+            }
         }
         let value = |of: [Option<R>; 6]| of.map(|x| x.unwrap_or(zero));
         let mut now = Now {
@@ -238,7 +256,7 @@ impl<R: Number> Mechanism<R> {
             displacement: value(evaluation.displacement),
             motion: value(evaluation.constitutive),
             velocity: value(evaluation.velocity),
-            bias: value(evaluation.acceleration),
+            bias: std::array::from_fn(|k| evaluation.acceleration[k].unwrap_or(zero) + swept[k]),
             elastic: [zero; 6],
             viscous: [zero; 6],
             load: [zero; 6],
@@ -328,7 +346,7 @@ impl<R: Number> Mechanism<R> {
                     force: Some(force),
                     residual: Some(evaluation.residual[k].unwrap_or(zero)).filter(|_| !is_one_form),
                     rate: Some(evaluation.residual_rate[k].unwrap_or(zero)),
-                    bias: evaluation.residual_acceleration[k].unwrap_or(zero),
+                    bias: evaluation.residual_acceleration[k].unwrap_or(zero) + swept[k],
                     driven: zero,
                 });
                 continue;
@@ -467,6 +485,9 @@ impl<R: Number> Mechanism<R> {
         }
         let none = Turns { turns: zero, principal: zero };
         for (index, (_, constraint, nodes)) in self.mpcs.iter().enumerate() {
+            if self.within.contains(&index) {
+                continue;
+            }
             let pose = |place: usize| nodes.get(place).and_then(|n| at.poses.get(*n)).copied();
             let rate = |place: usize| nodes.get(place).and_then(|n| at.rates.get(*n)).copied();
             let body = |place: usize| {
@@ -498,7 +519,7 @@ impl<R: Number> Mechanism<R> {
             for row in (0..is_there.len()).filter(|row| is_there[*row]) {
                 let Some(gradient) = &found.jacobian[row] else { continue };
                 let entries = gradient.iter().enumerate().filter(|(_, entry)| zero.less(entry.magnitude()));
-                let coefficients = all.lines.add(entries.filter_map(|(j, entry)| {
+                let (coefficients, swept) = all.lines.add_row(entries.filter_map(|(j, entry)| {
                     let (place, number) = mpc::Kind::column_dof(j);
                     Some((DOFS * nodes.get(place)? + place_of(number), *entry))
                 }));
@@ -508,7 +529,7 @@ impl<R: Number> Mechanism<R> {
                     coefficients,
                     residual: found.residual[row],
                     rate: found.residual_rate[row],
-                    bias: found.residual_acceleration[row].unwrap_or(zero),
+                    bias: found.residual_acceleration[row].unwrap_or(zero) + swept,
                     driven: zero,
                 });
             }
@@ -516,14 +537,15 @@ impl<R: Number> Mechanism<R> {
         for (index, (_, relation, nodes)) in self.relations.iter().enumerate() {
             let points: Vec<Point<R>> = nodes.iter().map(|n| point(at, *n)).collect();
             for (number, row) in relation.evaluate(&points, &request, &mut tally).into_iter().enumerate() {
-                let coefficients = all.lines.add(spread(relation.columns(), &row.gradient, nodes));
+                let (coefficients, swept) =
+                    all.lines.add_row(spread(relation.columns(), &row.gradient, nodes));
                 all.rows.push(Row {
                     owner: Owner::Relation(index, number),
                     force: None,
                     coefficients,
                     residual: Some(row.residual),
                     rate: row.rate,
-                    bias: row.acceleration.unwrap_or(zero),
+                    bias: row.acceleration.unwrap_or(zero) + swept,
                     driven: zero,
                 });
             }
@@ -562,14 +584,14 @@ impl<R: Number> Mechanism<R> {
                 (DOFS * m + 3 + j, -arm[k]),
             ];
             let entries = entries.into_iter().filter(|(_, entry)| zero.less(entry.magnitude()));
-            let coefficients = all.lines.add(entries);
+            let (coefficients, swept) = all.lines.add_row(entries);
             all.rows.push(Row {
                 owner: Owner::Mpc(index, i),
                 force: None,
                 coefficients,
                 residual: Some(residual[i]),
                 rate: Some(rate[i]),
-                bias: -toward[i],
+                bias: swept - toward[i],
                 driven: zero,
             });
         }
@@ -679,8 +701,8 @@ impl<R: Number> Mechanism<R> {
                 }
             };
             all.springs.push([stretch, rate]);
-            for (dof, entry) in &row {
-                all.applied[*dof] = all.applied[*dof] - (elastic + viscous) * *entry;
+            for (dof, entry) in row {
+                all.act(dof, -((elastic + viscous) * entry));
             }
             all.powers[1] = all.powers[1] + viscous * rate;
             all.powers[2] = all.powers[2] + elastic * rate;

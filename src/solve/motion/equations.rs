@@ -67,7 +67,7 @@ impl<R: Number> Assembled<R> {
         }
         for (r, index) in layout.kept.iter().enumerate() {
             let row = &self.rows[*index];
-            for (dof, entry) in self.lines.of(row.force()) {
+            for (dof, entry) in self.lines.of(layout.force(*index, row)) {
                 if let Some(place) = layout.place[*dof] {
                     matrix.add(place, n + r, *entry);
                 }
@@ -350,6 +350,12 @@ impl<R: Number> Assembled<R> {
         for (x, dof) in accelerations.iter().zip(&layout.columns) {
             solved.accelerations[dof / DOFS][dof % DOFS] = *x;
         }
+        for node in 0..solved.accelerations.len() {
+            if let Some(of) = self.lines.carried(node) {
+                let [own, by] = [node, of.by].map(|node| solved.accelerations[node]);
+                solved.accelerations[node] = of.acceleration(&by, &own);
+            }
+        }
         for (joint, now) in self.joints.iter().enumerate() {
             solved.total.push(self.pressing(joint));
             solved.friction.push(now.held);
@@ -496,7 +502,7 @@ impl<R: Number> Assembled<R> {
         for (force, index) in solved.forces.iter().zip(&layout.kept) {
             let row = &self.rows[*index];
             if !matches!(row.owner, Owner::Bound(_)) {
-                add(*force, row.force());
+                add(*force, layout.force(*index, row));
             }
         }
         for (now, friction) in self.joints.iter().zip(&solved.slipping) {

@@ -2,7 +2,7 @@
 
 use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::Modes;
-use crate::motion::rows::{Assembled, Layout, Lines, Owner, Row};
+use crate::motion::rows::{Assembled, Layout, Line, Lines, Owner, Row};
 use crate::motion::state::DOFS;
 use crate::number::Number;
 use crate::refusal::Refusal;
@@ -29,7 +29,8 @@ impl Layout {
         }
         let is_unknown = |dof: &usize| {
             let acts = assembled.has_inertia(*dof) || is_touched[*dof] || assembled.is_loaded(*dof);
-            acts && !mechanism.held[*dof]
+            let is_carried = dof % DOFS < 6 && assembled.lines.carried(dof / DOFS).is_some();
+            acts && !mechanism.held[*dof] && !is_carried
         };
         let columns: Vec<usize> = (0..count).filter(is_unknown).collect();
         let mut place = vec![None; count];
@@ -40,6 +41,15 @@ impl Layout {
         layout.keep(mechanism, assembled, modes, false)?;
         layout.determine(mechanism, assembled);
         Ok(layout)
+    }
+
+    /// The nodal forces of a unit of the force of an equation. Where others repeat it they are its coefficients: its connector may have equations
+    /// that do not count, and what their forces span together, those of the rest may not.
+    pub(crate) fn force<R>(&self, index: usize, row: &Row<R>) -> Line {
+        match self.open.binary_search(&index) {
+            Ok(_) => row.coefficients,
+            Err(_) => row.force(),
+        }
     }
 
     /// The equations whose forces others leave open, friction or not.

@@ -3,7 +3,7 @@
 use crate::motion::mode::{Does, Modes, Side, Touch};
 use crate::motion::rows::{Assembled, Owner};
 use crate::motion::slide::length;
-use crate::motion::state::DOFS;
+use crate::motion::state::{DOFS, Pose};
 use crate::number::Number;
 use crate::refusal::Refusal;
 use pintle_kinematics::catalog::{COMPONENT, PLANE, component_index};
@@ -12,7 +12,7 @@ use pintle_kinematics::mpc::{Constraint, Kind};
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::relation::{Form, Quantity, Relation};
 use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector};
+use pintle_kinematics::vector::{Matrix, Vector, add, apply, cross, sub};
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
 use pintle_model::behavior::friction::{Belt, Coefficient, Criterion, FLOW, Friction, Tangential};
@@ -206,6 +206,15 @@ pub(crate) struct Spring<R> {
     pub(crate) line: Option<[usize; 2]>,
 }
 
+/// What carries a node without mass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carry<R> {
+    /// The node that is carried by none.
+    pub(crate) by: usize,
+    /// From that node, at the beginning.
+    pub(crate) arm: Vector<R>,
+}
+
 /// A scene, ready to be solved.
 #[derive(Clone, Debug)]
 pub(crate) struct Mechanism<R: Number> {
@@ -222,6 +231,10 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) bounds: Vec<Bound<R>>,
     pub(crate) springs: Vec<Spring<R>>,
     pub(crate) gravities: Vec<Vec<(usize, Drive)>>,
+    /// The nodes that beams make parts of other bodies.
+    pub(crate) carried: Vec<Option<Carry<R>>>,
+    /// Their beams, by place: no equations.
+    pub(crate) within: Vec<usize>,
     /// Velocities at the beginning: node, degree of freedom (from 0) along its axes, amount.
     pub(crate) velocities: Vec<(usize, usize, R)>,
     pub(crate) schedule: Schedule,
@@ -287,6 +300,8 @@ impl<R: Number> Mechanism<R> {
             relations: Vec::new(),
             bounds: Vec::new(),
             springs: Vec::new(),
+            carried: Vec::new(),
+            within: Vec::new(),
             gravities: Vec::new(),
             velocities: Vec::new(),
             schedule,
@@ -303,7 +318,66 @@ impl<R: Number> Mechanism<R> {
         mechanism.bind(scene, &on_nodes, &places, step);
         mechanism.hold_flows(scene, &labels, &places, step)?;
         mechanism.spring(scene, &places)?;
+        mechanism.carry();
         Ok(mechanism)
+    }
+
+    /// Finds the nodes that beams make parts of other bodies: those that nothing holds or prescribes, without mass and inertia. They are no
+    /// unknowns, and their beams no equations.
+    fn carry(&mut self) {
+        let is_bare = |node: usize| {
+            let body = &self.bodies[node];
+            let is_held = self.held[DOFS * node..DOFS * node + 6].iter().any(|held| *held);
+            let has_inertia = body.inertia.iter().flatten().any(|x| !x.is_nothing());
+            !is_held
+                && !has_inertia
+                && body.mass.is_nothing()
+                && body.weights.is_empty()
+                && !self.bounds.iter().any(|bound| bound.node == node)
+        };
+        let mut found: Vec<Option<Carry<R>>> = vec![None; self.bodies.len()];
+        let mut within = Vec::new();
+        for (mpc, (_, constraint, nodes)) in self.mpcs.iter().enumerate() {
+            let (Kind::Beam, [one, other, ..]) = (constraint.kind(), nodes.as_slice()) else { continue };
+            let root = |node: usize| found[node].map_or(node, |carry: Carry<R>| carry.by);
+            let (one, other) = (root(*one), root(*other));
+            if one == other {
+                within.push(mpc);
+                continue;
+            }
+            let (from, by) = match (is_bare(one), is_bare(other)) {
+                (true, _) => (one, other),
+                (false, true) => (other, one),
+                (false, false) => continue,
+            };
+            let between = sub(self.bodies[from].position, self.bodies[by].position);
+            for carry in found.iter_mut().flatten().filter(|carry| carry.by == from) {
+                (carry.by, carry.arm) = (by, add(carry.arm, between));
+            }
+            found[from] = Some(Carry { by, arm: between });
+            within.push(mpc);
+        }
+        (self.carried, self.within) = (found, within);
+    }
+
+    /// The node that carries one, or itself.
+    pub(crate) fn root(&self, node: usize) -> usize {
+        self.carried.get(node).copied().flatten().map_or(node, |carry| carry.by)
+    }
+
+    /// Brings nodes that are carried to where those are that carry them, with their rates.
+    pub(crate) fn bring(&self, poses: &mut [Pose<R>], rates: &mut [[R; DOFS]]) {
+        for (node, carry) in self.carried.iter().enumerate() {
+            let Some(Carry { by, arm, .. }) = *carry else { continue };
+            let (of, moving) = (poses[by], rates[by]);
+            let now = apply(&of.rotation, arm);
+            let spin = [moving[3], moving[4], moving[5]];
+            let displacement = add(of.displacement, sub(now, arm));
+            poses[node] = Pose { displacement, flow: poses[node].flow, ..of };
+            let velocity = add([moving[0], moving[1], moving[2]], cross(spin, now));
+            rates[node][..3].copy_from_slice(&velocity);
+            rates[node][3..6].copy_from_slice(&spin);
+        }
     }
 
     /// The largest radius of gyration √(I/m) of a body.
@@ -359,7 +433,7 @@ impl<R: Number> Mechanism<R> {
                 let axes: Matrix<R> = axes.map(vector::exact);
                 let global = vector::product(&vector::transpose(&axes), &vector::product(&local, &axes));
                 for (row, more) in body.inertia.iter_mut().zip(global) {
-                    *row = vector::add(*row, more);
+                    *row = add(*row, more);
                 }
             }
         }
@@ -757,8 +831,13 @@ impl<R: Number> Mechanism<R> {
         }
     }
 
-    /// The nodes that an equation joins.
+    /// The nodes that an equation joins; for those that are carried, the ones that carry them.
     pub(crate) fn nodes_of(&self, owner: Owner) -> Vec<usize> {
+        let all = self.nodes_named(owner);
+        all.into_iter().map(|node| self.root(node)).collect()
+    }
+
+    fn nodes_named(&self, owner: Owner) -> Vec<usize> {
         match owner {
             Owner::Joint(joint, _) => {
                 self.joints.get(joint).map_or(Vec::new(), |joint| joint.ends.into_iter().flatten().collect())

@@ -9,6 +9,7 @@
 //! | `slide` | what is the limit of a friction at some forces, with its derivatives? |
 //! | `equations` | which accelerations and forces follow? |
 //! | `layout` | which equations count, where some repeat others? |
+//! | `tangent` | where may a state go without leaving its equations? |
 //! | `linear` | small systems of linear equations on any number |
 //! | `plan` | what does elimination do, where its pivots are known? |
 
@@ -22,3 +23,4 @@ pub(crate) mod plan;
 pub(crate) mod rows;
 pub(crate) mod slide;
 pub(crate) mod state;
+pub(crate) mod tangent;

@@ -4,7 +4,7 @@ use crate::motion::plan::Plan;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::Number;
 use pintle_kinematics::connector::Branch;
-use pintle_kinematics::vector::{Matrix, Vector};
+use pintle_kinematics::vector::{Matrix, Vector, add, cross};
 use serde::{Deserialize, Serialize};
 
 /// What an equation belongs to.
@@ -21,11 +21,33 @@ pub(crate) enum Owner {
     Given(usize),
 }
 
-/// The entries of rows and columns of one instant, one after the other.
+/// A node that moves with another one as part of the same body, at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carried<R> {
+    /// The other.
+    pub(crate) by: usize,
+    /// r, from the other to it.
+    pub(crate) arm: Vector<R>,
+    /// ω × (ω × r).
+    pub(crate) swept: Vector<R>,
+}
+
+impl<R: Number> Carried<R> {
+    /// Its acceleration, from that of the other.
+    pub(crate) fn acceleration(&self, of: &[R; DOFS], own: &[R; DOFS]) -> [R; DOFS] {
+        let turning = [of[3], of[4], of[5]];
+        let [x, y, z] = add(add([of[0], of[1], of[2]], cross(turning, self.arm)), self.swept);
+        [x, y, z, of[3], of[4], of[5], own[6]]
+    }
+}
+
+/// The entries of rows and columns of one instant, one after the other. Those of nodes that are carried are entries of the nodes that carry them.
 #[derive(Clone, Debug)]
 pub(crate) struct Lines<R> {
     /// By degree of freedom, 7 for each node.
     entries: Vec<(usize, R)>,
+    /// By node.
+    carried: Vec<Option<Carried<R>>>,
 }
 
 /// Some of them: a row, or a column.
@@ -35,17 +57,67 @@ pub(crate) struct Line {
     to: usize,
 }
 
-impl<R: Copy> Lines<R> {
+impl<R: Number> Lines<R> {
     /// None yet, and room for so many.
-    pub(crate) fn with_capacity(count: usize) -> Self {
-        Self { entries: Vec::with_capacity(count) }
+    pub(crate) fn with_capacity(count: usize, carried: Vec<Option<Carried<R>>>) -> Self {
+        Self { entries: Vec::with_capacity(count), carried }
     }
 
     /// One more.
     pub(crate) fn add(&mut self, entries: impl IntoIterator<Item = (usize, R)>) -> Line {
+        self.add_row(entries).0
+    }
+
+    /// The same, and what it gives with the part of the accelerations of nodes that no acceleration of those that carry them enters.
+    pub(crate) fn add_row(&mut self, entries: impl IntoIterator<Item = (usize, R)>) -> (Line, R) {
         let from = self.entries.len();
         self.entries.extend(entries);
-        Line { from, to: self.entries.len() }
+        let to = self.entries.len();
+        let mut swept = R::ZERO;
+        let carried = |carried: &[Option<Carried<R>>], dof: usize| {
+            carried.get(dof / DOFS).copied().flatten().filter(|_| dof % DOFS < 6)
+        };
+        if !(from..to).any(|at| carried(&self.carried, self.entries[at].0).is_some()) {
+            return (Line { from, to }, swept);
+        }
+        for (dof, x) in self.entries.split_off(from) {
+            let k = dof % DOFS;
+            let Some(of) = carried(&self.carried, dof) else {
+                self.put(from, dof, x);
+                continue;
+            };
+            let start = DOFS * of.by;
+            self.put(from, start + k, x);
+            if k < 3 {
+                // e_k · (θ × r) = (r × e_k) · θ.
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                self.put(from, start + 3 + i, x * of.arm[j]);
+                self.put(from, start + 3 + j, -(x * of.arm[i]));
+                swept = swept + x * of.swept[k];
+            }
+        }
+        (Line { from, to: self.entries.len() }, swept)
+    }
+
+    /// Adds to the entry of a degree of freedom in the line that begins there. What cancels but for rounding is nothing.
+    fn put(&mut self, from: usize, dof: usize, x: R) {
+        let Some(at) = (from..self.entries.len()).find(|at| self.entries[*at].0 == dof) else {
+            if !x.is_nothing() {
+                self.entries.push((dof, x));
+            }
+            return;
+        };
+        let sum = self.entries[at].1 + x;
+        if (x.magnitude() * R::from_f64(8.0 * R::ROUNDING)).less(sum.magnitude()) {
+            self.entries[at].1 = sum;
+        } else {
+            self.entries.remove(at);
+        }
+    }
+
+    /// The node that carries one, as it does now.
+    pub(crate) fn carried(&self, node: usize) -> Option<Carried<R>> {
+        self.carried.get(node).copied().flatten()
     }
 
     /// The entries of one.
@@ -123,6 +195,23 @@ pub(crate) struct Assembled<R> {
     pub(crate) slips: Vec<R>,
     /// The stretch of each spring or dashpot, and its rate.
     pub(crate) springs: Vec<[R; 2]>,
+}
+
+impl<R: Number> Assembled<R> {
+    /// A force in a degree of freedom; that on a node that is carried acts on the one that carries it.
+    pub(crate) fn act(&mut self, dof: usize, force: R) {
+        let Some(of) = self.lines.carried(dof / DOFS).filter(|_| dof % DOFS < 6) else {
+            self.applied[dof] = self.applied[dof] + force;
+            return;
+        };
+        let (k, start) = (dof % DOFS, DOFS * of.by);
+        self.applied[start + k] = self.applied[start + k] + force;
+        if k < 3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            self.applied[start + 3 + i] = self.applied[start + 3 + i] + force * of.arm[j];
+            self.applied[start + 3 + j] = self.applied[start + 3 + j] - force * of.arm[i];
+        }
+    }
 }
 
 /// Why an instant has no solution.

@@ -479,6 +479,7 @@ impl<R: Number> Run<'_, R> {
             for (dof, by) in change.iter().enumerate() {
                 self.state.rates[dof / DOFS][dof % DOFS] = rates[dof / DOFS][dof % DOFS] + *by;
             }
+            self.bring();
             let after = self.assembled(&modes).map_err(|trouble| self.say(trouble))?;
             let size = largest(impulses.iter().copied());
             let fits = touching.iter().all(|(of, side)| {

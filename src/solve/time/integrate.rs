@@ -5,6 +5,7 @@
 use crate::motion::linear::System;
 use crate::motion::mode::Switch;
 use crate::motion::rows::Trouble;
+use crate::motion::tangent::Tangent;
 use crate::number::Number;
 use crate::time::onset::{Onset, Turns};
 use crate::time::stiff::{self, Improvement, Spectrum};
@@ -58,6 +59,8 @@ pub(crate) struct Ahead<'a, R> {
     pub(crate) positions: usize,
     /// V at y = (q, v, …).
     pub(crate) moving: &'a dyn Fn(&[R]) -> Vec<R>,
+    /// Where y may go whose numbers have such sizes.
+    pub(crate) tangent: &'a dyn Fn(R, &[R], &[R]) -> Result<Tangent, Trouble>,
     /// The stages of another step.
     pub(crate) stages: Option<&'a Stages<R>>,
 }
@@ -266,6 +269,7 @@ fn collocate<R: Number>(
         (Newton::All(_), None) => return Ok(too_long(y)),
     };
     let is_implicit = sizes.is_some() || onsets.is_some();
+    let mut tangent: Option<Tangent> = None;
     let mut all: Option<Improvement<'_>> = None;
     let ahead = ahead.filter(|_| onsets.is_none());
     let known = ahead.and_then(|ahead| ahead.stages?.at(tableau, (t, slope), h, (allowed, ahead.positions)));
@@ -312,8 +316,12 @@ fn collocate<R: Number>(
             let state = &states[middle];
             let time = t + h * points[middle];
             let slope = flow(time, state)?;
-            let jacobian = stiff::jacobian(flow, (time, state, &slope), sizes)?;
-            all = Improvement::new(spectrum, &jacobian, (h.to_f64(), places));
+            let tangent = tangent.insert(match ahead {
+                Some(ahead) => (ahead.tangent)(time, state, sizes)?,
+                None => Tangent::whole(sizes, 0),
+            });
+            let derivatives = stiff::derivatives(flow, (time, state, &slope), &tangent.directions)?;
+            all = Improvement::new(spectrum, (tangent, &derivatives), h.to_f64());
         }
         for i in 0..count {
             let (time, stage) = (t + h * points[i], &mut states[i]);
@@ -535,6 +543,7 @@ fn legendre<R: Number>(n: usize, x: R) -> (R, R) {
 #[cfg(test)]
 mod tests {
     use super::{Ahead, Method, Newton, Rule, Slope, Stages};
+    use crate::motion::tangent::Tangent;
     use crate::number::Number;
     use pintle_kinematics::scalar::Wide;
 
@@ -582,7 +591,9 @@ mod tests {
                     Ok(Slope { rates: vec![y[1], force - y[0] - y[0].powi(3)], switches: Vec::new() })
                 };
                 let slope = flow(t, y).unwrap();
-                let ahead = Ahead { positions: 1, moving: &|y: &[f64]| vec![y[1]], stages };
+                let tangent = |_: f64, _: &[f64], sizes: &[f64]| Ok(Tangent::whole(sizes, 1));
+                let ahead =
+                    Ahead { positions: 1, moving: &|y: &[f64]| vec![y[1]], tangent: &tangent, stages };
                 let tried = rule.step(&mut flow, (t, y, &slope), h, &allowed, (&newton, Some(&ahead)));
                 (tried.unwrap(), count)
             };

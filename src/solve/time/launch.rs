@@ -59,6 +59,7 @@ impl<R: Number> Run<'_, R> {
             let rate = &mut self.state.rates[dof / DOFS][dof % DOFS];
             *rate = *rate + *by;
         }
+        self.bring();
         if misfit > 0.0 { self.fit_launch() } else { Ok(()) }
     }
 
@@ -67,6 +68,7 @@ impl<R: Number> Run<'_, R> {
         for (node, k, amount) in &self.mechanism.velocities {
             self.state.rates[*node][*k] = *amount;
         }
+        self.bring();
         self.project()?;
         let fastest = self.fastest_given();
         let change = |(node, k, amount): &(usize, usize, R)| {
@@ -102,6 +104,7 @@ impl<R: Number> Run<'_, R> {
             let sign = if place.is_multiple_of(usize::from(self.options.trial) + 1) { 1.0 } else { -1.0 };
             *rate = *rate + *rate * R::from_f64(sign * 2.0 * R::ROUNDING);
         }
+        self.bring();
         self.project()
     }
 }

@@ -350,6 +350,7 @@ impl<'a, R: Number> Run<'a, R> {
                 }
             }
         }
+        mechanism.bring(&mut state.poses, &mut state.rates);
         let mut solution = Solution::empty(options.method);
         solution.length = mechanism.length;
         solution.nodes = mechanism.bodies.iter().map(|body| body.label).collect();

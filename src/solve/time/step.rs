@@ -8,6 +8,7 @@ use crate::motion::mode::{Cause, Does, Switch, Touch};
 use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
+use crate::motion::tangent::{self, Tangent, Ways};
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Ahead, Newton, Slope, Tried, at_zero};
@@ -93,6 +94,7 @@ type Moved<R> = (Vec<Pose<R>>, Vec<[R; DOFS]>, Vec<Vector<R>>);
 impl<R: Number> Run<'_, R> {
     /// Which rotations of a node are unknown.
     pub(crate) fn turns(&self, node: usize) -> [bool; 3] {
+        let node = self.mechanism.root(node);
         [3, 4, 5].map(|k| self.layout.place.get(DOFS * node + k).is_some_and(Option::is_some))
     }
 
@@ -106,10 +108,37 @@ impl<R: Number> Run<'_, R> {
             moved[dof / DOFS][dof % DOFS] = y[i];
             rates[dof / DOFS][dof % DOFS] = y[n + i];
         }
-        let poses = base.poses.iter().zip(&moved).enumerate();
-        let poses = poses.map(|(node, (pose, by))| pose.moved(by, self.turns(node), with_vectors)).collect();
-        let turned = moved.iter().map(|by| [by[3], by[4], by[5]]).collect();
+        let (poses, turned) = self.moved_by(&base.poses, &moved, &mut rates, with_vectors);
         (poses, rates, turned)
+    }
+
+    /// Poses after such changes of those that no others carry, and how far each has turned. Rates are brought along.
+    fn moved_by(
+        &self,
+        from: &[Pose<R>],
+        by: &[[R; DOFS]],
+        rates: &mut [[R; DOFS]],
+        with_vectors: bool,
+    ) -> (Vec<Pose<R>>, Vec<Vector<R>>) {
+        let moves = |by: &[R; DOFS]| by.iter().any(|x| !x.is_nothing());
+        let poses = from.iter().zip(by).enumerate();
+        let poses = poses.map(|(node, (pose, by))| match moves(by) {
+            true => pose.moved(by, self.turns(node), with_vectors),
+            false => *pose,
+        });
+        let mut poses: Vec<Pose<R>> = poses.collect();
+        self.mechanism.bring(&mut poses, rates);
+        let turned = (0..poses.len()).map(|node| {
+            let by = by[self.mechanism.root(node)];
+            [by[3], by[4], by[5]]
+        });
+        let turned = turned.collect();
+        (poses, turned)
+    }
+
+    /// Brings nodes that are carried along.
+    pub(crate) fn bring(&mut self) {
+        self.mechanism.bring(&mut self.state.poses, &mut self.state.rates);
     }
 
     /// The rates of positions: velocities, and of turns since the state what these make of angular velocities.
@@ -143,8 +172,8 @@ impl<R: Number> Run<'_, R> {
         moving
     }
 
-    /// ẏ.
-    fn bare_flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+    /// The equations at y.
+    fn assembled_at(&self, base: &State<R>, time: R, y: &[R]) -> Result<Assembled<R>, Trouble> {
         let n = self.layout.columns.len();
         let (poses, rates, turned) = self.unpacked(base, y, self.mechanism.needs_vectors());
         let instant = Instant {
@@ -156,7 +185,22 @@ impl<R: Number> Run<'_, R> {
             turned: &turned,
             branches: &base.branches,
         };
-        let found = self.mechanism.assemble(&instant, &self.modes, &self.beginnings)?;
+        self.mechanism.assemble(&instant, &self.modes, &self.beginnings)
+    }
+
+    /// Where y may go, numbers by such sizes.
+    fn tangent(&self, base: &State<R>, (time, y, sizes): (R, &[R], &[R])) -> Result<Tangent, Trouble> {
+        let ways = Ways {
+            layout: &self.layout,
+            moving: &|y| self.moving(base, y),
+            assemble: &|y| self.assembled_at(base, time, y),
+        };
+        Tangent::at(y, sizes, &ways)
+    }
+
+    /// ẏ.
+    fn bare_flow(&self, base: &State<R>, time: R, y: &[R]) -> Result<(Slope<R>, Solved<R>), Trouble> {
+        let found = self.assembled_at(base, time, y)?;
         let solved = found.solve_near(&self.mechanism, &self.layout, (&self.modes, &self.limits))?;
         let mut slope = Slope { rates: Vec::with_capacity(y.len()), switches: solved.switches.clone() };
         slope.rates.extend(self.moving(base, y));
@@ -278,7 +322,11 @@ impl<R: Number> Run<'_, R> {
             let slowest = rates.filter(|rate| R::ZERO.less(**rate)).copied().reduce(R::lesser);
             let n = self.layout.columns.len();
             if let Some(slowest) = slowest {
-                sizes.iter_mut().skip(n).take(n).for_each(|size| *size = size.lesser(slowest));
+                // No less than a thousand roundings.
+                let least = R::from_f64(1e3 * f64::ROUNDING / tangent::DIFFERENCE);
+                for (size, y) in sizes.iter_mut().zip(y).skip(n).take(n) {
+                    *size = larger(size.lesser(slowest), least * y.magnitude());
+                }
             }
         }
         Ok(sizes)
@@ -308,7 +356,8 @@ impl<R: Number> Run<'_, R> {
         };
         let moving = |y: &[R]| self.moving(base, y);
         let positions = self.layout.columns.len();
-        let ahead = Ahead { positions, moving: &moving, stages: self.stages.as_ref() };
+        let tangent = |time: R, y: &[R], sizes: &[R]| self.tangent(base, (time, y, sizes));
+        let ahead = Ahead { positions, moving: &moving, tangent: &tangent, stages: self.stages.as_ref() };
         let mut tried = self.rule.step(&mut flow, start, h, &allowed, (&newton, Some(&ahead)));
         // Near rest the direction of a slip changes at once, and stages do not contract.
         let turns = |slider: &Slider| slider.components.len() > 1;
@@ -362,6 +411,10 @@ impl<R: Number> Run<'_, R> {
         {
             let (node, k) = (dof / DOFS, dof % DOFS - 3);
             (turned[node][k], spins[node][k]) = (y[i], y[n + i]);
+        }
+        for node in 0..turned.len() {
+            let root = self.mechanism.root(node);
+            (turned[node], spins[node]) = (turned[root], spins[root]);
         }
         let both = |all: &[Vector<R>], ends: &[Option<usize>; 2]| {
             ends.map(|end| end.and_then(|n| all.get(n)).copied().unwrap_or([R::ZERO; 3]))
@@ -449,8 +502,9 @@ impl<R: Number> Run<'_, R> {
                 return Ok(false);
             }
             let sizes = self.sizes_for_differences(&base, &y, &allowed)?;
-            let jacobian = stiff::jacobian(&mut flow, (base.time, &y, &slope), &sizes)?;
-            Ok(stiff::is_stiff(&jacobian, &slope.rates, &allowed, self.h))
+            let tangent = self.tangent(&base, (base.time, &y, &sizes))?;
+            let derivatives = stiff::derivatives(&mut flow, (base.time, &y, &slope), &tangent.directions)?;
+            Ok(stiff::is_stiff((&tangent, &derivatives), &slope.rates, &allowed, self.h))
         });
         self.quiet.is_stiff = found.map_err(|trouble| self.say(trouble))?;
         Ok(())
@@ -1048,16 +1102,11 @@ impl<R: Number> Run<'_, R> {
             }
             let (change, _) =
                 found.correction(&self.layout, |row| row.residual).map_err(|trouble| self.say(trouble))?;
-            let mut turned = vec![[zero; 3]; self.state.poses.len()];
-            for node in 0..self.state.poses.len() {
-                let mut by = [zero; DOFS];
-                by.copy_from_slice(&change[DOFS * node..DOFS * (node + 1)]);
-                let turns = self.turns(node);
-                if by.iter().any(|x| zero.less(x.magnitude())) {
-                    self.state.poses[node] = self.state.poses[node].moved(&by, turns, true);
-                }
-                turned[node] = [by[3], by[4], by[5]];
-            }
+            let by: Vec<[R; DOFS]> =
+                change.chunks_exact(DOFS).map(|of| std::array::from_fn(|k| of[k])).collect();
+            let mut rates = std::mem::take(&mut self.state.rates);
+            let (poses, turned) = self.moved_by(&self.state.poses, &by, &mut rates, true);
+            (self.state.poses, self.state.rates) = (poses, rates);
             let instant = Instant { turned: &turned, ..Instant::of(&self.state, self.step, &turned) };
             found = self
                 .mechanism
@@ -1092,6 +1141,7 @@ impl<R: Number> Run<'_, R> {
                 }
             }
         }
+        self.bring();
         Ok(())
     }
 }

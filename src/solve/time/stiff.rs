@@ -4,13 +4,11 @@
 //! the Jacobian A of the flow ẏ = f(t, y). It need not be exact: the stages are those of f, whatever A leads to them.
 
 use crate::motion::rows::Trouble;
+use crate::motion::tangent::{DIFFERENCE, Tangent};
 use crate::number::{Number, larger};
 use crate::time::integrate::{Flow, Slope};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, LU, Schur};
 use std::ops::Range;
-
-/// By which part of its size each number is moved for a difference.
-const DIFFERENCE: f64 = 6e-8;
 
 /// Motion is stiff where a part decays so often within a step: explicit ones are not stable for much more.
 const DECAYS: f64 = 1.0;
@@ -21,30 +19,26 @@ const LEFT: f64 = 0.02;
 /// The most iterations for eigenvalues.
 const ITERATIONS: usize = 10_000;
 
-/// The Jacobian of a flow: a column for each number.
-pub(crate) type Jacobian<R> = Vec<Vec<R>>;
-
 /// The sizes of numbers y. `allowed` is the largest error of each, and last the relative one.
 pub(crate) fn sizes<R: Number>(y: &[R], allowed: &[R]) -> Vec<R> {
     let relative = allowed.last().copied().unwrap_or(R::integer(1));
     y.iter().zip(allowed).map(|(y, most)| larger(y.magnitude(), *most / relative)).collect()
 }
 
-/// The Jacobian at y, by differences of numbers of such sizes.
-pub(crate) fn jacobian<R: Number>(
+/// The derivatives of the rates at y along directions, by differences: a column for each.
+pub(crate) fn derivatives<R: Number>(
     flow: &mut Flow<'_, R>,
     (t, y, slope): (R, &[R], &Slope<R>),
-    sizes: &[R],
-) -> Result<Jacobian<R>, Trouble> {
-    let mut found = Vec::with_capacity(y.len());
-    for (j, size) in sizes.iter().enumerate().take(y.len()) {
-        // No less than a thousand roundings.
-        let step =
-            larger(*size * R::from_f64(DIFFERENCE), y[j].magnitude() * R::from_f64(1e3 * f64::ROUNDING));
-        let mut moved = y.to_vec();
-        moved[j] = moved[j] + step;
+    directions: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, Trouble> {
+    let step = R::from_f64(DIFFERENCE);
+    let mut found = DMatrix::zeros(y.len(), directions.ncols());
+    for (mut column, direction) in found.column_iter_mut().zip(directions.column_iter()) {
+        let moved: Vec<R> = y.iter().zip(&direction).map(|(y, by)| *y + step * R::from_f64(*by)).collect();
         let there = flow(t, &moved)?;
-        found.push(there.rates.iter().zip(&slope.rates).map(|(then, now)| (*then - *now) / step).collect());
+        for (x, (then, now)) in column.iter_mut().zip(there.rates.iter().zip(&slope.rates)) {
+            *x = ((*then - *now) / step).to_f64();
+        }
     }
     Ok(found)
 }
@@ -71,24 +65,26 @@ pub(crate) fn is_lively<R: Number>(
 }
 
 /// Whether motion is stiff for steps of length h: something decays that fast, and rates change far less, for of that nothing is left.
-pub(crate) fn is_stiff<R: Number>(jacobian: &Jacobian<R>, rates: &[R], allowed: &[R], h: f64) -> bool {
-    let n = jacobian.len();
-    let matrix = DMatrix::from_fn(n, n, |i, j| h * jacobian[j][i].to_f64());
+/// The derivatives of the rates are those along the directions of a tangent.
+pub(crate) fn is_stiff<R: Number>(
+    (tangent, derivatives): (&Tangent, &DMatrix<f64>),
+    rates: &[R],
+    allowed: &[R],
+    h: f64,
+) -> bool {
+    let matrix = h * &tangent.parts * derivatives;
     if !matrix.iter().all(|x| x.is_finite()) {
         return false;
     }
     let size = |of: &DVector<f64>| {
         of.iter().zip(allowed).fold(0.0_f64, |most, (x, size)| most.max((x / size.to_f64()).abs()))
     };
-    let rates = DVector::from_iterator(n, rates.iter().map(|x| x.to_f64()));
-    let change = &matrix * &rates;
+    let rates = DVector::from_iterator(rates.len(), rates.iter().map(|x| x.to_f64()));
+    let change = h * derivatives * (&tangent.parts * &rates);
     let (changes, size_of_rates) = (size(&change), size(&rates));
     // No eigenvalue is beyond a norm of the matrix, nor its square beyond one of the square: mostly that is enough, and Schur's form is dear.
-    let unit = |i: usize| allowed.get(i).map_or(1.0, |size| size.to_f64());
-    let norm = |of: &DMatrix<f64>| {
-        let sum = |i: usize| (0..n).map(|j| of[(i, j)].abs() * unit(j)).sum::<f64>() / unit(i);
-        (0..n).map(sum).fold(0.0, f64::max)
-    };
+    let norm =
+        |of: &DMatrix<f64>| of.row_iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
     let is_too_slow = |largest: f64| largest < DECAYS || changes > LEFT * largest * size_of_rates;
     if is_too_slow(norm(&matrix)) || is_too_slow(norm(&(&matrix * &matrix)).sqrt()) {
         return false;
@@ -103,6 +99,7 @@ pub(crate) fn is_stiff<R: Number>(jacobian: &Jacobian<R>, rates: &[R], allowed: 
 /// for both.
 #[derive(Clone, Debug)]
 pub(crate) struct Spectrum {
+    matrix: DMatrix<f64>,
     values: Vec<Complex<f64>>,
     /// For how many each stands.
     counts: Vec<f64>,
@@ -118,7 +115,7 @@ impl Spectrum {
         let stages = matrix.len();
         let real = DMatrix::from_fn(stages, stages, |i, j| matrix[i][j].to_f64());
         let a = real.map(Complex::from);
-        let values = Schur::try_new(real, f64::EPSILON, ITERATIONS)?.complex_eigenvalues();
+        let values = Schur::try_new(real.clone(), f64::EPSILON, ITERATIONS)?.complex_eigenvalues();
         let mut vectors = DMatrix::zeros(stages, stages);
         for (m, value) in values.iter().enumerate() {
             // Inverse iteration, next to the eigenvalue.
@@ -135,6 +132,7 @@ impl Spectrum {
         let inverse = vectors.clone().try_inverse()?;
         let those: Vec<usize> = (0..stages).filter(|m| values[*m].im >= 0.0).collect();
         Some(Self {
+            matrix: real,
             values: those.iter().map(|m| values[*m]).collect(),
             counts: those.iter().map(|m| if values[*m].im > 0.0 { 2.0 } else { 1.0 }).collect(),
             vectors: vectors.select_columns(&those),
@@ -143,42 +141,46 @@ impl Spectrum {
     }
 }
 
-/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles.
+/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles, where f changes along directions D: A = C P with its
+/// derivatives C along them and the parts P that they have in a change.
 ///
-/// It is (1 − h a ⊗ A)⁻¹, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8).
+/// Of P ΔK the matrix is 1 − h a ⊗ P C, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8). ΔK
+/// is what lacks and h a ⊗ C (P ΔK).
 pub(crate) struct Improvement<'a> {
     spectrum: &'a Spectrum,
+    parts: &'a DMatrix<f64>,
+    /// h C.
+    derivatives: DMatrix<f64>,
     eliminated: Vec<Eliminated>,
 }
 
 impl<'a> Improvement<'a> {
-    /// For a step of length h, where the first numbers are positions. `None` where the matrix cannot be inverted.
-    pub(crate) fn new<R: Number>(
+    /// For a step of length h. `None` where the matrix cannot be inverted.
+    pub(crate) fn new(
         spectrum: &'a Spectrum,
-        jacobian: &Jacobian<R>,
-        (h, positions): (f64, usize),
+        (tangent, derivatives): (&'a Tangent, &DMatrix<f64>),
+        h: f64,
     ) -> Option<Self> {
-        let doubles: Vec<Vec<f64>> =
-            jacobian.iter().map(|column| column.iter().map(|x| h * x.to_f64()).collect()).collect();
-        let all = spectrum.values.iter().map(|value| Eliminated::new(&doubles, *value, positions));
-        Some(Self { spectrum, eliminated: all.collect::<Option<_>>()? })
+        let derivatives = h * derivatives;
+        let matrix = &tangent.parts * &derivatives;
+        let all = spectrum.values.iter().map(|value| Eliminated::new(&matrix, *value, tangent.positions));
+        let eliminated = all.collect::<Option<_>>()?;
+        Some(Self { spectrum, parts: &tangent.parts, derivatives, eliminated })
     }
 
     /// By what the stages change where they lack so much.
     pub(crate) fn changes<R: Number>(&self, lacks: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
         let n = lacks.first()?.len();
-        let stages = DMatrix::from_fn(n, lacks.len(), |i, stage| Complex::from(lacks[stage][i].to_f64()));
-        let mut apart = stages * &self.spectrum.inverse;
+        let lack = DMatrix::from_fn(n, lacks.len(), |i, stage| lacks[stage][i].to_f64());
+        let mut apart = (self.parts * &lack).map(Complex::from) * &self.spectrum.inverse;
         for (m, (eliminated, count)) in self.eliminated.iter().zip(&self.spectrum.counts).enumerate() {
             let solved = eliminated.solve(apart.column(m).into_owned())? * Complex::from(*count);
             apart.set_column(m, &solved);
         }
-        let found = apart * self.spectrum.vectors.transpose();
-        Some(
-            (0..lacks.len())
-                .map(|stage| (0..n).map(|i| R::from_f64(found[(i, stage)].re)).collect())
-                .collect(),
-        )
+        let along = (apart * self.spectrum.vectors.transpose()).map(|x| x.re);
+        let found = lack + &self.derivatives * along * self.spectrum.matrix.transpose();
+        let stage = |column: usize| found.column(column).iter().map(|x| R::from_f64(*x)).collect();
+        Some((0..lacks.len()).map(stage).collect())
     }
 }
 
@@ -196,16 +198,16 @@ struct Eliminated {
 }
 
 impl Eliminated {
-    fn new(jacobian: &[Vec<f64>], z: Complex<f64>, positions: usize) -> Option<Self> {
-        let m = jacobian.len() - positions;
-        let entry = |i: usize, j: usize| z * jacobian[j][i];
+    fn new(jacobian: &DMatrix<f64>, z: Complex<f64>, positions: usize) -> Option<Self> {
+        let m = jacobian.ncols() - positions;
+        let entry = |i: usize, j: usize| z * jacobian[(i, j)];
         let one = |i: usize, j: usize| Complex::from(if i == j { 1.0 } else { 0.0 });
         let mut blocks: Vec<(Range<usize>, DMatrix<Complex<f64>>)> = Vec::new();
         let mut start = 0;
         while start < positions {
             let (mut end, mut i) = (start + 1, start);
             while i < end {
-                let couples = |j: &usize| jacobian[*j][i] != 0.0 || jacobian[i][*j] != 0.0;
+                let couples = |j: &usize| jacobian[(i, *j)] != 0.0 || jacobian[(*j, i)] != 0.0;
                 end = (end..positions).rev().find(couples).map_or(end, |last| last + 1);
                 i += 1;
             }
@@ -259,7 +261,7 @@ impl Eliminated {
 
 #[cfg(test)]
 mod tests {
-    use super::{Complex, DVector, Eliminated, is_stiff, jacobian, sizes};
+    use super::{Complex, DMatrix, DVector, Eliminated, Tangent, derivatives, is_stiff, sizes};
     use crate::number::Number;
     use crate::time::integrate::{Method, Newton, Rule, Slope};
     use pintle_kinematics::scalar::Wide;
@@ -296,16 +298,14 @@ mod tests {
         let is_there =
             |i: usize, j: usize| i >= positions || j >= positions && (i < 3) == (j < 8) || i / 3 == j / 3;
         let number = |i: usize, j: usize| ((7 * i + 13 * j + i * j) % 17) as f64 / 17.0 - 0.4;
-        let jacobian: Vec<Vec<f64>> = (0..n)
-            .map(|j| (0..n).map(|i| if is_there(i, j) { number(i, j) } else { 0.0 }).collect())
-            .collect();
+        let jacobian = DMatrix::from_fn(n, n, |i, j| if is_there(i, j) { number(i, j) } else { 0.0 });
         let z = Complex::new(0.7, -0.4);
         let found = Eliminated::new(&jacobian, z, positions).unwrap();
         assert_eq!(found.blocks.iter().map(|(range, _)| range.clone()).collect::<Vec<_>>(), [0..3, 3..5]);
         let right = DVector::from_fn(n, |i, _| Complex::new(1.0 + i as f64, 0.5 - i as f64));
         let x = found.solve(right.clone()).unwrap();
         for i in 0..n {
-            let times = (0..n).fold(Complex::from(0.0), |sum, j| sum + z * jacobian[j][i] * x[j]);
+            let times = (0..n).fold(Complex::from(0.0), |sum, j| sum + z * jacobian[(i, j)] * x[j]);
             assert!((x[i] - times - right[i]).norm() < 1e-12, "{i}");
         }
     }
@@ -325,8 +325,9 @@ mod tests {
         let stiff = |fast: f64, y: [f64; 2], h: f64| {
             let mut flow = flow::<f64>(fast);
             let slope = flow(0.0, &y).unwrap();
-            let known = jacobian(&mut flow, (0.0, &y, &slope), &sizes(&y, &allowed)).unwrap();
-            is_stiff(&known, &slope.rates, &allowed, h)
+            let all = Tangent::whole(&sizes(&y, &allowed), 0);
+            let known = derivatives(&mut flow, (0.0, &y, &slope), &all.directions).unwrap();
+            is_stiff((&all, &known), &slope.rates, &allowed, h)
         };
         assert!(stiff(1e4, [1.0 + 1.0 / 9999.0, 1.0], 1e-3));
         assert!(!stiff(1e4, [2.0, 1.0], 1e-3), "still decaying");

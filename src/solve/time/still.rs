@@ -123,6 +123,15 @@ impl<R: Number> Assembled<R> {
                 acts[DOFS * node + if turns { 3 } else { 0 }] = true;
             }
         }
+        // What acts on a node that is carried moves and turns the one that carries it.
+        for node in (0..mechanism.bodies.len()).filter(|node| mechanism.root(*node) != *node) {
+            let root = mechanism.root(node);
+            let [moves, turns] =
+                [0, 3].map(|from| acts[DOFS * node + from..DOFS * node + from + 3].contains(&true));
+            acts[DOFS * root] |= moves;
+            acts[DOFS * root + 3] |= moves || turns;
+            acts[DOFS * node..DOFS * node + 6].fill(false);
+        }
         acts
     }
 }

@@ -114,7 +114,7 @@ impl<R: Number> Run<'_, R> {
         for (force, index) in at.solved.forces.iter().zip(&self.layout.kept) {
             let along = found
                 .lines
-                .of(found.rows[*index].force())
+                .of(self.layout.force(*index, &found.rows[*index]))
                 .iter()
                 .fold(zero, |sum, (dof, entry)| sum + *entry * rates[dof / DOFS][dof % DOFS]);
             external = external - *force * along;
