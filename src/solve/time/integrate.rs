@@ -8,7 +8,7 @@ use crate::motion::rows::Trouble;
 use crate::motion::tangent::Tangent;
 use crate::number::Number;
 use crate::time::onset::{Onset, Turns};
-use crate::time::stiff::{self, Improvement, Spectrum};
+use crate::time::stiff::{self, Change, Improvement, Spectrum};
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -242,11 +242,17 @@ fn sum<R: Number>(y: &[R], moved: Option<Vec<R>>) -> Vec<R> {
 /// The most iterations of the stages.
 const ITERATIONS: usize = 150;
 
+/// The power of the difference from one stage less that the error is taken for, where motion is stiff.
+const STIFF: f64 = 1.15;
+
+/// Where more iterations than this are to come, what changes within a step is worth its derivatives.
+const MANY: f64 = 3.0;
+
 /// What iterations may leave of what is allowed.
 const LEFT: f64 = 1e-3;
 
-fn too_long<R: Number>(y: &[R]) -> Tried<R> {
-    Tried { end: y.to_vec(), error: f64::INFINITY, growth: 0.4, inner: Vec::new(), stages: None }
+fn too_long<R: Number>(y: &[R], growth: f64) -> Tried<R> {
+    Tried { end: y.to_vec(), error: f64::INFINITY, growth, inner: Vec::new(), stages: None }
 }
 
 fn collocate<R: Number>(
@@ -262,14 +268,14 @@ fn collocate<R: Number>(
     let mut rates = vec![slope.rates.clone(); count];
     let mut switches = vec![Vec::new(); count];
     let combine = |weights: &[R], rates: &[Vec<R>]| moved(y, h, weights, rates, 0..y.len());
+    let shorter = if matches!(newton, Newton::All(_)) { 0.6 } else { 0.4 };
     let (sizes, onsets) = match (newton, spectrum) {
         (Newton::None, _) => (None, None),
         (Newton::Onsets(onsets), _) => (None, Some(Turns::new(onsets, y, matrix))),
         (Newton::All(sizes), Some(spectrum)) => (Some((sizes, spectrum)), None),
-        (Newton::All(_), None) => return Ok(too_long(y)),
+        (Newton::All(_), None) => return Ok(too_long(y, shorter)),
     };
-    let is_implicit = sizes.is_some() || onsets.is_some();
-    let mut tangent: Option<Tangent> = None;
+    let (is_stiff, is_implicit) = (sizes.is_some(), sizes.is_some() || onsets.is_some());
     let mut all: Option<Improvement<'_>> = None;
     let ahead = ahead.filter(|_| onsets.is_none());
     let known = ahead.and_then(|ahead| ahead.stages?.at(tableau, (t, slope), h, (allowed, ahead.positions)));
@@ -281,11 +287,11 @@ fn collocate<R: Number>(
         state[which.clone()].clone_from_slice(&moved(y, h, weights, rates, which));
     };
     let mut states: Vec<Vec<R>> = matrix.iter().map(|weights| combine(weights, &rates)).collect();
-    let [mut before, mut least] = [f64::INFINITY; 2];
+    // What the last iteration changed, and the one before it.
+    let [mut change, mut before, mut least] = [f64::INFINITY; 3];
     let mut iterations = 0.0;
     for iteration in 0.. {
         iterations += 1.0;
-        let mut change: f64 = 0.0;
         let mut lacks = Vec::with_capacity(count);
         let mut slopes = Vec::with_capacity(count);
         match ahead {
@@ -310,19 +316,32 @@ fn collocate<R: Number>(
                 states.iter_mut().zip(matrix).for_each(|(of, weights)| fill(of, weights, &rates, 0..y.len()));
             }
         }
-        if let Some((sizes, spectrum)) = sizes.filter(|_| iteration == 0) {
-            // In the middle of the step, for iterations converge by how much it changes.
-            let middle = count / 2;
-            let state = &states[middle];
-            let time = t + h * points[middle];
-            let slope = flow(time, state)?;
-            let tangent = tangent.insert(match ahead {
-                Some(ahead) => (ahead.tangent)(time, state, sizes)?,
-                None => Tangent::whole(sizes, 0),
-            });
-            let derivatives = stiff::derivatives(flow, (time, state, &slope), &tangent.directions)?;
-            all = Improvement::new(spectrum, (tangent, &derivatives), h.to_f64());
+        if let Some((sizes, spectrum)) = sizes {
+            let mut changes = |at: &usize| {
+                let (time, state) = (t + h * points[*at], &states[*at]);
+                let slope = flow(time, state)?;
+                let tangent = match ahead {
+                    Some(ahead) => (ahead.tangent)(time, state, sizes)?,
+                    None => Tangent::whole(sizes, 0),
+                };
+                let derivatives = stiff::derivatives(flow, (time, state, &slope), &tangent.directions)?;
+                Ok(Change { tangent, derivatives })
+            };
+            // In the middle of the step, for iterations converge by how much it changes. Where that is much, on both sides too.
+            let places = [count / 2, count - 1 - count / 6, count / 6];
+            let left = (change / LEFT).ln() / (before / change).ln();
+            match &mut all {
+                None => all = Improvement::new(spectrum, changes(&places[0])?, h.to_f64()),
+                Some(all) if iteration >= 2 && all.is_of_one() && !(0.0..MANY).contains(&left) => {
+                    let others = places[1..].iter().map(changes).collect::<Result<_, Trouble>>()?;
+                    let points: Vec<f64> = points.iter().map(|c| c.to_f64()).collect();
+                    all.refine(others, &places, &points);
+                }
+                Some(_) => {}
+            }
         }
+        let earlier = before;
+        (before, change) = (change, 0.0);
         for i in 0..count {
             let (time, stage) = (t + h * points[i], &mut states[i]);
             if !is_implicit {
@@ -358,7 +377,7 @@ fn collocate<R: Number>(
                 (None, Some(onsets)) => onsets.changes(lacks, &slopes, h.to_f64()),
                 (None, None) => None,
             };
-            let Some(changes) = changes else { return Ok(too_long(y)) };
+            let Some(changes) = changes else { return Ok(too_long(y, shorter)) };
             for (rates, changes) in rates.iter_mut().zip(changes) {
                 change = change.max(excess(changes.iter().map(|by| h * *by), allowed));
                 rates.iter_mut().zip(changes).for_each(|(rate, by)| *rate = *rate + by);
@@ -369,16 +388,16 @@ fn collocate<R: Number>(
         let ahead = if contracts { change * change / (before - change) } else { change };
         let is_slow = change > before * 0.5;
         let most = if is_implicit { 0.5 } else { 0.05 };
+        let was_fast = is_stiff && before < 0.3 * earlier;
         least = least.min(change);
-        // Rounding may well be more once than it was before.
-        let is_rounding = is_slow && least < most && change < 4.0 * most;
+        // Rounding may well be more once than it was before. What was fast, and is slow now, is rounding too.
+        let is_rounding = is_slow && (least < most || was_fast) && change < 4.0 * most;
         if ahead < LEFT || is_rounding {
             break;
         }
         if iteration > 3 && change > before * 0.8 || iteration > ITERATIONS || !change.is_finite() {
-            return Ok(too_long(y));
+            return Ok(too_long(y, shorter));
         }
-        before = change;
     }
     let end = combine(weights, &rates);
     let other = combine(fewer, &rates);
@@ -386,17 +405,15 @@ fn collocate<R: Number>(
     let tolerance = allowed.last().map_or(1.0, |last| last.to_f64());
     let differences = end.iter().zip(&other).map(|(x, y)| *x - *y);
     let part = excess(differences, allowed) * tolerance;
-    // Where motion is stiff, or changes within the step, that order is not reached: three quarters of it are counted on.
-    let error = part.powf(1.5) / tolerance;
+    // Where motion changes within the step that order is not reached: three quarters of it are counted on. Where it is stiff, all stages and all but
+    // one differ by two orders or less: that of a stage is the number of stages (Hairer, Wanner, II, IV.15).
+    let error = part.powf(if is_stiff { STIFF } else { 1.5 }) / tolerance;
     let growth = match error <= 1e-30 {
         true => GROWTH,
         false => (0.9 * error.powf(-1.0 / (2.0 * count as f64))).clamp(0.1, GROWTH),
     };
     // Longer steps contract less: where an iteration gains less than a digit, they are long enough.
-    let growth = match sizes {
-        Some(_) => growth.min((1.0 - tolerance.log10()) / iterations),
-        None => growth,
-    };
+    let growth = growth.min((1.0 - tolerance.log10()) / iterations);
     let inner = points.iter().zip(switches).map(|(c, switches)| (c.to_f64(), switches)).collect();
     let stages = Some(Stages { begin: t, length: h, rates });
     Ok(Tried { end, error, growth, inner, stages })

@@ -56,10 +56,10 @@ pub(crate) fn shortest_period(scene: &Scene) -> f64 {
 }
 
 /// By which part of their length steps are shorter from one trial to the next.
-const SLOWER: f64 = 0.15;
+const SLOWER: f64 = 0.1;
 
 /// After how many steps without an event a stiff motion is looked for, and again whenever they are twice as many.
-const FIRST: usize = 16;
+const FIRST: usize = 8;
 
 /// How many steps tell how many are to come.
 pub(crate) const WINDOW: usize = 256;

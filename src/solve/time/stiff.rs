@@ -141,46 +141,101 @@ impl Spectrum {
     }
 }
 
-/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles, where f changes along directions D: A = C P with its
-/// derivatives C along them and the parts P that they have in a change.
+/// How rates change at a stage: along the directions D of a tangent, of which a change has the parts P, by the derivatives C. A = C P.
+pub(crate) struct Change {
+    pub(crate) tangent: Tangent,
+    /// A column for each direction.
+    pub(crate) derivatives: DMatrix<f64>,
+}
+
+/// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles.
 ///
-/// Of P ΔK the matrix is 1 − h a ⊗ P C, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8). ΔK
-/// is what lacks and h a ⊗ C (P ΔK).
+/// With the A of one stage for all, 1 − h a ⊗ P C is the matrix of P ΔK, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary
+/// Differential Equations II, IV.8); ΔK is what lacks and h a ⊗ C (P ΔK). Where the A of several stages are known those between are interpolated,
+/// and what such a step leaves is solved for again.
 pub(crate) struct Improvement<'a> {
     spectrum: &'a Spectrum,
-    parts: &'a DMatrix<f64>,
-    /// h C.
-    derivatives: DMatrix<f64>,
+    h: f64,
+    /// With their weights in each stage: first the one for all.
+    changes: Vec<(Change, Vec<f64>)>,
     eliminated: Vec<Eliminated>,
 }
 
 impl<'a> Improvement<'a> {
     /// For a step of length h. `None` where the matrix cannot be inverted.
-    pub(crate) fn new(
-        spectrum: &'a Spectrum,
-        (tangent, derivatives): (&'a Tangent, &DMatrix<f64>),
-        h: f64,
-    ) -> Option<Self> {
-        let derivatives = h * derivatives;
-        let matrix = &tangent.parts * &derivatives;
+    pub(crate) fn new(spectrum: &'a Spectrum, of_all: Change, h: f64) -> Option<Self> {
+        let Change { tangent, derivatives } = &of_all;
+        let matrix = h * &tangent.parts * derivatives;
         let all = spectrum.values.iter().map(|value| Eliminated::new(&matrix, *value, tangent.positions));
         let eliminated = all.collect::<Option<_>>()?;
-        Some(Self { spectrum, parts: &tangent.parts, derivatives, eliminated })
+        let weights = vec![1.0; spectrum.matrix.nrows()];
+        Some(Self { spectrum, h, changes: vec![(of_all, weights)], eliminated })
+    }
+
+    /// Whether all stages change as one.
+    pub(crate) const fn is_of_one(&self) -> bool {
+        self.changes.len() == 1
+    }
+
+    /// Takes the changes at other stages. `places` are those of all that are known, the first one's first; `points` those of the stages.
+    pub(crate) fn refine(&mut self, others: Vec<Change>, places: &[usize], points: &[f64]) {
+        let weight = |at: usize, x: f64| {
+            let others = places.iter().filter(|of| **of != at);
+            others.fold(1.0, |weight, of| weight * (x - points[*of]) / (points[at] - points[*of]))
+        };
+        self.changes.extend(others.into_iter().map(|change| (change, Vec::new())));
+        for ((_, weights), at) in self.changes.iter_mut().zip(places) {
+            *weights = points.iter().map(|x| weight(*at, *x)).collect();
+        }
     }
 
     /// By what the stages change where they lack so much.
     pub(crate) fn changes<R: Number>(&self, lacks: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
+        /// The most solutions of what is left, and the part that counts as nothing.
+        const TIMES: usize = 8;
+        const LEAST: f64 = 1e-4;
         let n = lacks.first()?.len();
         let lack = DMatrix::from_fn(n, lacks.len(), |i, stage| lacks[stage][i].to_f64());
-        let mut apart = (self.parts * &lack).map(Complex::from) * &self.spectrum.inverse;
+        let mut found = self.solve(&lack)?;
+        let mut before = f64::INFINITY;
+        for _ in 0..if self.is_of_one() { 0 } else { TIMES } {
+            let change = self.solve(&(&lack - &found + self.along(&found)))?;
+            let size = change.amax();
+            if size > 0.5 * before {
+                break;
+            }
+            found += change;
+            before = size;
+            if size < LEAST * found.amax() {
+                break;
+            }
+        }
+        let stage = |column: usize| found.column(column).iter().map(|x| R::from_f64(*x)).collect();
+        Some((0..lacks.len()).map(stage).collect())
+    }
+
+    /// h A_i Σ a_ij ΔK_j.
+    fn along(&self, changes: &DMatrix<f64>) -> DMatrix<f64> {
+        let sums = self.h * changes * self.spectrum.matrix.transpose();
+        let mut all = DMatrix::zeros(changes.nrows(), changes.ncols());
+        for (Change { tangent, derivatives }, weights) in &self.changes {
+            let mut parts = &tangent.parts * &sums;
+            parts.column_iter_mut().zip(weights).for_each(|(mut column, weight)| column *= *weight);
+            all += derivatives * parts;
+        }
+        all
+    }
+
+    /// The changes where all stages have the A of one.
+    fn solve(&self, lack: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let (Change { tangent, derivatives }, _) = self.changes.first()?;
+        let mut apart = (&tangent.parts * lack).map(Complex::from) * &self.spectrum.inverse;
         for (m, (eliminated, count)) in self.eliminated.iter().zip(&self.spectrum.counts).enumerate() {
             let solved = eliminated.solve(apart.column(m).into_owned())? * Complex::from(*count);
             apart.set_column(m, &solved);
         }
         let along = (apart * self.spectrum.vectors.transpose()).map(|x| x.re);
-        let found = lack + &self.derivatives * along * self.spectrum.matrix.transpose();
-        let stage = |column: usize| found.column(column).iter().map(|x| R::from_f64(*x)).collect();
-        Some((0..lacks.len()).map(stage).collect())
+        Some(lack + self.h * derivatives * along * self.spectrum.matrix.transpose())
     }
 }
 
@@ -239,7 +294,7 @@ impl Eliminated {
         let mut x = right;
         self.turn(&mut x);
         let rest = x.rows(positions, x.len() - positions) + &self.forces * x.rows(0, positions);
-        let rest = self.others.solve(&rest)?;
+        let rest = if rest.is_empty() { rest } else { self.others.solve(&rest)? };
         let mut by = DVector::zeros(x.len());
         for (by, row) in by.iter_mut().zip(&self.moving) {
             *by = row.iter().fold(Complex::from(0.0), |sum, (j, entry)| sum + entry * rest[*j]);
