@@ -10,6 +10,7 @@
 //! | `equations` | which accelerations and forces follow? |
 //! | `layout` | which equations count, where some repeat others? |
 //! | `tangent` | where may a state go without leaving its equations? |
+//! | `zero` | when does a quantity vanish? |
 //! | `linear` | small systems of linear equations on any number |
 //! | `plan` | what does elimination do, where its pivots are known? |
 
@@ -24,3 +25,4 @@ pub(crate) mod rows;
 pub(crate) mod slide;
 pub(crate) mod state;
 pub(crate) mod tangent;
+pub(crate) mod zero;

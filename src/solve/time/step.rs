@@ -9,6 +9,7 @@ use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::motion::tangent::{self, Tangent, Ways};
+use crate::motion::zero::Zero;
 use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Ahead, Newton, Slope, Tried, at_zero};
@@ -648,7 +649,7 @@ impl<R: Number> Run<'_, R> {
                 }
                 Some(Crossing::AtEnd) => {
                     let usual = self.h;
-                    self.locate(h, &slope.switches, &ended)?;
+                    self.locate(h, &slope.switches, &tried.inner, &ended)?;
                     self.h = usual.min(h.to_f64());
                     self.quiet = Quiet::default();
                 }
@@ -884,8 +885,11 @@ impl<R: Number> Run<'_, R> {
         &mut self,
         h: R,
         first: &[Switch<R>],
+        inner: &[(f64, Vec<Switch<R>>)],
         last_switches: &[Switch<R>],
     ) -> Result<(), Refusal> {
+        /// So often in a row values tell where to go.
+        const TOLD: usize = 12;
         let zero = R::ZERO;
         let mut low = (zero, first.to_vec());
         let mut high = h;
@@ -893,6 +897,19 @@ impl<R: Number> Run<'_, R> {
         let mut which: Option<usize> = known.map(|(index, _)| index);
         let mut weight = R::integer(1);
         let mut high_value: Option<R> = known.map(|(_, switch)| switch.value);
+        // Values within the step tell where it vanishes.
+        let zero_of = |index: usize| {
+            let value = |of: &[Switch<R>]| of.get(index).map(|switch| switch.value.to_f64());
+            let h = h.to_f64();
+            let all = std::iter::once((0.0, value(first)));
+            let all = all.chain(inner.iter().map(|(part, of)| (part * h, value(of))));
+            let all = all.chain([(h, value(last_switches))]);
+            let mut all: Vec<(f64, f64)> = all.filter_map(|(time, value)| Some((time, value?))).collect();
+            all.sort_by(|one, two| one.0.total_cmp(&two.0));
+            all.dedup_by_key(|(time, _)| *time);
+            Zero::near(all)
+        };
+        let mut vanishing: Option<(usize, Zero<R>)> = which.map(|index| (index, zero_of(index)));
         // The value before, and when.
         let mut last: Option<(R, R)> = None;
         // Half of a step that was too long.
@@ -951,6 +968,14 @@ impl<R: Number> Run<'_, R> {
                 (None, _) => ahead,
                 _ => ahead * R::ratio(1, 2),
             };
+            let told = vanishing.as_ref().filter(|_| was_away && iteration < TOLD);
+            let told = told.and_then(|(_, zero)| zero.time()).map(|time| time - passed);
+            let guess = match told {
+                Some(told) if resolution.less(told) && told.less(ahead) => told,
+                // It is here, but for rounding.
+                Some(told) if !resolution.less(told.magnitude()) => resolution,
+                _ => guess,
+            };
             let is_small = !resolution.less(ahead);
             let guess = if is_small { ahead } else { guess };
             let guess =
@@ -962,7 +987,19 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             let (ended, _) = self.switches_at(&base, base.time + guess, &tried.end)?;
-            match earliest(&low.1, &ended) {
+            let found = earliest(&low.1, &ended);
+            let of = found.map(|(index, _)| index).or(which);
+            if let Some(of) = of
+                && vanishing.as_ref().is_none_or(|(known, _)| *known != of)
+            {
+                vanishing = Some((of, zero_of(of)));
+            }
+            if let (Some((of, zero)), true) = (&mut vanishing, was_away)
+                && let Some(switch) = ended.get(*of)
+            {
+                zero.put(passed + guess, switch.value);
+            }
+            match found {
                 None => {
                     // On this side: the state goes on to it.
                     self.commit(&base, base.time + guess, &tried.end)?;
