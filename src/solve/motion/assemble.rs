@@ -234,20 +234,14 @@ impl<R: Number> Mechanism<R> {
             &mut tally,
         );
         let lines = &mut all.lines;
-        let mut spread = |row: &[R; PAIR]| -> (Line, R) {
-            let entries = row.iter().enumerate().filter(|(_, entry)| zero.less(entry.magnitude()));
-            lines.add_row(
-                entries.filter_map(|(j, entry)| Some((DOFS * joint.ends[j / DOFS]? + j % DOFS, *entry))),
-            )
-        };
         let (mut rows, mut columns) = ([Line::default(); 6], [Line::default(); 6]);
         let mut swept = [zero; 6];
         for k in (0..6).filter(|k| joint.wanted[*k]) {
             let mut unit = [None; 6];
             unit[k] = Some(R::integer(1));
-            columns[k] = spread(&forces.nodal(&unit)).0;
+            columns[k] = lines.add_pair(joint.ends, &forces.nodal(&unit)).0;
             if let Some(row) = &evaluation.jacobian[k] {
-                (rows[k], swept[k]) = spread(row);
+                (rows[k], swept[k]) = lines.add_pair(joint.ends, row);
             }
         }
         let value = |of: [Option<R>; 6]| of.map(|x| x.unwrap_or(zero));

@@ -4,7 +4,8 @@ use crate::motion::plan::Plan;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::number::Number;
 use pintle_kinematics::connector::Branch;
-use pintle_kinematics::vector::{Matrix, Vector, add, cross};
+use pintle_kinematics::node::DOFS as PAIR;
+use pintle_kinematics::vector::{Matrix, Vector, add, cross, dot};
 use serde::{Deserialize, Serialize};
 
 /// What an equation belongs to.
@@ -99,6 +100,34 @@ impl<R: Number> Lines<R> {
         (Line { from, to: self.entries.len() }, swept)
     }
 
+    /// The same of the two nodes of a connector, none of which may be the ground.
+    pub(crate) fn add_pair(&mut self, ends: [Option<usize>; 2], row: &[R; PAIR]) -> (Line, R) {
+        let from = self.entries.len();
+        let mut swept = R::ZERO;
+        let roots = ends.map(|end| end.map(|node| self.carried(node).map_or(node, |of| of.by)));
+        if roots[0].is_some() && roots[0] == roots[1] {
+            let entries = row.iter().enumerate().filter(|(_, entry)| !entry.is_nothing());
+            return self.add_row(entries.filter_map(|(j, x)| Some((DOFS * ends[j / DOFS]? + j % DOFS, *x))));
+        }
+        for (end, root) in roots.into_iter().enumerate() {
+            let (Some(node), Some(root)) = (ends[end], root) else { continue };
+            let mut of: [R; DOFS] = std::array::from_fn(|k| row[DOFS * end + k]);
+            if let Some(carried) = self.carried(node) {
+                let force = [of[0], of[1], of[2]];
+                swept = swept + dot(force, carried.swept);
+                // f · (θ × r) = (r × f) · θ.
+                let moment = cross(carried.arm, force);
+                for (k, moment) in moment.into_iter().enumerate() {
+                    let sum = of[3 + k] + moment;
+                    of[3 + k] = if is_rounding(moment, sum) { R::ZERO } else { sum };
+                }
+            }
+            let entries = of.into_iter().enumerate().filter(|(_, entry)| !entry.is_nothing());
+            self.entries.extend(entries.map(|(k, entry)| (DOFS * root + k, entry)));
+        }
+        (Line { from, to: self.entries.len() }, swept)
+    }
+
     /// Adds to the entry of a degree of freedom in the line that begins there. What cancels but for rounding is nothing.
     fn put(&mut self, from: usize, dof: usize, x: R) {
         let Some(at) = (from..self.entries.len()).find(|at| self.entries[*at].0 == dof) else {
@@ -108,10 +137,10 @@ impl<R: Number> Lines<R> {
             return;
         };
         let sum = self.entries[at].1 + x;
-        if (x.magnitude() * R::from_f64(8.0 * R::ROUNDING)).less(sum.magnitude()) {
-            self.entries[at].1 = sum;
-        } else {
+        if is_rounding(x, sum) {
             self.entries.remove(at);
+        } else {
+            self.entries[at].1 = sum;
         }
     }
 
@@ -129,6 +158,11 @@ impl<R: Number> Lines<R> {
     pub(crate) fn all(&self) -> &[(usize, R)] {
         &self.entries
     }
+}
+
+/// Whether a sum cancels the part x but for rounding.
+fn is_rounding<R: Number>(x: R, sum: R) -> bool {
+    !(x.magnitude() * R::from_f64(8.0 * R::ROUNDING)).less(sum.magnitude())
 }
 
 /// One equation.
