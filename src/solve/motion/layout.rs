@@ -78,7 +78,15 @@ impl Layout {
             self.order = matrix.sparse_order();
             matrix = matrix.ordered(&self.order);
         }
-        if let Some(plan) = matrix.plan(&self.plan, is_more) {
+        // Inertias turn with their nodes.
+        let place = &self.place;
+        let turns = self.columns.iter().enumerate().filter(|(_, dof)| (3..6).contains(&(**dof % DOFS)));
+        let turned = turns.flat_map(|(i, dof)| {
+            let node = DOFS * (dof / DOFS);
+            (3..6).filter_map(move |k| Some((i, place[node + k]?)))
+        });
+        let turned: Vec<(usize, usize)> = turned.collect();
+        if let Some(plan) = matrix.plan(&self.plan, is_more, &turned) {
             self.plan = plan;
         }
     }

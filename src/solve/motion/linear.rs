@@ -81,10 +81,11 @@ impl<R: Number> System<R> {
         self
     }
 
-    /// The plan for matrices with entries where this one and those of `before` have them. `None` where that is good for this one, or where there
+    /// The plan for matrices with entries where this one and those of `before` have them, and in some places besides. `None` where that is good for this one, or where there
     /// is no elimination.
-    pub(crate) fn plan(&self, before: &Plan, is_reordered: bool) -> Option<Plan> {
-        let entries = || self.entries.iter().map(|(row, column, _)| (*row, *column));
+    pub(crate) fn plan(&self, before: &Plan, is_reordered: bool, besides: &[(usize, usize)]) -> Option<Plan> {
+        // What is in one place may come to be in the place across.
+        let entries = || self.entries.iter().flat_map(|(row, column, _)| [(*row, *column), (*column, *row)]);
         let is_good =
             || before.takes(entries()) && before.tape().is_some_and(|tape| self.along(&tape).is_some());
         if !is_reordered && is_good() {
@@ -93,7 +94,7 @@ impl<R: Number> System<R> {
         let found = self.eliminated(&self.order, PLANNED).ok()?;
         let rows = found.pivots.iter().map(|(row, _)| *row);
         let pivots: Vec<(usize, usize)> = self.order.iter().copied().zip(rows).collect();
-        Some(before.with(entries(), &pivots))
+        Some(before.with(entries().chain(besides.iter().copied()), &pivots))
     }
 
     /// Adds to an entry; columns from `size` on are right-hand sides.
@@ -707,8 +708,8 @@ mod tests {
         let first = with(1.0, false);
         let order = first.sparse_order();
         let first = first.ordered(&order);
-        let plan = first.plan(&Plan::default(), true).unwrap();
-        assert!(first.along(&plan.tape().unwrap()).is_some() && first.plan(&plan, false).is_none());
+        let plan = first.plan(&Plan::default(), true, &[]).unwrap();
+        assert!(first.along(&plan.tape().unwrap()).is_some() && first.plan(&plan, false, &[]).is_none());
         let [planned, along] =
             [first.eliminated(&order, super::PLANNED).unwrap(), first.along(&plan.tape().unwrap()).unwrap()]
                 .map(|of| of.solve(&first.right[0]));

@@ -193,7 +193,7 @@ impl<'a> Improvement<'a> {
     pub(crate) fn changes<R: Number>(&self, lacks: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
         /// The most solutions of what is left, and the part that counts as nothing.
         const TIMES: usize = 8;
-        const LEAST: f64 = 1e-4;
+        const LEAST: f64 = 1e-2;
         let n = lacks.first()?.len();
         let lack = DMatrix::from_fn(n, lacks.len(), |i, stage| lacks[stage][i].to_f64());
         let mut found = self.solve(&lack)?;
