@@ -122,8 +122,11 @@ impl<R: Number> Lines<R> {
                     of[3 + k] = if is_rounding(moment, sum) { R::ZERO } else { sum };
                 }
             }
-            let entries = of.into_iter().enumerate().filter(|(_, entry)| !entry.is_nothing());
-            self.entries.extend(entries.map(|(k, entry)| (DOFS * root + k, entry)));
+            for (k, entry) in of.into_iter().enumerate() {
+                if !entry.is_nothing() {
+                    self.entries.push((DOFS * root + k, entry));
+                }
+            }
         }
         (Line { from, to: self.entries.len() }, swept)
     }

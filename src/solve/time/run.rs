@@ -213,7 +213,7 @@ fn solve_on<R: Number>(
 /// largest radius of gyration.
 fn size(scene: &Scene, model: &Model, options: &Options, gyration: f64) -> f64 {
     /// How many digits a trial has.
-    const DIGITS: usize = 7;
+    const DIGITS: usize = 4;
     /// How many times less than the size of its trial a motion may be, to be known by it.
     const KNOWN: f64 = 1e3;
     /// How often the size is sought again, each time by so much less: lengths may be metres in a model of micrometres.
