@@ -56,6 +56,8 @@ pub use time::solution::{
 #[cfg(test)]
 mod begin_tests;
 #[cfg(test)]
+mod carried_tests;
+#[cfg(test)]
 mod chains_tests;
 #[cfg(test)]
 mod tests;

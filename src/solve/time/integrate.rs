@@ -403,8 +403,15 @@ fn collocate<R: Number>(
     let other = combine(fewer, &rates);
     // The order with all stages is twice that without the last one.
     let tolerance = allowed.last().map_or(1.0, |last| last.to_f64());
-    let differences = end.iter().zip(&other).map(|(x, y)| *x - *y);
-    let part = excess(differences, allowed) * tolerance;
+    let differences: Vec<R> = end.iter().zip(&other).map(|(x, y)| *x - *y).collect();
+    let damped = all
+        .as_ref()
+        .and_then(|all| all.damped(&differences.iter().map(|x| x.to_f64()).collect::<Vec<f64>>()));
+    let part = tolerance
+        * match damped {
+            Some(damped) => excess(damped.into_iter().map(R::from_f64), allowed),
+            None => excess(differences.into_iter(), allowed),
+        };
     // Where motion changes within the step that order is not reached: three quarters of it are counted on. Where it is stiff, all stages and all but
     // one differ by two orders or less: that of a stage is the number of stages (Hairer, Wanner, II, IV.15).
     let error = part.powf(if is_stiff { STIFF } else { 1.5 }) / tolerance;

@@ -15,7 +15,7 @@ use crate::refusal::Refusal;
 use crate::time::integrate::{Ahead, Newton, Slope, Tried, at_zero};
 use crate::time::onset::{Onset, decay};
 use crate::time::run::Run;
-use crate::time::stiff;
+use crate::time::stiff::{self, Pace};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::Vector;
 use pintle_scene::{Amplitude, AmplitudeDefinition, Scene};
@@ -174,7 +174,7 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// The equations at y.
-    fn assembled_at(&self, base: &State<R>, time: R, y: &[R]) -> Result<Assembled<R>, Trouble> {
+    pub(crate) fn assembled_at(&self, base: &State<R>, time: R, y: &[R]) -> Result<Assembled<R>, Trouble> {
         let n = self.layout.columns.len();
         let (poses, rates, turned) = self.unpacked(base, y, self.mechanism.needs_vectors());
         let instant = Instant {
@@ -190,7 +190,11 @@ impl<R: Number> Run<'_, R> {
     }
 
     /// Where y may go, numbers by such sizes.
-    fn tangent(&self, base: &State<R>, (time, y, sizes): (R, &[R], &[R])) -> Result<Tangent, Trouble> {
+    pub(crate) fn tangent(
+        &self,
+        base: &State<R>,
+        (time, y, sizes): (R, &[R], &[R]),
+    ) -> Result<Tangent, Trouble> {
         let ways = Ways {
             layout: &self.layout,
             moving: &|y| self.moving(base, y),
@@ -499,13 +503,14 @@ impl<R: Number> Run<'_, R> {
         let allowed = self.allowed(&y, self.h);
         let mut flow = |time: R, y: &[R]| self.flow(&base, time, y).map(|(slope, _)| slope);
         let found = flow(base.time, &y).and_then(|slope| {
-            if stiff::is_lively(&mut flow, (base.time, &y, &slope), &allowed, self.h)? {
+            let pace = Pace::of(&mut flow, (base.time, &y, &slope), &allowed, self.h)?;
+            if pace.is_lively() {
                 return Ok(false);
             }
             let sizes = self.sizes_for_differences(&base, &y, &allowed)?;
             let tangent = self.tangent(&base, (base.time, &y, &sizes))?;
             let derivatives = stiff::derivatives(&mut flow, (base.time, &y, &slope), &tangent.directions)?;
-            Ok(stiff::is_stiff((&tangent, &derivatives), &slope.rates, &allowed, self.h))
+            Ok(stiff::is_stiff((&tangent, &derivatives), pace, self.h))
         });
         self.quiet.is_stiff = found.map_err(|trouble| self.say(trouble))?;
         Ok(())
@@ -597,7 +602,7 @@ impl<R: Number> Run<'_, R> {
                     self.h = h.to_f64() * 0.3;
                     halvings += 1;
                     if self.h < least || halvings > 200 {
-                        return Err(self.say(trouble));
+                        return Err(self.singular().unwrap_or_else(|| self.say(trouble)));
                     }
                     continue;
                 }

@@ -43,55 +43,61 @@ pub(crate) fn derivatives<R: Number>(
     Ok(found)
 }
 
-/// Whether rates change along the motion by more than anything leaves of them that decays as fast as steps of length h may go.
-pub(crate) fn is_lively<R: Number>(
-    flow: &mut Flow<'_, R>,
-    (t, y, slope): (R, &[R], &Slope<R>),
-    allowed: &[R],
-    h: f64,
-) -> Result<bool, Trouble> {
-    /// What decays more often within an explicit step makes it fail.
-    const FASTEST: f64 = 64.0;
-    let by = R::from_f64(h * DIFFERENCE);
-    let there: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
-    let then = flow(t + by, &there)?;
-    let size = |of: &mut dyn Iterator<Item = f64>| {
-        of.zip(allowed).fold(0.0_f64, |most, (x, size)| most.max((x / size.to_f64()).abs()))
-    };
-    let changes = then.rates.iter().zip(&slope.rates).map(|(then, now)| ((*then - *now) / by).to_f64() * h);
-    let changes = size(&mut { changes });
-    let rates = size(&mut slope.rates.iter().map(|x| x.to_f64()));
-    Ok(changes > LEFT * FASTEST * rates)
+/// By how much rates change along the motion in a time h, and how large they are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    changes: f64,
+    rates: f64,
+}
+
+impl Pace {
+    /// In units of what is allowed.
+    pub(crate) fn of<R: Number>(
+        flow: &mut Flow<'_, R>,
+        (t, y, slope): (R, &[R], &Slope<R>),
+        allowed: &[R],
+        h: f64,
+    ) -> Result<Self, Trouble> {
+        let by = R::from_f64(h * DIFFERENCE);
+        let there: Vec<R> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
+        let then = flow(t + by, &there)?;
+        let size = |of: &mut dyn Iterator<Item = f64>| {
+            of.zip(allowed).fold(0.0_f64, |most, (x, size)| most.max((x / size.to_f64()).abs()))
+        };
+        let pairs = then.rates.iter().zip(&slope.rates);
+        let changes = size(&mut pairs.map(|(then, now)| ((*then - *now) / by).to_f64() * h));
+        Ok(Self { changes, rates: size(&mut slope.rates.iter().map(|x| x.to_f64())) })
+    }
+
+    /// Whether that is more than anything leaves of them that decays as fast as steps may go.
+    pub(crate) fn is_lively(&self) -> bool {
+        /// What decays more often within an explicit step makes it fail.
+        const FASTEST: f64 = 64.0;
+        self.is_more_than_left_by(FASTEST)
+    }
+
+    fn is_more_than_left_by(&self, decays: f64) -> bool {
+        self.changes > LEFT * decays * self.rates
+    }
 }
 
 /// Whether motion is stiff for steps of length h: something decays that fast, and rates change far less, for of that nothing is left.
 /// The derivatives of the rates are those along the directions of a tangent.
-pub(crate) fn is_stiff<R: Number>(
-    (tangent, derivatives): (&Tangent, &DMatrix<f64>),
-    rates: &[R],
-    allowed: &[R],
-    h: f64,
-) -> bool {
+pub(crate) fn is_stiff((tangent, derivatives): (&Tangent, &DMatrix<f64>), pace: Pace, h: f64) -> bool {
     let matrix = h * &tangent.parts * derivatives;
     if !matrix.iter().all(|x| x.is_finite()) {
         return false;
     }
-    let size = |of: &DVector<f64>| {
-        of.iter().zip(allowed).fold(0.0_f64, |most, (x, size)| most.max((x / size.to_f64()).abs()))
-    };
-    let rates = DVector::from_iterator(rates.len(), rates.iter().map(|x| x.to_f64()));
-    let change = h * derivatives * (&tangent.parts * &rates);
-    let (changes, size_of_rates) = (size(&change), size(&rates));
     // No eigenvalue is beyond a norm of the matrix, nor its square beyond one of the square: mostly that is enough, and Schur's form is dear.
     let norm =
         |of: &DMatrix<f64>| of.row_iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
-    let is_too_slow = |largest: f64| largest < DECAYS || changes > LEFT * largest * size_of_rates;
+    let is_too_slow = |largest: f64| largest < DECAYS || pace.is_more_than_left_by(largest);
     if is_too_slow(norm(&matrix)) || is_too_slow(norm(&(&matrix * &matrix)).sqrt()) {
         return false;
     }
     let Some(found) = Schur::try_new(matrix, f64::EPSILON, ITERATIONS) else { return false };
     let is_fast =
-        |x: &Complex<f64>| x.re <= -DECAYS && x.im.abs() <= -x.re && changes <= LEFT * -x.re * size_of_rates;
+        |x: &Complex<f64>| x.re <= -DECAYS && x.im.abs() <= -x.re && !pace.is_more_than_left_by(-x.re);
     found.complex_eigenvalues().iter().any(is_fast)
 }
 
@@ -214,6 +220,18 @@ impl<'a> Improvement<'a> {
         Some((0..lacks.len()).map(stage).collect())
     }
 
+    /// (1 − γ h A)⁻¹ of a difference: of what decays within the step a difference tells nothing but its rounding (Hairer, Wanner, II, IV.8). `None`
+    /// where that is not determined.
+    pub(crate) fn damped(&self, difference: &[f64]) -> Option<Vec<f64>> {
+        let (Change { tangent, derivatives }, _) = self.changes.first()?;
+        let difference = DVector::from_column_slice(difference);
+        let gamma = self.h / self.spectrum.matrix.nrows() as f64;
+        let matrix = gamma * &tangent.parts * derivatives;
+        let parts = (DMatrix::identity(matrix.nrows(), matrix.nrows()) - matrix).lu();
+        let along = parts.solve(&(&tangent.parts * &difference))?;
+        Some((difference + gamma * derivatives * along).as_slice().to_vec())
+    }
+
     /// h A_i Σ a_ij ΔK_j.
     fn along(&self, changes: &DMatrix<f64>) -> DMatrix<f64> {
         let sums = self.h * changes * self.spectrum.matrix.transpose();
@@ -316,7 +334,7 @@ impl Eliminated {
 
 #[cfg(test)]
 mod tests {
-    use super::{Complex, DMatrix, DVector, Eliminated, Tangent, derivatives, is_stiff, sizes};
+    use super::{Complex, DMatrix, DVector, Eliminated, Pace, Tangent, derivatives, is_stiff, sizes};
     use crate::number::Number;
     use crate::time::integrate::{Method, Newton, Rule, Slope};
     use pintle_kinematics::scalar::Wide;
@@ -382,7 +400,8 @@ mod tests {
             let slope = flow(0.0, &y).unwrap();
             let all = Tangent::whole(&sizes(&y, &allowed), 0);
             let known = derivatives(&mut flow, (0.0, &y, &slope), &all.directions).unwrap();
-            is_stiff((&all, &known), &slope.rates, &allowed, h)
+            let pace = Pace::of(&mut flow, (0.0, &y, &slope), &allowed, h).unwrap();
+            is_stiff((&all, &known), pace, h)
         };
         assert!(stiff(1e4, [1.0 + 1.0 / 9999.0, 1.0], 1e-3));
         assert!(!stiff(1e4, [2.0, 1.0], 1e-3), "still decaying");

@@ -1,0 +1,143 @@
+//! Nodes that beams make parts of bodies, and laws of equations at states that are anywhere.
+
+use crate::motion::mechanism::Mechanism;
+use crate::number::Number;
+use crate::time::run::Run;
+use crate::{Method, Options, REFERENCES, Solution, solve};
+use nalgebra::DMatrix;
+use pintle_kinematics::scalar::Wide;
+use pintle_model::evaluate::Model;
+use pintle_scene::Scene;
+
+/// Beams between bodies, hinges and springs in space and in a plane, friction.
+const NAMES: [&str; 6] = ["flyball", "bricard", "andrews", "double_hinge", "drawer", "double_pendulum"];
+
+fn scene_of(name: &str) -> Scene {
+    let (_, deck) = REFERENCES.iter().find(|(of, _)| *of == name).unwrap();
+    Scene::parse(name, deck).unwrap()
+}
+
+/// A run where it begins, at a state that fits no equation: each number is moved by another part of a hundredth.
+fn anywhere<'a, R: Number>(scene: &'a Scene, model: &'a Model, options: &'a Options) -> (Run<'a, R>, Vec<R>) {
+    let mut run: Run<'_, R> = Run::new(scene, model, options).unwrap();
+    run.begin().unwrap();
+    let y = run.packed();
+    let moved = y.iter().enumerate().map(|(i, x)| {
+        let part = R::from_f64(0.01 * ((i * i * 7 % 13) as f64 - 6.0) / 6.0);
+        *x + (x.magnitude() + R::integer(1)) * part
+    });
+    let moved = moved.collect();
+    (run, moved)
+}
+
+/// d/dt of each equation is its rate and d/dt of that zero, wherever a state is: of connectors whose nodes are carried as well.
+#[test]
+fn equations_keep_their_rates_wherever_a_state_is() {
+    let (mut compared, mut carried) = (0, 0);
+    for name in NAMES {
+        let (scene, options) = (scene_of(name), Options::default());
+        let model = Model::compile(&scene).unwrap();
+        let (run, y) = anywhere::<Wide>(&scene, &model, &options);
+        carried += run.mechanism.carried.iter().flatten().count();
+        let (slope, _) = run.flow(&run.state, run.state.time, &y).unwrap();
+        let by = Wide::from_f64(1e-28);
+        let moved: Vec<Wide> = y.iter().zip(&slope.rates).map(|(y, rate)| *y + by * *rate).collect();
+        let after = run.assembled_at(&run.state, run.state.time + by, &moved).unwrap();
+        let here = run.assembled_at(&run.state, run.state.time, &y).unwrap();
+        let change = |after: Option<Wide>, here: Option<Wide>| {
+            after.zip(here).map(|(after, here)| ((after - here) / by).to_f64())
+        };
+        for row in &run.layout.kept {
+            let [now, then] = [&here, &after].map(|of| &of.rows[*row]);
+            let size = 1.0 + now.bias.to_f64().abs();
+            let acceleration = change(then.rate, now.rate).unwrap();
+            assert!(acceleration.abs() < 1e-20 * size, "{name}, {:?}: {acceleration:e}", now.owner);
+            let rate = now.rate.unwrap().to_f64();
+            let found = change(then.residual, now.residual).unwrap();
+            assert!((found - rate).abs() < 1e-20 * size, "{name}, {:?}: {found}, not {rate}", now.owner);
+            compared += 1;
+        }
+    }
+    assert!(compared > 90 && carried > 20, "{compared} equations, {carried} nodes");
+}
+
+/// Along its directions a state leaves its equations by squares of the way alone, and each is part of itself, once.
+#[test]
+fn a_tangent_keeps_equations() {
+    let (mut compared, mut least) = (0, usize::MAX);
+    for name in NAMES {
+        let (scene, options) = (scene_of(name), Options::default());
+        let model = Model::compile(&scene).unwrap();
+        let (run, y) = anywhere::<Wide>(&scene, &model, &options);
+        let sizes: Vec<Wide> = (0..y.len()).map(|i| Wide::from_f64(0.5 + (i % 3) as f64)).collect();
+        let tangent = run.tangent(&run.state, (run.state.time, &y, &sizes)).unwrap();
+        let count = tangent.directions.ncols();
+        let apart = &tangent.parts * &tangent.directions - DMatrix::identity(count, count);
+        assert!(apart.amax() < 1e-12, "{name}: {}", apart.amax());
+        least = least.min(count);
+        let step = Wide::from_f64(1e-9);
+        let at = |y: &[Wide]| run.assembled_at(&run.state, run.state.time, y).unwrap();
+        let here = at(&y);
+        for direction in tangent.directions.column_iter() {
+            let moved: Vec<Wide> =
+                y.iter().zip(&direction).map(|(y, x)| *y + step * Wide::from_f64(*x)).collect();
+            let there = at(&moved);
+            for row in &run.layout.kept {
+                let (now, then) = (&here.rows[*row], &there.rows[*row]);
+                for (now, then) in [(now.residual, then.residual), (now.rate, then.rate)] {
+                    let change = (then.unwrap() - now.unwrap()).to_f64();
+                    // Velocities along are those of a difference.
+                    assert!(change.abs() < 1e-14, "{name}: {change:e}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 700 && least >= 1, "{compared} {least}");
+}
+
+/// A body with two nodes carried, one by the other, that hangs on a joint: a force, a moment, a spring and a velocity are theirs.
+fn hung(masses: &str) -> String {
+    format!(
+        "*NODE\n1, 0., 0., 0.\n2, 0.4, 0.1, 0.2\n3, 0.7, -0.2, 0.3\n\
+         *ELEMENT, TYPE=MASS, ELSET=M\n201, 1\n*MASS, ELSET=M\n2.\n\
+         *ELEMENT, TYPE=ROTARYI, ELSET=I\n301, 1\n*ROTARY INERTIA, ELSET=I\n0.1, 0.2, 0.25\n{masses}\
+         *MPC\nBEAM, 1, 2\nBEAM, 3, 2\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=HANGS\n101, , 3\n*CONNECTOR SECTION, ELSET=HANGS\nJOIN\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=PULLS\n102, , 2\n\
+         *CONNECTOR SECTION, ELSET=PULLS, BEHAVIOR=SOFT\nCARTESIAN, CARDAN\n\
+         *CONNECTOR BEHAVIOR, NAME=SOFT\n*CONNECTOR ELASTICITY, COMPONENT=1\n30.\n\
+         *CONNECTOR DAMPING, COMPONENT=5\n0.4\n\
+         *INITIAL CONDITIONS, TYPE=VELOCITY\n2, 2, 0.5\n\
+         *STEP\n*DYNAMIC\n0.01, 0.5\n*CLOAD\n2, 1, 3.\n2, 6, 0.7\n3, 5, -0.2\n*DLOAD\nM, GRAV, 9.81, 0., 0., -1.\n*END STEP\n"
+    )
+}
+
+/// What is carried moves, and is loaded, as where its beams are equations: there its nodes have a mass that weighs nothing.
+#[test]
+fn what_is_carried_moves_as_equations_say() {
+    let tiny = "*ELEMENT, TYPE=MASS, ELSET=T\n202, 2\n203, 3\n*MASS, ELSET=T\n1e-26\n";
+    let mut compared = 0;
+    for method in [Method::Extrapolation, Method::Collocation] {
+        let options = Options { method, times: vec![0.2, 0.5], ..Options::default() };
+        let [carried, held]: [Solution<f64>; 2] = [("", 2), (tiny, 0)].map(|(masses, count)| {
+            let scene = Scene::parse("deck.inp", &hung(masses)).unwrap();
+            let mechanism = Mechanism::<f64>::new(&scene, &Model::compile(&scene).unwrap(), 0).unwrap();
+            assert_eq!(mechanism.carried.iter().flatten().count(), count);
+            solve(&scene, &options).unwrap()
+        });
+        for (one, other) in carried.frames.iter().zip(&held.frames) {
+            assert_eq!(one.nodes.len(), 3);
+            for (node, (one, other)) in one.nodes.iter().zip(&other.nodes).enumerate() {
+                let all = |of: &crate::NodeFrame<f64>| {
+                    [of.displacement.as_slice(), &of.rotation, &of.velocity, &of.acceleration].concat()
+                };
+                for (k, (x, y)) in all(one).into_iter().zip(all(other)).enumerate() {
+                    assert!((x - y).abs() < 1e-11, "{method:?} node {node}, {k}: {x}, not {y}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 2 * 3 * 3 * 18);
+}
