@@ -347,12 +347,13 @@ mod tests {
 
     fn error_after<R: Number>(method: Method, digits: usize) -> f64 {
         let rule: Rule<R> = Rule::new(method, digits);
-        let (mut flow, fast, h) = (flow::<R>(1e6), R::from_f64(1e6), R::ratio(1, 4));
+        const STEPS: i32 = 32;
+        let (mut flow, fast, h) = (flow::<R>(1e6), R::from_f64(1e6), R::ratio(1, STEPS));
         let apart = |x: R| x / (fast - R::integer(1)) + x;
         let mut y = vec![apart(R::integer(1)), R::integer(1)];
         let allowed = vec![R::from_f64(10.0_f64.powi(-(digits as i32))); 3];
-        for i in 0..4 {
-            let t = R::ratio(i, 4);
+        for i in 0..STEPS {
+            let t = R::ratio(i, STEPS);
             let slope = flow(t, &y).unwrap();
             let newton = Newton::All(sizes(&y, &allowed));
             let tried = rule.step(&mut flow, (t, &y, &slope), h, &allowed, (&newton, None)).unwrap();
