@@ -119,7 +119,13 @@ impl Layout {
                 .for_each(|(place, entry)| vector[place] += entry);
             let size = norm(&vector);
             if size <= ZERO * ZERO {
-                // All of it is held.
+                // All of it is held. Where beams lead to what holds it, its force may be in them.
+                if mechanism.has_carried(row.owner) {
+                    if !may_be_open {
+                        needed(mechanism, assembled, modes, &[index])?;
+                    }
+                    self.open.push(index);
+                }
                 continue;
             }
             vector.iter_mut().for_each(|x| *x /= size);

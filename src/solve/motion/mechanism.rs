@@ -837,6 +837,11 @@ impl<R: Number> Mechanism<R> {
         all.into_iter().map(|node| self.root(node)).collect()
     }
 
+    /// Whether an equation joins a node that is carried.
+    pub(crate) fn has_carried(&self, owner: Owner) -> bool {
+        self.nodes_named(owner).into_iter().any(|node| self.root(node) != node)
+    }
+
     fn nodes_named(&self, owner: Owner) -> Vec<usize> {
         match owner {
             Owner::Joint(joint, _) => {
