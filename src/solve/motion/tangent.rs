@@ -22,13 +22,15 @@ pub(crate) struct Tangent {
     pub(crate) positions: usize,
 }
 
+/// The equations at y.
+pub(crate) type Equations<'a, R> = dyn Fn(&[R]) -> Result<Assembled<R>, Trouble> + 'a;
+
 /// What tells where a state may go.
 pub(crate) struct Ways<'a, R> {
     pub(crate) layout: &'a Layout,
     /// q̇ at y.
     pub(crate) moving: &'a dyn Fn(&[R]) -> Vec<R>,
-    /// The equations at y.
-    pub(crate) assemble: &'a dyn Fn(&[R]) -> Result<Assembled<R>, Trouble>,
+    pub(crate) assemble: &'a Equations<'a, R>,
 }
 
 impl Tangent {

@@ -59,11 +59,13 @@ pub(crate) struct Ahead<'a, R> {
     pub(crate) positions: usize,
     /// V at y = (q, v, …).
     pub(crate) moving: &'a dyn Fn(&[R]) -> Vec<R>,
-    /// Where y may go whose numbers have such sizes.
-    pub(crate) tangent: &'a dyn Fn(R, &[R], &[R]) -> Result<Tangent, Trouble>,
+    pub(crate) tangent: &'a Tangents<'a, R>,
     /// The stages of another step.
     pub(crate) stages: Option<&'a Stages<R>>,
 }
+
+/// Where y may go at t, whose numbers have such sizes.
+pub(crate) type Tangents<'a, R> = dyn Fn(R, &[R], &[R]) -> Result<Tangent, Trouble> + 'a;
 
 /// ẏ = f(t, y).
 pub(crate) type Flow<'a, R> = dyn FnMut(R, &[R]) -> Result<Slope<R>, Trouble> + 'a;
