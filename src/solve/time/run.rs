@@ -241,7 +241,8 @@ fn size(scene: &Scene, model: &Model, options: &Options, gyration: f64) -> f64 {
             break;
         }
         if is_body {
-            return length.max(goes);
+            // To a power of two: the digits of a trial are not those of a size.
+            return length.max(goes.log2().ceil().exp2());
         }
         let is_known = goes * KNOWN > length;
         length = goes;

@@ -895,6 +895,8 @@ impl<R: Number> Run<'_, R> {
     ) -> Result<(), Refusal> {
         /// So often in a row values tell where to go.
         const TOLD: usize = 12;
+        /// So many digits more than a state has a time of an event.
+        const BEYOND: i32 = 4;
         let zero = R::ZERO;
         let mut low = (zero, first.to_vec());
         let mut high = h;
@@ -920,7 +922,8 @@ impl<R: Number> Run<'_, R> {
         // Half of a step that was too long.
         let mut shorter: Option<R> = None;
         let start = self.state.time;
-        let resolution = larger(start.magnitude(), h) * R::from_f64(4.0 * R::ROUNDING);
+        let finest = 10.0_f64.powi(-BEYOND - self.options.digits as i32).max(4.0 * R::ROUNDING);
+        let resolution = larger(start.magnitude(), h) * R::from_f64(finest);
         // A gap is as exact as the way that it goes: what has just been left comes back from there.
         let ways: Vec<R> =
             first.iter().zip(last_switches).map(|(one, two)| largest([one.value, two.value])).collect();

@@ -157,7 +157,7 @@ pub(crate) struct Change {
 /// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles.
 ///
 /// With the A of one stage for all, 1 − h a ⊗ P C is the matrix of P ΔK, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary
-/// Differential Equations II, IV.8). ΔK is what lacks and h a ⊗ C (P ΔK).
+/// Differential Equations II, IV.8). The change ΔK is what lacks and h a ⊗ C (P ΔK).
 ///
 /// Where the A of several stages are known those between are interpolated, and what such a step leaves is solved for again.
 pub(crate) struct Improvement<'a> {
