@@ -100,7 +100,7 @@ impl<R: Number> Lines<R> {
         (Line { from, to: self.entries.len() }, swept)
     }
 
-    /// The same of the two nodes of a connector, none of which may be the ground.
+    /// The same of the two nodes of a connector; one that is none is the ground.
     pub(crate) fn add_pair(&mut self, ends: [Option<usize>; 2], row: &[R; PAIR]) -> (Line, R) {
         let from = self.entries.len();
         let mut swept = R::ZERO;
