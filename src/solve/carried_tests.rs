@@ -7,7 +7,7 @@ use crate::{Method, Options, REFERENCES, Solution, solve};
 use nalgebra::DMatrix;
 use pintle_kinematics::scalar::Wide;
 use pintle_model::evaluate::Model;
-use pintle_scene::Scene;
+use pintle_scene::{Label, NodeMotion, Scene, State};
 
 /// Beams between bodies, hinges and springs in space and in a plane, friction.
 const NAMES: [&str; 6] = ["flyball", "bricard", "andrews", "double_hinge", "drawer", "double_pendulum"];
@@ -140,4 +140,19 @@ fn what_is_carried_moves_as_equations_say() {
         }
     }
     assert_eq!(compared, 2 * 3 * 3 * 18);
+}
+
+/// A state that has a carried node elsewhere than its body says so: it is brought there, and how far counts as a violation.
+#[test]
+fn a_state_that_does_not_fit_its_beams_is_a_violation() {
+    let scene = Scene::parse("deck.inp", &hung("")).unwrap();
+    let violation = |off: f64| {
+        let node = |x: f64| NodeMotion { displacement: [x, 0.0, 0.0], ..NodeMotion::default() };
+        let nodes = [(Label::from(1_u64), node(0.0)), (Label::from(2_u64), node(off))];
+        let from = State { time: Some(0.0), nodes: nodes.into_iter().collect(), ..State::default() };
+        let options = Options { from: Some(from), until: Some(0.01), ..Options::default() };
+        solve::<f64>(&scene, &options).unwrap().violation
+    };
+    let (fits, elsewhere) = (violation(0.0), violation(0.05));
+    assert!(fits < 1e-13 && elsewhere > 0.01, "{fits} {elsewhere}");
 }

@@ -81,8 +81,8 @@ impl<R: Number> System<R> {
         self
     }
 
-    /// The plan for matrices with entries where this one and those of `before` have them, and in some places besides. `None` where that is good for this one, or where there
-    /// is no elimination.
+    /// The plan for matrices with entries where this one and those of `before` have them, and in some places besides. `None` where `before` is
+    /// good for this one, or where there is no elimination.
     pub(crate) fn plan(&self, before: &Plan, is_reordered: bool, besides: &[(usize, usize)]) -> Option<Plan> {
         // What is in one place may come to be in the place across.
         let entries = || self.entries.iter().flat_map(|(row, column, _)| [(*row, *column), (*column, *row)]);

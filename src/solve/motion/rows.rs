@@ -40,6 +40,13 @@ impl<R: Number> Carried<R> {
         let [x, y, z] = add(add([of[0], of[1], of[2]], cross(turning, self.arm)), self.swept);
         [x, y, z, of[3], of[4], of[5], own[6]]
     }
+
+    /// An entry x for its degree of freedom k, as entries for the other: e_k · (θ × r) = (r × e_k) · θ.
+    fn spread(&self, k: usize, x: R) -> impl Iterator<Item = (usize, R)> {
+        let (start, i, j) = (DOFS * self.by, (k + 1) % 3, (k + 2) % 3);
+        let turning = [(start + 3 + i, x * self.arm[j]), (start + 3 + j, -(x * self.arm[i]))];
+        std::iter::once((start + k, x)).chain(turning.into_iter().filter(move |_| k < 3))
+    }
 }
 
 /// The entries of rows and columns of one instant, one after the other. Those of nodes that are carried are entries of the nodes that carry them.
@@ -87,15 +94,8 @@ impl<R: Number> Lines<R> {
                 self.put(from, dof, x);
                 continue;
             };
-            let start = DOFS * of.by;
-            self.put(from, start + k, x);
-            if k < 3 {
-                // e_k · (θ × r) = (r × e_k) · θ.
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                self.put(from, start + 3 + i, x * of.arm[j]);
-                self.put(from, start + 3 + j, -(x * of.arm[i]));
-                swept = swept + x * of.swept[k];
-            }
+            of.spread(k, x).for_each(|(dof, x)| self.put(from, dof, x));
+            swept = swept + if k < 3 { x * of.swept[k] } else { R::ZERO };
         }
         (Line { from, to: self.entries.len() }, swept)
     }
@@ -241,12 +241,8 @@ impl<R: Number> Assembled<R> {
             self.applied[dof] = self.applied[dof] + force;
             return;
         };
-        let (k, start) = (dof % DOFS, DOFS * of.by);
-        self.applied[start + k] = self.applied[start + k] + force;
-        if k < 3 {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            self.applied[start + 3 + i] = self.applied[start + 3 + i] + force * of.arm[j];
-            self.applied[start + 3 + j] = self.applied[start + 3 + j] - force * of.arm[i];
+        for (dof, force) in of.spread(dof % DOFS, force) {
+            self.applied[dof] = self.applied[dof] + force;
         }
     }
 }

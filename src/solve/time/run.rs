@@ -7,7 +7,7 @@ use crate::motion::mechanism::{Hold, Mechanism};
 use crate::motion::mode::{Branches, Cause, Does, Mode, Modes, Side, Switch, TIE, Touch};
 use crate::motion::rows::{Assembled, Beginnings, Instant, Layout, NoPivotAt, Owner, Trouble};
 use crate::motion::state::{DOFS, Pose, State, WORKS};
-use crate::number::{Number, larger};
+use crate::number::{Number, larger, largest};
 use crate::refusal::Refusal;
 use crate::time::integrate::{Method, Rule, Stages, Tableau};
 use crate::time::keep::{Keeping, Kept};
@@ -15,9 +15,11 @@ use crate::time::solution::{ConnectorFrame, Energies, Frame, NodeFrame, Solution
 use crate::time::step::Quiet;
 use pintle_kinematics::connector::StopStatus;
 use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::scalar::elementary::norm;
+use pintle_kinematics::vector::sub;
 use pintle_model::behavior::friction::StickStiffness;
 use pintle_model::evaluate::Model;
-use pintle_scene::{Rotation, Scene};
+use pintle_scene::{Label, Rotation, Scene};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
@@ -351,8 +353,19 @@ impl<'a, R: Number> Run<'a, R> {
                 }
             }
         }
+        let told = state.poses.clone();
         mechanism.bring(&mut state.poses, &mut state.rates);
         let mut solution = Solution::empty(options.method);
+        // What a state says of a node that is carried counts as a violation, as far as it is elsewhere.
+        let is_told =
+            |label: &Label| options.from.as_ref().is_some_and(|from| from.nodes.contains_key(label));
+        let all = mechanism.bodies.iter().zip(told.iter().zip(&state.poses));
+        for (_, (told, now)) in all.filter(|(body, _)| is_told(&body.label)) {
+            let moved = norm(sub(told.displacement, now.displacement)).to_f64() / mechanism.length;
+            let pairs = told.rotation.iter().flatten().zip(now.rotation.iter().flatten());
+            let turned = largest(pairs.map(|(told, now)| *told - *now)).to_f64();
+            solution.violation = solution.violation.max(moved).max(turned);
+        }
         solution.length = mechanism.length;
         solution.nodes = mechanism.bodies.iter().map(|body| body.label).collect();
         solution.connectors =

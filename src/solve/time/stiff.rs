@@ -156,8 +156,8 @@ pub(crate) struct Change {
 
 /// Newton's step for the stages of collocation, K_i = f(y + h Σ a_ij K_j), on doubles.
 ///
-/// With the A of one stage for all, 1 − h a ⊗ P C is the matrix of P ΔK, taken apart by the eigenvalues of a (Hairer, Wanner, Solving Ordinary
-/// Differential Equations II, IV.8). The change ΔK is what lacks and h a ⊗ C (P ΔK).
+/// With the A of one stage for all, 1 − h a ⊗ P C is the matrix of P ΔK. The eigenvalues of a take it apart (Hairer, Wanner, II, IV.8). The
+/// change ΔK is what lacks and h a ⊗ C (P ΔK).
 ///
 /// Where the A of several stages are known those between are interpolated, and what such a step leaves is solved for again.
 pub(crate) struct Improvement<'a> {
@@ -221,8 +221,8 @@ impl<'a> Improvement<'a> {
         Some((0..lacks.len()).map(stage).collect())
     }
 
-    /// (1 − γ h A)⁻¹ of a difference: of what decays within the step a difference tells nothing but its rounding (Hairer, Wanner, II, IV.8). `None`
-    /// where that is not determined.
+    /// (1 − γ h A)⁻¹ of a difference, γ one over the number of stages (Hairer, Wanner, II, IV.8). Of what decays within the step a difference
+    /// tells nothing but its rounding. `None` where that is not determined.
     pub(crate) fn damped(&self, difference: &[f64]) -> Option<Vec<f64>> {
         let (Change { tangent, derivatives }, _) = self.changes.first()?;
         let difference = DVector::from_column_slice(difference);
