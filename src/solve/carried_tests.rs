@@ -1,4 +1,4 @@
-//! Nodes that beams make parts of bodies, and laws of equations at states that are anywhere.
+//! Nodes that beams, rigid bodies and couplings make parts of bodies, and laws of equations at states that are anywhere.
 
 use crate::motion::mechanism::Mechanism;
 use crate::number::Number;
@@ -96,13 +96,21 @@ fn a_tangent_keeps_equations() {
     assert!(compared > 700 && least >= 1, "{compared} {least}");
 }
 
-/// A body with two nodes carried, one by the other, that hangs on a joint: a force, a moment, a spring and a velocity are theirs.
-fn hung(masses: &str) -> String {
+/// Ties of nodes 2 and 3 to node 1.
+const BEAMS: &str = "*MPC\nBEAM, 1, 2\nBEAM, 3, 2\n";
+/// The same as other keywords have them.
+const TIES: [&str; 3] = [
+    BEAMS,
+    "*NSET, NSET=TIED\n2, 3\n*RIGID BODY, REF NODE=1, TIE NSET=TIED\n",
+    "*SURFACE, TYPE=NODE, NAME=CLOUD\n2\n3\n*COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=CLOUD\n*KINEMATIC\n1, 6\n",
+];
+
+/// A body with two nodes carried that hangs on a joint: a force, a moment, a spring and a velocity are theirs.
+fn hung(ties: &str, masses: &str) -> String {
     format!(
         "*NODE\n1, 0., 0., 0.\n2, 0.4, 0.1, 0.2\n3, 0.7, -0.2, 0.3\n\
          *ELEMENT, TYPE=MASS, ELSET=M\n201, 1\n*MASS, ELSET=M\n2.\n\
-         *ELEMENT, TYPE=ROTARYI, ELSET=I\n301, 1\n*ROTARY INERTIA, ELSET=I\n0.1, 0.2, 0.25\n{masses}\
-         *MPC\nBEAM, 1, 2\nBEAM, 3, 2\n\
+         *ELEMENT, TYPE=ROTARYI, ELSET=I\n301, 1\n*ROTARY INERTIA, ELSET=I\n0.1, 0.2, 0.25\n{masses}{ties}\
          *ELEMENT, TYPE=CONN3D2, ELSET=HANGS\n101, , 3\n*CONNECTOR SECTION, ELSET=HANGS\nJOIN\n\
          *ELEMENT, TYPE=CONN3D2, ELSET=PULLS\n102, , 2\n\
          *CONNECTOR SECTION, ELSET=PULLS, BEHAVIOR=SOFT\nCARTESIAN, CARDAN\n\
@@ -113,39 +121,74 @@ fn hung(masses: &str) -> String {
     )
 }
 
-/// What is carried moves, and is loaded, as where its beams are equations: there its nodes have a mass that weighs nothing.
+/// The same in the plane.
+fn hung_in_plane(ties: &str, masses: &str) -> String {
+    format!(
+        "*HEADING\n*NODE\n1, 0., 0.\n2, 0.4, 0.1\n3, 0.7, -0.2\n\
+         *ELEMENT, TYPE=MASS, ELSET=M\n201, 1\n*MASS, ELSET=M\n2.\n\
+         *ELEMENT, TYPE=ROTARYI, ELSET=I\n301, 1\n*ROTARY INERTIA, ELSET=I\n0.1, 0.2, 0.25\n{masses}{ties}\
+         *ELEMENT, TYPE=CONN2D2, ELSET=HANGS\n101, , 3\n*CONNECTOR SECTION, ELSET=HANGS\nJOIN\n\
+         *ELEMENT, TYPE=CONN2D2, ELSET=PULLS\n102, , 2\n\
+         *CONNECTOR SECTION, ELSET=PULLS, BEHAVIOR=SOFT\nCARTESIAN\n\
+         *CONNECTOR BEHAVIOR, NAME=SOFT\n*CONNECTOR ELASTICITY, COMPONENT=1\n30.\n\
+         *CONNECTOR DAMPING, COMPONENT=2\n0.4\n\
+         *INITIAL CONDITIONS, TYPE=VELOCITY\n2, 2, 0.5\n\
+         *STEP\n*DYNAMIC\n0.01, 0.5\n*CLOAD\n2, 1, 3.\n2, 6, 0.7\n3, 6, -0.2\n*DLOAD\nM, GRAV, 9.81, 0., -1.\n*END STEP\n"
+    )
+}
+
+/// A body whose nodes 2 and 3 have no rotations: pins.
+fn pinned(_: &str, masses: &str) -> String {
+    format!(
+        "*NODE\n1, 0., 0., 0.\n2, 0.4, 0.1, 0.2\n3, 0.7, -0.2, 0.3\n4, 2., 1., 1.\n5, 1., -1., 2.\n\
+         *ELEMENT, TYPE=MASS, ELSET=M\n201, 1\n*MASS, ELSET=M\n2.\n\
+         *ELEMENT, TYPE=ROTARYI, ELSET=I\n301, 1\n*ROTARY INERTIA, ELSET=I\n0.1, 0.2, 0.25\n{masses}\
+         *NSET, NSET=PINS\n2, 3\n*RIGID BODY, REF NODE=1, PIN NSET=PINS\n*BOUNDARY\n4, 1, 3\n5, 1, 3\n\
+         *ELEMENT, TYPE=CONN3D2, ELSET=PULLS\n101, 2, 4\n102, 3, 5\n\
+         *CONNECTOR SECTION, ELSET=PULLS, BEHAVIOR=SOFT\nAXIAL\n\
+         *CONNECTOR BEHAVIOR, NAME=SOFT\n*CONNECTOR ELASTICITY, COMPONENT=1\n30.\n\
+         *STEP\n*DYNAMIC\n0.01, 0.5\n*CLOAD\n2, 1, 3.\n*DLOAD\nM, GRAV, 9.81, 0., 0., -1.\n*END STEP\n"
+    )
+}
+
+/// What is carried moves, and is loaded, as where its ties are equations: there its nodes have a mass that weighs nothing.
 #[test]
 fn what_is_carried_moves_as_equations_say() {
     let tiny = "*ELEMENT, TYPE=MASS, ELSET=T\n202, 2\n203, 3\n*MASS, ELSET=T\n1e-26\n";
+    type Deck = fn(&str, &str) -> String;
+    let of = |deck: Deck, ties: &'static [&'static str]| ties.iter().map(move |ties| (deck, *ties));
+    let decks = of(hung, &TIES).chain(of(hung_in_plane, &TIES)).chain(of(pinned, &TIES[1..2]));
     let mut compared = 0;
-    for method in [Method::Extrapolation, Method::Collocation] {
+    for ((deck, ties), method) in
+        decks.flat_map(|of| [(of, Method::Extrapolation), (of, Method::Collocation)])
+    {
         let options = Options { method, times: vec![0.2, 0.5], ..Options::default() };
         let [carried, held]: [Solution<f64>; 2] = [("", 2), (tiny, 0)].map(|(masses, count)| {
-            let scene = Scene::parse("deck.inp", &hung(masses)).unwrap();
+            let scene = Scene::parse("deck.inp", &deck(ties, masses)).unwrap();
             let mechanism = Mechanism::<f64>::new(&scene, &Model::compile(&scene).unwrap(), 0).unwrap();
-            assert_eq!(mechanism.carried.iter().flatten().count(), count);
+            assert_eq!(mechanism.carried.iter().flatten().count(), count, "{ties}");
             solve(&scene, &options).unwrap()
         });
         for (one, other) in carried.frames.iter().zip(&held.frames) {
-            assert_eq!(one.nodes.len(), 3);
+            assert!(one.nodes.len() >= 3);
             for (node, (one, other)) in one.nodes.iter().zip(&other.nodes).enumerate() {
                 let all = |of: &crate::NodeFrame<f64>| {
                     [of.displacement.as_slice(), &of.rotation, &of.velocity, &of.acceleration].concat()
                 };
                 for (k, (x, y)) in all(one).into_iter().zip(all(other)).enumerate() {
-                    assert!((x - y).abs() < 1e-11, "{method:?} node {node}, {k}: {x}, not {y}");
+                    assert!((x - y).abs() < 1e-11, "{ties} {method:?} node {node}, {k}: {x}, not {y}");
                     compared += 1;
                 }
             }
         }
     }
-    assert_eq!(compared, 2 * 3 * 3 * 18);
+    assert_eq!(compared, 2 * 3 * (6 * 3 + 5) * 18);
 }
 
 /// A state that has a carried node elsewhere than its body says so: it is brought there, and how far counts as a violation.
 #[test]
 fn a_state_that_does_not_fit_its_beams_is_a_violation() {
-    let scene = Scene::parse("deck.inp", &hung("")).unwrap();
+    let scene = Scene::parse("deck.inp", &hung(BEAMS, "")).unwrap();
     let violation = |off: f64| {
         let node = |x: f64| NodeMotion { displacement: [x, 0.0, 0.0], ..NodeMotion::default() };
         let nodes = [(Label::from(1_u64), node(0.0)), (Label::from(2_u64), node(off))];

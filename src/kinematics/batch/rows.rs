@@ -509,16 +509,14 @@ fn fill_vector<U: Unit>(unit: U, of: &[[f64; 3]; LANES], to: &mut [Four; 3]) {
 
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn fill_matrix<U: Unit>(unit: U, of: &[[f64; 9]; LANES], to: &mut [[Four; 3]; 3]) {
-    let [m0, m1, m2, m3] = of;
-    let [a, b, c, d] = unit.transposed([quarter(m0, 0), quarter(m1, 0), quarter(m2, 0), quarter(m3, 0)]);
-    let [e, f, g, h] = unit.transposed([quarter(m0, 4), quarter(m1, 4), quarter(m2, 4), quarter(m3, 4)]);
-    let [_, _, _, i] = unit.transposed([quarter(m0, 5), quarter(m1, 5), quarter(m2, 5), quarter(m3, 5)]);
+    let at = |k: usize| unit.paired([half(&of[0], k), half(&of[1], k), half(&of[2], k), half(&of[3], k)]);
+    let ([a, b], [c, d], [e, f], [g, h], [_, i]) = (at(0), at(2), at(4), at(6), at(7));
     *to = [[a, b, c], [d, e, f], [g, h, i]];
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn quarter(of: &[f64; 9], k: usize) -> Four {
-    [of[k], of[k + 1], of[k + 2], of[k + 3]]
+fn half(of: &[f64; 9], k: usize) -> [f64; 2] {
+    [of[k], of[k + 1]]
 }
 
 /// Values and rows of tiles, state by state.

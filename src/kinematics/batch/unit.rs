@@ -11,6 +11,9 @@ pub(super) trait Unit: Copy {
     /// Rows as columns.
     fn transposed(self, rows: [Four; 4]) -> [Four; 4];
 
+    /// The first numbers of four pairs, and the second ones.
+    fn paired(self, pairs: [[f64; 2]; 4]) -> [Four; 2];
+
     /// The second number first, and the first last.
     fn rotated(self, of: Four) -> Four;
 
@@ -26,6 +29,11 @@ impl Unit for Any {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn transposed(self, [a, b, c, d]: [Four; 4]) -> [Four; 4] {
         [0, 1, 2, 3].map(|i| [a[i], b[i], c[i], d[i]])
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn paired(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
+        [0, 1].map(|i| [a[i], b[i], c[i], d[i]])
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -53,6 +61,17 @@ impl Unit for pulp::x86::V3 {
             cast(avx._mm256_permute2f128_pd::<0x31>(ab, cd)),
             cast(avx._mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
         ]
+    }
+
+    /// Halves of a register come from memory as they are, so that two shuffles do what four would.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn paired(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
+        let avx = self.avx;
+        let both = |low: [f64; 2], high: [f64; 2]| {
+            avx._mm256_insertf128_pd::<1>(avx._mm256_castpd128_pd256(cast(low)), cast(high))
+        };
+        let (ac, bd) = (both(a, c), both(b, d));
+        [cast(avx._mm256_unpacklo_pd(ac, bd)), cast(avx._mm256_unpackhi_pd(ac, bd))]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -227,6 +227,12 @@ impl<R> Relation<R> {
         }
     }
 
+    /// Whether S, the first node, follows M in all displacements that there are, and in all rotations; no mean and no equation says so.
+    pub fn follows(&self) -> [bool; 2] {
+        let Form::Carried { fixed, .. } = &self.form else { return [false; 2] };
+        [0..3, 3..6].map(|mut these| these.all(|i| fixed[i] || (self.planar && !PLANE[i])))
+    }
+
     /// Which of δ1 … ρ3 are equations of what is carried.
     fn carried_rows(&self) -> impl Iterator<Item = usize> + use<R> {
         let (planar, fixed) = match &self.form {

@@ -104,7 +104,7 @@ impl<R: Number> Mechanism<R> {
     /// The nodes that are carried, as they are now.
     fn carried_at(&self, at: &Instant<'_, R>) -> Vec<Option<Carried<R>>> {
         let now = |carry: &Option<Carry<R>>| {
-            let Carry { by, arm } = (*carry)?;
+            let Carry { by, arm, .. } = (*carry)?;
             let rates = at.rates[by];
             let (arm, spin) = (apply(&at.poses[by].rotation, arm), [rates[3], rates[4], rates[5]]);
             Some(Carried { by, arm, swept: cross(spin, cross(spin, arm)) })
@@ -479,9 +479,6 @@ impl<R: Number> Mechanism<R> {
         }
         let none = Turns { turns: zero, principal: zero };
         for (index, (_, constraint, nodes)) in self.mpcs.iter().enumerate() {
-            if self.within.contains(&index) {
-                continue;
-            }
             let pose = |place: usize| nodes.get(place).and_then(|n| at.poses.get(*n)).copied();
             let rate = |place: usize| nodes.get(place).and_then(|n| at.rates.get(*n)).copied();
             let body = |place: usize| {

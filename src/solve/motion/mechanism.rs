@@ -18,7 +18,7 @@ use pintle_model::behavior::drive::{Drive, Schedule, gravity, on_nodes};
 use pintle_model::behavior::friction::{Belt, Coefficient, Criterion, FLOW, Friction, Tangential};
 use pintle_model::behavior::ground::Ground;
 use pintle_model::evaluate::{ElementBehavior, Model};
-use pintle_scene::{Label, PointKind, Scene, Target};
+use pintle_scene::{Label, NodeFreedom, PointKind, Scene, Target};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -213,6 +213,8 @@ pub(crate) struct Carry<R> {
     pub(crate) by: usize,
     /// From that node, at the beginning.
     pub(crate) arm: Vector<R>,
+    /// Whether it has rotations: those of the other.
+    pub(crate) turns: bool,
 }
 
 /// A scene, ready to be solved.
@@ -231,10 +233,8 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) bounds: Vec<Bound<R>>,
     pub(crate) springs: Vec<Spring<R>>,
     pub(crate) gravities: Vec<Vec<(usize, Drive)>>,
-    /// The nodes that beams make parts of other bodies.
+    /// The nodes that are made parts of other bodies.
     pub(crate) carried: Vec<Option<Carry<R>>>,
-    /// Their beams, by place: no equations.
-    pub(crate) within: Vec<usize>,
     /// Velocities at the beginning: node, degree of freedom (from 0) along its axes, amount.
     pub(crate) velocities: Vec<(usize, usize, R)>,
     pub(crate) schedule: Schedule,
@@ -244,6 +244,11 @@ pub(crate) struct Mechanism<R: Number> {
     pub(crate) is_still: bool,
     /// The size of lengths.
     pub(crate) length: f64,
+}
+
+/// Whether the degree of freedom k (from 0) of a node leads out of the plane of a scene in two dimensions.
+fn is_out(scene: &Scene, k: usize) -> bool {
+    scene.two_dimensional && PLANE.get(k).is_some_and(|is| !is)
 }
 
 impl<R: Number> Mechanism<R> {
@@ -284,10 +289,8 @@ impl<R: Number> Mechanism<R> {
             })
         });
         let bodies = bodies.collect::<Result<Vec<_>, Refusal>>()?;
-        // In two dimensions nodes stay in the plane.
-        let is_out = |k: usize| scene.two_dimensional && PLANE.get(k).is_some_and(|is| !is);
         let mut mechanism = Self {
-            held: (0..DOFS * bodies.len()).map(|dof| is_out(dof % DOFS)).collect(),
+            held: (0..DOFS * bodies.len()).map(|dof| is_out(scene, dof % DOFS)).collect(),
             is_still: schedule.span(step).is_some_and(|(_, is_dynamic)| !is_dynamic),
             bodies,
             joints: Vec::new(),
@@ -301,7 +304,6 @@ impl<R: Number> Mechanism<R> {
             bounds: Vec::new(),
             springs: Vec::new(),
             carried: Vec::new(),
-            within: Vec::new(),
             gravities: Vec::new(),
             velocities: Vec::new(),
             schedule,
@@ -318,46 +320,60 @@ impl<R: Number> Mechanism<R> {
         mechanism.bind(scene, &on_nodes, &places, step);
         mechanism.hold_flows(scene, &labels, &places, step)?;
         mechanism.spring(scene, &places)?;
-        mechanism.carry();
+        mechanism.carry(scene);
         Ok(mechanism)
     }
 
-    /// Finds the nodes that beams make parts of other bodies: those that nothing holds or prescribes, without mass and inertia. They are no
-    /// unknowns, and their beams no equations.
-    fn carry(&mut self) {
-        let is_bare = |node: usize| {
-            let body = &self.bodies[node];
-            let is_held = self.held[DOFS * node..DOFS * node + 6].iter().any(|held| *held);
-            let has_inertia = body.inertia.iter().flatten().any(|x| !x.is_nothing());
-            !is_held
-                && !has_inertia
-                && body.mass.is_nothing()
-                && body.weights.is_empty()
-                && !self.bounds.iter().any(|bound| bound.node == node)
-        };
-        let mut found: Vec<Option<Carry<R>>> = vec![None; self.bodies.len()];
-        let mut within = Vec::new();
-        for (mpc, (_, constraint, nodes)) in self.mpcs.iter().enumerate() {
-            let (Kind::Beam, [one, other, ..]) = (constraint.kind(), nodes.as_slice()) else { continue };
+    /// Finds the nodes that beams, rigid bodies and couplings make parts of other bodies: those that nothing holds or prescribes, without mass
+    /// and inertia. They are no unknowns, and what ties them is no equation: it is left out.
+    fn carry(&mut self, scene: &Scene) {
+        let freedom = NodeFreedom::of(scene);
+        let bodies = &self.bodies;
+        let is_bare: Vec<bool> = (0..bodies.len())
+            .map(|node| {
+                let body = &bodies[node];
+                // In two dimensions all are held out of the plane, and so are those that carry them.
+                let is_held = |k: usize| self.held[DOFS * node + k] && !is_out(scene, k);
+                body.mass.is_nothing()
+                    && body.weights.is_empty()
+                    && body.inertia.iter().flatten().all(|x| x.is_nothing())
+                    && !(0..6).any(is_held)
+                    && !self.bounds.iter().any(|bound| bound.node == node)
+            })
+            .collect();
+        let mut found: Vec<Option<Carry<R>>> = vec![None; bodies.len()];
+        // Of two nodes that turn alike either may carry the other.
+        let mut is_within = |slave: usize, master: usize, turns: bool| {
             let root = |node: usize| found[node].map_or(node, |carry: Carry<R>| carry.by);
-            let (one, other) = (root(*one), root(*other));
-            if one == other {
-                within.push(mpc);
-                continue;
+            let (slave, master) = (root(slave), root(master));
+            if slave == master {
+                return true;
             }
-            let (from, by) = match (is_bare(one), is_bare(other)) {
-                (true, _) => (one, other),
-                (false, true) => (other, one),
-                (false, false) => continue,
+            let (from, by) = match (is_bare[slave], is_bare[master]) {
+                (true, _) => (slave, master),
+                (false, true) if turns => (master, slave),
+                _ => return false,
             };
-            let between = sub(self.bodies[from].position, self.bodies[by].position);
+            let between = sub(bodies[from].position, bodies[by].position);
             for carry in found.iter_mut().flatten().filter(|carry| carry.by == from) {
                 (carry.by, carry.arm) = (by, add(carry.arm, between));
             }
-            found[from] = Some(Carry { by, arm: between });
-            within.push(mpc);
-        }
-        (self.carried, self.within) = (found, within);
+            found[from] = Some(Carry { by, arm: between, turns });
+            true
+        };
+        self.mpcs.retain(|(_, constraint, nodes)| match (constraint.kind(), nodes.as_slice()) {
+            (Kind::Beam, [slave, master, ..]) => !is_within(*slave, *master, true),
+            _ => true,
+        });
+        self.relations.retain(|(_, relation, nodes)| match (relation.follows(), nodes.as_slice()) {
+            ([true, true], [slave, master]) => !is_within(*slave, *master, true),
+            // A pin of a node that has no rotations.
+            ([true, false], [slave, master]) if !freedom.rotates(bodies[*slave].label) => {
+                !is_within(*slave, *master, false)
+            }
+            _ => true,
+        });
+        self.carried = found;
     }
 
     /// The node that carries one, or itself.
@@ -368,15 +384,18 @@ impl<R: Number> Mechanism<R> {
     /// Brings nodes that are carried to where those are that carry them, with their rates.
     pub(crate) fn bring(&self, poses: &mut [Pose<R>], rates: &mut [[R; DOFS]]) {
         for (node, carry) in self.carried.iter().enumerate() {
-            let Some(Carry { by, arm, .. }) = *carry else { continue };
+            let Some(Carry { by, arm, turns }) = *carry else { continue };
             let (of, moving) = (poses[by], rates[by]);
             let now = apply(&of.rotation, arm);
             let spin = [moving[3], moving[4], moving[5]];
             let displacement = add(of.displacement, sub(now, arm));
-            poses[node] = Pose { displacement, flow: poses[node].flow, ..of };
             let velocity = add([moving[0], moving[1], moving[2]], cross(spin, now));
+            poses[node].displacement = displacement;
             rates[node][..3].copy_from_slice(&velocity);
-            rates[node][3..6].copy_from_slice(&spin);
+            if turns {
+                poses[node] = Pose { displacement, flow: poses[node].flow, ..of };
+                rates[node][3..6].copy_from_slice(&spin);
+            }
         }
     }
 
