@@ -243,9 +243,12 @@ fn direction(series: &Series, siblings: [Option<&Series>; 3]) -> Option<String> 
     Some(format!("{} are {what} of the right size in another direction, {by} away", names.join(", ")))
 }
 
-/// When it begins.
+/// When it begins: all that follows is wrong.
 fn fallback(series: &Series) -> Option<String> {
     let points = &series.points;
     let first = points.iter().position(Point::is_wrong).filter(|first| *first > 0)?;
+    if series.since > series.wrong || series.wrong == 1 {
+        return None;
+    }
     Some(format!("it is right up to {}, and wrong from {} on", points[first - 1].at, points[first].at))
 }

@@ -1,10 +1,11 @@
 //! What a heading means: names that are standard are known, a map says the rest.
 
+use crate::printed::Writing;
 use pintle_check::Angle;
 use pintle_kinematics::connector::Output;
 use pintle_model::evaluate::request;
 use serde::Deserialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// What a node does, by component (0-based).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -116,9 +117,9 @@ pub struct Map {
     pub matrix: Option<MatrixKind>,
     /// The state, from 0 on, of a file with one matrix; without this the last.
     pub matrix_state: Option<u64>,
-    /// The headings under which numbers are written as doubles: with as many digits as each needs.
+    /// How the file writes its numbers.
     #[serde(skip)]
-    pub(crate) full: BTreeSet<String>,
+    pub(crate) writing: Writing,
 }
 
 impl Default for Map {
@@ -135,7 +136,7 @@ impl Default for Map {
             single: false,
             matrix: None,
             matrix_state: None,
-            full: BTreeSet::new(),
+            writing: Writing::default(),
         }
     }
 }

@@ -87,6 +87,8 @@ pub(crate) struct Numbers {
     pub(crate) type_name: String,
     pub(crate) units: [Option<Unit>; 6],
     pub(crate) values: BTreeMap<(Output, usize), f64>,
+    /// The components that have a viscous force.
+    pub(crate) viscous: [bool; 6],
 }
 
 /// The forces of one connector at a node.
@@ -223,7 +225,8 @@ impl<'a> Evaluator<'a> {
 
     fn add(&self, known: &mut Known, result: &ConnectorResult, (frame, has_variants): (&Frame, bool)) {
         let block = Block::of_connector(self.model, &self.request, result);
-        let mut numbers = Numbers { type_name: block.type_name.to_string(), ..Numbers::default() };
+        let viscous = self.model.connectors[result.index].behavior.behavior.damping.components();
+        let mut numbers = Numbers { type_name: block.type_name.to_string(), viscous, ..Numbers::default() };
         for row in &block.rows {
             let Some(k) = COMPONENT.iter().position(|name| *name == row.name) else { continue };
             numbers.units[k] = Some(row.unit);
@@ -347,6 +350,22 @@ impl<'a> Evaluator<'a> {
         match &at.missing {
             Some(why) => Err(why.clone()),
             None => Ok(Printed { x: at.sum[i], half: at.digits[i] }),
+        }
+    }
+
+    /// The viscous force of a connector in a number.
+    pub(crate) fn viscous(&self, known: &Known, (owner, of): &Key) -> Option<f64> {
+        match of {
+            Of::Output(Output::CVF | Output::CTF, k) => {
+                let numbers = known.elements.get(owner).filter(|numbers| numbers.viscous[*k])?;
+                Some(numbers.values.get(&(Output::CVF, *k)).copied().unwrap_or(0.0))
+            }
+            Of::Output(..) => None,
+            Of::Nodal(..) => {
+                let parts = &known.nodes.get(owner)?.parts;
+                let all = parts.iter().filter_map(|part| known.elements.get(&part.element));
+                all.into_iter().any(|numbers| numbers.viscous.contains(&true)).then_some(f64::INFINITY)
+            }
         }
     }
 

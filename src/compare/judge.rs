@@ -1,7 +1,6 @@
 //! How far a series of numbers is from what it must be, in units of what the file can tell.
 
 use crate::evaluate::{Key, Of};
-use pintle_kinematics::connector::Output;
 use serde::Serialize;
 
 /// Roundings that a program may spend on a number: relative to the largest of its kind at the state, of a matrix to that of its row.
@@ -50,6 +49,9 @@ pub struct Series {
     pub compared: u64,
     /// How many are apart by more than is allowed.
     pub wrong: u64,
+    /// How many there are from the first of those on.
+    #[serde(skip)]
+    pub(crate) since: u64,
     /// The first that is.
     pub first: Option<Point>,
     /// Of a matrix, the entry of that.
@@ -57,6 +59,9 @@ pub struct Series {
     pub entry: Option<String>,
     /// The worst of all, in units of what is allowed.
     pub worst: Option<Point>,
+    /// That of the largest number: what is allowed there says how much an error must be to be seen.
+    #[serde(skip)]
+    pub(crate) largest: Option<Point>,
     /// Why, where that is known.
     pub cause: Option<String>,
     /// Some of the points, one after the other: all, or those about the first that is wrong.
@@ -77,6 +82,8 @@ impl Series {
             of: None,
             compared: 0,
             wrong: 0,
+            since: 0,
+            largest: None,
             first: None,
             entry: None,
             worst: None,
@@ -93,6 +100,10 @@ impl Series {
             self.wrong += 1;
             self.first.get_or_insert(point);
         }
+        self.since += u64::from(self.first.is_some());
+        if self.largest.is_none_or(|largest| point.want.abs() > largest.want.abs()) {
+            self.largest = Some(point);
+        }
         if self.worst.is_none_or(|worst| point.units() > worst.units()) {
             self.worst = Some(point);
         }
@@ -103,9 +114,9 @@ impl Series {
         self.of.is_some_and(Of::is_angle)
     }
 
-    /// Whether it is a viscous force.
-    pub(crate) fn is_viscous(&self) -> bool {
-        matches!(self.of, Some(Of::Output(Output::CVF, _)))
+    /// The part of the largest number by which it may be wrong unseen.
+    pub(crate) fn unseen(&self) -> f64 {
+        self.largest.filter(|of| of.want != 0.0).map_or(0.0, |of| of.allowed / of.want.abs())
     }
 }
 
@@ -159,6 +170,9 @@ pub struct Comparison {
     pub cause: Option<String>,
     /// What the file cannot tell, and what to print to close the gap.
     pub gaps: Vec<Gap>,
+    /// The headings of no known meaning.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unread: Vec<String>,
 }
 
 impl Comparison {

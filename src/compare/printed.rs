@@ -1,5 +1,10 @@
 //! Numbers with the digits that they were printed with.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+/// So many digits has a double.
+const FULL: usize = 16;
+
 /// A number, and half a unit of its last printed digit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Printed {
@@ -38,7 +43,7 @@ impl Printed {
         }
         let digits = mantissa.bytes().filter(u8::is_ascii_digit).count();
         // A double with all its digits is exact to its rounding.
-        let half = if digits >= 16 {
+        let half = if digits >= FULL {
             x.abs() * f64::EPSILON
         } else {
             0.5 * 10.0_f64.powi(exponent - i32::try_from(decimals.len()).ok()?)
@@ -51,11 +56,19 @@ impl Printed {
         Self { x, half: if x.fract() == 0.0 { 0.0 } else { x.abs() * f64::EPSILON } }
     }
 
-    /// Whether a text has all the digits of a double.
-    pub(crate) fn is_full(text: &str) -> bool {
-        let mantissa =
-            text.split(['e', 'E', 'd', 'D']).next().unwrap_or("").trim_start_matches(['+', '-', '0', '.']);
-        mantissa.bytes().filter(u8::is_ascii_digit).count() >= 16
+    /// The same number where its file writes no zeros at the end: it has as many digits as the longest there.
+    pub(crate) fn shortest(self, Shortest { decimals, significant }: Shortest) -> Self {
+        if significant >= FULL {
+            return Self::double(self.x);
+        }
+        let unit = |exponent: i32| 0.5 * 10.0_f64.powi(exponent);
+        let places = unit(-decimals);
+        if self.x == 0.0 {
+            return Self { half: places, ..self };
+        }
+        let first = self.x.abs().log10().floor() as i32;
+        let digits = unit(first + 1 - i32::try_from(significant).unwrap_or(i32::MAX));
+        Self { half: places.max(digits), ..self }
     }
 
     /// The same number where it went through single precision: its digits beyond the seventh say nothing.
@@ -89,6 +102,65 @@ impl Printed {
     }
 }
 
+/// The digits of numbers that have no zeros at the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Shortest {
+    /// The most decimals of a number of the file.
+    decimals: i32,
+    /// The most significant digits.
+    significant: usize,
+}
+
+/// How a file writes numbers, as far as some of its lines show.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Writing {
+    /// The headings under which a number has all the digits of a double: the others there need no more than they have.
+    full: BTreeSet<String>,
+    /// The headings under which a number has a point.
+    pointed: BTreeSet<String>,
+    /// Where numbers have no zeros at the end, their digits.
+    shortest: Option<Shortest>,
+}
+
+impl Writing {
+    /// That of a file's numbers, by headings; `is_short` where the format never writes zeros at the end.
+    pub(crate) fn of<'a>(numbers: impl Iterator<Item = &'a (String, String)>, is_short: bool) -> Self {
+        let mut found = Self::default();
+        let (mut most, mut is_padded, mut varies) = (Shortest::default(), false, is_short);
+        let mut decimals: BTreeMap<&str, usize> = BTreeMap::new();
+        for (heading, text) in numbers {
+            let lower = text.to_ascii_lowercase().replace('d', "e");
+            let (mantissa, exponent) = lower.split_once('e').unwrap_or((&lower, "0"));
+            let after = mantissa.split_once('.').map(|(_, after)| after);
+            let digits = mantissa.trim_start_matches(['+', '-', '0', '.']);
+            let significant = digits.bytes().filter(u8::is_ascii_digit).count();
+            if significant >= FULL {
+                found.full.insert(heading.clone());
+            }
+            let shown = after.map_or(0, str::len);
+            if shown > 0 {
+                found.pointed.insert(heading.clone());
+            }
+            is_padded |= shown > 1 && mantissa.ends_with('0');
+            varies |= *decimals.entry(heading).or_insert(shown) != shown && exponent == "0";
+            let places = i32::try_from(shown).unwrap_or(0) - exponent.parse::<i32>().unwrap_or(0);
+            most.decimals = most.decimals.max(places);
+            most.significant = most.significant.max(significant);
+        }
+        found.shortest = (varies && !is_padded && !found.pointed.is_empty()).then_some(most);
+        found
+    }
+
+    /// A number under a heading, with the digits that it has there.
+    pub(crate) fn known(&self, heading: &str, number: Printed) -> Printed {
+        match self.shortest {
+            _ if self.full.contains(heading) => Printed::double(number.x),
+            Some(shortest) if self.pointed.contains(heading) => number.shortest(shortest),
+            _ => number,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,6 +186,26 @@ mod tests {
             Printed::words(line),
             ["201", "0.000000E+00", "-9.545213E+02", "-1.25-101", "5000.", "-.5E-3", "A-1.5"]
         );
+        let writing = |texts: &[&str], is_short: bool| {
+            let all: Vec<(String, String)> = texts.iter().map(|x| ("CU1".into(), (*x).into())).collect();
+            Writing::of(all.iter(), is_short)
+        };
+        let half = |texts: &[&str], is_short: bool, text: &str| {
+            writing(texts, is_short).known("CU1", Printed::parse(text).unwrap()).half
+        };
+        for (texts, is_short, text, wanted) in [
+            // As %.4f, as %g, as rounded and then written, as JSON and as a double.
+            (&["0.1250", "12.0000"][..], false, "0.1250", 5e-5),
+            (&["0.5", "1.5"], false, "0.5", 0.05),
+            (&["0.5", "1.54"], false, "0.5", 5e-3),
+            (&["0.000123456", "2"], false, "2", 5e-6),
+            (&["12.3456", "0.5", "0"], false, "0", 5e-5),
+            (&["1.5", "2.5"], true, "2.5", 0.05),
+            (&["0.1000000000000000055", "0.5"], false, "0.5", 0.5 * f64::EPSILON),
+        ] {
+            let found = half(texts, is_short, text);
+            assert!((found - wanted).abs() <= 1e-12 * wanted, "{texts:?} {text}: {found}");
+        }
         for no in ["", "abc", "nan", "inf", "-", "1.2.3", "1e999"] {
             assert_eq!(Printed::parse(no), None, "{no}");
         }

@@ -4,7 +4,7 @@ use crate::column::{Column, Map, Motion, Nodal, Rotations};
 use crate::matrix;
 use crate::motion::Between;
 use crate::numpy::{self, Array};
-use crate::printed::Printed;
+use crate::printed::{Printed, Writing};
 use pintle_kinematics::connector::Output;
 use serde_json::value::RawValue;
 use std::collections::{BTreeMap, BTreeSet};
@@ -79,8 +79,8 @@ struct Row {
     forces: Vec<(Nodal, usize, Printed)>,
     /// Whether it begins a table of motions, which leaves out nodes at rest.
     begins_motion: bool,
-    /// The headings of numbers with all the digits of a double.
-    full: Vec<String>,
+    /// Its numbers as they are written, with their headings.
+    written: Vec<(String, String)>,
     /// Where it stands, in words.
     place: String,
 }
@@ -110,23 +110,19 @@ impl Results {
     }
 
     /// The headings of tables that have no known meaning, by file.
-    pub(crate) fn unread(&self) -> Vec<(String, String)> {
+    pub(crate) fn unread(&self) -> Vec<(String, Vec<String>)> {
         let mut found = Vec::new();
         for file in self.files.iter().filter(|file| extension(file) == "csv") {
             let Ok(opened) = File::open(file) else { continue };
-            let mut reader =
-                csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(BufReader::new(opened));
+            let Ok(mut reader) = table(BufReader::new(opened)) else { continue };
             let Ok(headings) = reader.headers() else { continue };
             let is_meant = |heading: &str| {
                 self.map.columns.keys().any(|known| known.trim().eq_ignore_ascii_case(heading.trim()))
             };
-            let unknown: Vec<&str> = headings
-                .iter()
-                .filter(|heading| self.map.column(heading) == Column::Other && !is_meant(heading))
-                .take(12)
-                .collect();
+            let is_unknown = |heading: &&str| self.map.column(heading) == Column::Other && !is_meant(heading);
+            let unknown: Vec<String> = headings.iter().filter(is_unknown).map(str::to_string).collect();
             if !unknown.is_empty() {
-                found.push((file.display().to_string(), unknown.join(", ")));
+                found.push((file.display().to_string(), unknown));
             }
         }
         found
@@ -176,20 +172,24 @@ impl Results {
         for stream in &mut streams {
             heads.push(stream.next().transpose()?);
         }
+        let first = || heads.iter().zip(&streams).filter_map(|(head, of)| Some((head.as_ref()?, &of.file)));
+        let by_time = first().all(|(frame, _)| frame.time.is_some());
+        if let Some((_, file)) = first().find(|(frame, _)| !by_time && frame.number.is_none()) {
+            let other = first().find(|(frame, _)| frame.time.is_none()).map_or("", |(_, file)| file);
+            return Err(format!(
+                "{file} has times, and {other} has none: their lines cannot be joined; give both times, or both numbers of states"
+            ));
+        }
+        let key = |frame: &Frame| if by_time { frame.time } else { frame.number.map(|n| n as f64) };
+        let key = |frame: &Frame| key(frame).unwrap_or(0.0);
         loop {
-            let earliest = heads
-                .iter()
-                .flatten()
-                .map(|frame| key(frame, frame.time.is_some()))
-                .fold(f64::INFINITY, f64::min);
+            let earliest = heads.iter().flatten().map(key).fold(f64::INFINITY, f64::min);
             if earliest.is_infinite() {
                 return Ok(ControlFlow::Continue(()));
             }
             let mut joined = Frame::default();
             for (head, stream) in heads.iter_mut().zip(&mut streams) {
-                let is_now = |frame: &mut Frame| {
-                    (key(frame, frame.time.is_some()) - earliest).abs() <= 1e-9 * earliest.abs()
-                };
+                let is_now = |frame: &mut Frame| (key(frame) - earliest).abs() <= 1e-9 * earliest.abs();
                 if let Some(frame) = head.take_if(is_now) {
                     joined.time = joined.time.or(frame.time);
                     joined.number = joined.number.or(frame.number);
@@ -205,9 +205,9 @@ impl Results {
                     }
                     *head = stream.next().transpose()?;
                     if let Some(next) = head
-                        && key(next, next.time.is_some()) < earliest
+                        && key(next) < earliest
                     {
-                        let at = key(next, next.time.is_some());
+                        let at = key(next);
                         return Err(format!(
                             "{}: {at} comes after {earliest}: times must not go back",
                             stream.file
@@ -232,11 +232,6 @@ fn is_known(map: &Map, name: &str) -> bool {
     [name.to_string(), format!("{name}1")].iter().any(|name| map.column(name) != Column::Other)
 }
 
-/// What frames are ordered by.
-fn key(frame: &Frame, has_time: bool) -> f64 {
-    if has_time { frame.time.unwrap_or(0.0) } else { frame.number.unwrap_or(0) as f64 }
-}
-
 /// The frames of one file.
 struct Frames {
     file: String,
@@ -248,13 +243,14 @@ struct Frames {
 
 impl Frames {
     fn open(path: &Path, map: &Map) -> Result<Self, String> {
-        let rows = Self::rows(path, map)?;
         let mut map = map.clone();
-        // Where one number of a column has all the digits of a double, the others need no more than they have.
-        if matches!(extension(path).as_str(), "csv" | "json" | "jsonl" | "ndjson") {
-            map.full = Self::rows(path, &map)?.take(SCANNED).flatten().flat_map(|row| row.full).collect();
+        let kind = extension(path);
+        if matches!(kind.as_str(), "csv" | "json" | "jsonl" | "ndjson") {
+            let written: Vec<_> =
+                Self::rows(path, &map)?.take(SCANNED).flatten().flat_map(|row| row.written).collect();
+            map.writing = Writing::of(written.iter(), kind != "csv");
         }
-        let rows = if map.full.is_empty() { rows } else { Self::rows(path, &map)? };
+        let rows = Self::rows(path, &map)?;
         Ok(Self { file: path.display().to_string(), rows, next: None, counted: 0, map })
     }
 
@@ -363,22 +359,33 @@ impl Row {
                 let number = Printed::parse(text).ok_or_else(|| {
                     format!("{}: {heading} is {:?}, not a number", self.place, excerpt(text))
                 })?;
-                if Printed::is_full(text) {
-                    self.full.push(heading.to_string());
+                if map.writing == Writing::default() && !matches!(column, Column::Time | Column::State) {
+                    self.written.push((heading.to_string(), text.to_string()));
                 }
-                let number = if map.full.contains(heading) { Printed::double(number.x) } else { number };
-                self.put_number(column, number, map);
+                self.put_number(column, heading, map.writing.known(heading, number), map)?;
             }
         }
         Ok(())
     }
 
     /// Takes a number.
-    fn put_number(&mut self, column: Column, number: Printed, map: &Map) {
+    fn put_number(
+        &mut self,
+        column: Column,
+        heading: &str,
+        number: Printed,
+        map: &Map,
+    ) -> Result<(), String> {
         let known = if map.single { number.single() } else { number };
         match column {
             Column::Node => self.node = Some(number.x.to_string()),
             Column::Element => self.element = Some(number.x.to_string()),
+            Column::State if number.x < 0.0 || number.x.fract() != 0.0 => {
+                return Err(format!(
+                    "{}: {heading} is {}, not the whole number of a state; where it is a time, a map says so: [columns] \"{heading}\" = \"Time\"",
+                    self.place, number.x
+                ));
+            }
             Column::State => self.number = Some(number.x as u64),
             Column::Time => self.time = Some(number.x),
             Column::Motion(motion) => self.motions.push((motion, known.times(map.of_motion(motion)))),
@@ -389,6 +396,7 @@ impl Row {
             }
             Column::Other => {}
         }
+        Ok(())
     }
 }
 
@@ -420,9 +428,8 @@ fn told(file: &str, columns: &[(Column, String)]) -> Result<(), String> {
     ))
 }
 
-fn csv_rows(file: String, from: impl Read + 'static, map: Map) -> Result<Rows, String> {
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(from);
+fn csv_rows(file: String, from: impl BufRead + 'static, map: Map) -> Result<Rows, String> {
+    let mut reader = table(from).map_err(|error| format!("cannot read {file}: {error}"))?;
     let headings = reader.headers().map_err(|error| format!("{file}: {error}"))?.clone();
     let columns: Vec<(Column, String)> =
         headings.iter().map(|heading| (map.column(heading), heading.to_string())).collect();
@@ -439,6 +446,16 @@ fn csv_rows(file: String, from: impl Read + 'static, map: Map) -> Result<Rows, S
         }
         Ok(row)
     })))
+}
+
+/// A table whose columns are apart by commas, or where its headings have none by semicolons or tabulators.
+fn table<R: BufRead>(mut from: R) -> std::io::Result<csv::Reader<R>> {
+    let mut lines = from.fill_buf()?.split(|byte| *byte == b'\n');
+    let headings = lines.find(|line| !line.starts_with(b"#")).unwrap_or_default();
+    let between = [b',', b';', b'\t'].into_iter().find(|byte| headings.contains(byte));
+    let mut builder = csv::ReaderBuilder::new();
+    builder.comment(Some(b'#')).delimiter(between.unwrap_or(b',')).flexible(true).trim(csv::Trim::All);
+    Ok(builder.from_reader(from))
 }
 
 /// A record as an object.
@@ -620,7 +637,7 @@ fn state_rows(file: String, all: Vec<Array>, map: Map) -> Result<Rows, String> {
                     if !number.x.is_finite() {
                         return Err(format!("{}: {} is not finite", row.place, array.name));
                     }
-                    row.put_number(*column, number, &map);
+                    row.put_number(*column, &array.name, number, &map)?;
                 }
             }
             Ok(())
@@ -692,7 +709,9 @@ fn table_rows(file: String, mut all: Vec<Array>, map: Map) -> Result<Rows, Strin
             for (number, (column, heading)) in numbers.into_iter().zip(&mut columns) {
                 // NaN stands for what is not there.
                 if number.x.is_finite() {
-                    row.put_number(*column, number, &map);
+                    if let Err(why) = row.put_number(*column, heading, number, &map) {
+                        return Some(Err(why));
+                    }
                 } else if number.x.is_infinite() {
                     return Some(Err(format!("{}: {heading} is infinite", row.place)));
                 }

@@ -24,14 +24,19 @@ impl Comparison {
         if compared == 0 {
             return "Nothing could be compared.".to_string();
         }
+        let unread = match self.unread.as_slice() {
+            [] => String::new(),
+            [one] => format!(" The column {one} was not read."),
+            all => format!(" {} columns were not read.", all.len()),
+        };
         if wrong == 0 {
-            return format!("All {compared} numbers agree, within the digits of the file.");
+            return format!("All {compared} numbers agree, within the digits of the file.{unread}");
         }
         let of = self.series.iter().filter(|series| series.wrong > 0).count();
         let all = self.series.len();
         match &self.cause {
-            Some(cause) => format!("{wrong} of {compared} numbers differ, and all agree if {cause}."),
-            None => format!("{wrong} of {compared} numbers differ, in {of} of {all} outputs."),
+            Some(cause) => format!("{wrong} of {compared} numbers differ, and all agree if {cause}.{unread}"),
+            None => format!("{wrong} of {compared} numbers differ, in {of} of {all} outputs.{unread}"),
         }
     }
 
@@ -257,9 +262,13 @@ impl Series {
             None => format!("{} {}", self.type_name, self.element),
         };
         if let Some(first) = self.first {
-            let place = match &self.entry {
-                Some(entry) => format!("at {entry}"),
-                None => format!("from {} on", shown(first.at)),
+            let place = match (&self.entry, self.wrong) {
+                (Some(entry), _) => format!("at {entry}"),
+                (None, 1) => format!("at {} alone", shown(first.at)),
+                (None, wrong) if wrong == self.since => format!("from {} on", shown(first.at)),
+                (None, wrong) => {
+                    format!("at {wrong} of {} states, first at {}", self.compared, shown(first.at))
+                }
             };
             let _ = write!(words, " differs {place}: got {}, want {}", shown(first.got), shown(first.want));
         }

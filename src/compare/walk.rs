@@ -18,6 +18,9 @@ use std::ops::ControlFlow;
 /// Why rates are not compared.
 const NO_RATES: &str = "the files have no such rates of nodes";
 
+/// The part of the largest number of an output that may be wrong unseen, without a word.
+const COARSE: f64 = 5e-3;
+
 /// How many states beyond which a series that is wrong is taken to be so, without another look at the digits of the motion.
 const SURE: u64 = 3;
 
@@ -111,12 +114,16 @@ pub fn compare(scene: &Scene, model: &Model, results: &Results) -> Result<Compar
         comparison.series.extend(compare_matrices(scene, model, results, &matrices, survey.has_rates[0])?);
     }
     comparison.gaps = gaps(model, &survey, &comparison);
-    comparison.gaps.extend(results.unread().into_iter().map(|(file, headings)| Gap {
+    let unread = results.unread();
+    comparison.gaps.extend(unread.iter().map(|(file, headings)| Gap {
         what: format!(
-            "{file} has columns of no known meaning: {headings}; a map says what they are, or \"ignore\""
+            "{file} has columns of no known meaning: {}{}; a map says what they are, or \"ignore\"",
+            headings.iter().take(12).map(String::as_str).collect::<Vec<_>>().join(", "),
+            if headings.len() > 12 { ", …" } else { "" }
         ),
         request: Vec::new(),
     }));
+    comparison.unread = unread.into_iter().flat_map(|(_, headings)| headings).collect();
     Ok(comparison)
 }
 
@@ -189,14 +196,8 @@ fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<Gap> {
     }
     if comparison.unjudged.iter().any(|of| of.why == NO_RATES) {
         found.push(Gap {
-            what: "the rates of nodes, of which CV and CA are made".into(),
+            what: "the rates of nodes, of which CV, CA and viscous forces are made".into(),
             request: lines("*NODE PRINT", "U, UR, V, VR, A, AR"),
-        });
-    }
-    if !survey.has_rates[0] && comparison.series.iter().any(Series::is_viscous) {
-        found.push(Gap {
-            what: "the velocities of nodes: viscous forces follow from differences of states".into(),
-            request: lines("*NODE PRINT", "U, UR, V, VR"),
         });
     }
     if comparison.unjudged.iter().any(|of| of.why.contains("is not in the files")) {
@@ -210,6 +211,18 @@ fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<Gap> {
         found.push(Gap {
             what: "some states have outputs and no motion: --interpolate takes it between those before and after".into(),
             request: lines("*NODE PRINT, FREQUENCY=1", "U, UR"),
+        });
+    }
+    let coarse = comparison.series.iter().filter(|series| series.wrong == 0 && series.unseen() > COARSE);
+    if let Some(worst) = coarse.max_by(|one, other| one.unseen().total_cmp(&other.unseen())) {
+        found.push(Gap {
+            what: format!(
+                "errors below {:.1} % of {} of {}: its digits leave them open; print more of them",
+                100.0 * worst.unseen(),
+                worst.name,
+                worst.element
+            ),
+            request: Vec::new(),
         });
     }
     if survey.has_forces && comparison.between > 0 {
@@ -394,6 +407,8 @@ fn judge(
         let (mut judging, mut aside) = (judging(), judging());
         let mut comparison = Comparison::default();
         let mut before = walk.sequence.clone();
+        // Viscous forces at the state before.
+        let mut rates: BTreeMap<Key, f64> = BTreeMap::new();
         let mut is_single = depth == Depth::All && !results.map.single;
         results.each_until(|frame| {
             comparison.frames += 1;
@@ -415,7 +430,18 @@ fn judge(
                 }
                 judging.add(&key, &type_name, point);
             };
-            for (key, type_name, point) in judging.points(frame, at, Some((&known, &state))) {
+            for (key, type_name, mut point) in judging.points(frame, at, Some((&known, &state))) {
+                if let Some(viscous) = evaluator.viscous(&known, &key).filter(|_| !survey.has_rates[0]) {
+                    // A rate from two states is that of some time between: by as much as it changes from increment to increment.
+                    let before = rates
+                        .insert(key.clone(), viscous)
+                        .map_or(f64::INFINITY, |last| (viscous - last).abs());
+                    if !before.is_finite() {
+                        judging.refuse(&key, NO_RATES);
+                        continue;
+                    }
+                    point.allowed += before;
+                }
                 let wrong = judging.series.get(&key).map_or(0, |of| of.wrong);
                 if point.is_wrong() && (wrong < SURE || point.units() < 100.0) {
                     suspects.push((key, type_name, point));

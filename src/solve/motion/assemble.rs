@@ -104,10 +104,10 @@ impl<R: Number> Mechanism<R> {
     /// The nodes that are carried, as they are now.
     fn carried_at(&self, at: &Instant<'_, R>) -> Vec<Option<Carried<R>>> {
         let now = |carry: &Option<Carry<R>>| {
-            let Carry { by, arm, .. } = (*carry)?;
+            let Carry { by, arm, turns } = (*carry)?;
             let rates = at.rates[by];
             let (arm, spin) = (apply(&at.poses[by].rotation, arm), [rates[3], rates[4], rates[5]]);
-            Some(Carried { by, arm, swept: cross(spin, cross(spin, arm)) })
+            Some(Carried { by, arm, turns, swept: cross(spin, cross(spin, arm)) })
         };
         self.carried.iter().map(now).collect()
     }

@@ -328,7 +328,12 @@ impl<R: Number> Mechanism<R> {
     /// and inertia. They are no unknowns, and what ties them is no equation: it is left out.
     fn carry(&mut self, scene: &Scene) {
         let freedom = NodeFreedom::of(scene);
-        let bodies = &self.bodies;
+        let (bodies, velocities) = (&self.bodies, &self.velocities);
+        let turns = |node: usize| {
+            let is_loaded = bodies[node].loads.iter().any(|(k, _)| *k >= 3);
+            let has_spin = velocities.iter().any(|(of, k, _)| *of == node && *k >= 3);
+            freedom.rotates(bodies[node].label) || is_loaded || has_spin
+        };
         let is_bare: Vec<bool> = (0..bodies.len())
             .map(|node| {
                 let body = &bodies[node];
@@ -368,9 +373,7 @@ impl<R: Number> Mechanism<R> {
         self.relations.retain(|(_, relation, nodes)| match (relation.follows(), nodes.as_slice()) {
             ([true, true], [slave, master]) => !is_within(*slave, *master, true),
             // A pin of a node that has no rotations.
-            ([true, false], [slave, master]) if !freedom.rotates(bodies[*slave].label) => {
-                !is_within(*slave, *master, false)
-            }
+            ([true, false], [slave, master]) if !turns(*slave) => !is_within(*slave, *master, false),
             _ => true,
         });
         self.carried = found;

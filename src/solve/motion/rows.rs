@@ -29,6 +29,8 @@ pub(crate) struct Carried<R> {
     pub(crate) by: usize,
     /// r, from the other to it.
     pub(crate) arm: Vector<R>,
+    /// Whether it turns with the other.
+    pub(crate) turns: bool,
     /// ω × (ω × r).
     pub(crate) swept: Vector<R>,
 }
@@ -38,7 +40,8 @@ impl<R: Number> Carried<R> {
     pub(crate) fn acceleration(&self, of: &[R; DOFS], own: &[R; DOFS]) -> [R; DOFS] {
         let turning = [of[3], of[4], of[5]];
         let [x, y, z] = add(add([of[0], of[1], of[2]], cross(turning, self.arm)), self.swept);
-        [x, y, z, of[3], of[4], of[5], own[6]]
+        let [i, j, k] = if self.turns { turning } else { [own[3], own[4], own[5]] };
+        [x, y, z, i, j, k, own[6]]
     }
 
     /// An entry x for its degree of freedom k, as entries for the other: e_k · (θ × r) = (r × e_k) · θ.
