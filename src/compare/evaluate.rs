@@ -5,11 +5,14 @@ use crate::motion::{Motions, labels, shift};
 use crate::printed::Printed;
 use crate::read::Frame;
 use pintle_check::is_vector;
-use pintle_kinematics::catalog::COMPONENT;
-use pintle_kinematics::connector::{Output, Request, Tally};
+use pintle_kinematics::catalog::{COMPONENT, ConnectionType};
+use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Request, Tally};
 use pintle_kinematics::force::Want;
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::vector::{Matrix, Vector, add, apply, apply_transposed, cross, scale, sub};
+use pintle_kinematics::node::{Node, Pair};
+use pintle_kinematics::vector::{
+    Matrix, Vector, add, apply, apply_transposed, cross, product, scale, sub, transpose,
+};
 use pintle_model::evaluate::{ConnectorResult, Fixed, Freedom, Item, Model, Sequence};
 use pintle_report::{Block, Value};
 use pintle_scene::{Label, PointKind, Scene, State, Target};
@@ -418,6 +421,14 @@ impl<'a> Evaluator<'a> {
             put(of, "it is along the initial axes of node a", apply_transposed(initial_a, global));
             put(of, "it is along the axes of node b", apply_transposed(&pair.b.triad, global));
         }
+        if let Some(own) = vector(Output::CU, 3).filter(|_| numbers.units[3..] == [Some(Unit::Angle); 3]) {
+            for (words, angles) in other_angles(result, element.reference, [initial_a, initial_b]) {
+                if angles[0] != own {
+                    put(Of::Output(Output::CU, 3), &words, angles[0]);
+                    put(Of::Output(Output::CP, 3), &words, angles[1]);
+                }
+            }
+        }
         if blocks == [true; 2] {
             let arm = apply_transposed(&pair.a.triad, pair.separation());
             for output in OUTPUTS.into_iter().filter(|output| output.is_force()) {
@@ -514,6 +525,32 @@ impl<'a> Evaluator<'a> {
         }
         found
     }
+}
+
+/// What others take for the three angles of a connection, CU and CP: those of other types, and of the sequence 3-2-1.
+fn other_angles(
+    result: &ConnectorResult,
+    reference: Vector<f64>,
+    [a, b]: [&Matrix<f64>; 2],
+) -> Vec<(String, [Vector<f64>; 2])> {
+    let node = |triad: &Matrix<f64>| Node { displacement: [0.0; 3], triad: *triad, flow: 0.0 };
+    let initial = Pair { reference, a: node(a), b: node(b) };
+    let request = Request::new(&[Output::CP, Output::CU], [true; 6], 0);
+    let of_type = |name: &str| {
+        let connection = ConnectionType::named(name, None).ok()?;
+        let connector = Connector::<f64>::new(&Definition::new(connection, initial));
+        let (still, tally) = (Increment::none(), &mut Tally::default());
+        let found = connector.evaluate(&result.state, &still, &connector.initial_branch(), &request, tally);
+        let all = |of: [Option<f64>; 6]| Some([of[3]?, of[4]?, of[5]?]);
+        Some((format!("it is what a {name} has"), [all(found.displacement)?, all(found.position)?]))
+    };
+    let sequence = |pair: &Pair<f64>| {
+        let q = product(&transpose(&pair.a.triad), &pair.b.triad);
+        [q[2][1].atan2(q[2][2]), (-q[2][0]).clamp(-1.0, 1.0).asin(), q[1][0].atan2(q[0][0])]
+    };
+    let (now, first) = (sequence(&result.state.pair), sequence(&initial));
+    let types = ["ROTATION", "CARDAN", "EULER", "FLEXION-TORSION"].into_iter().filter_map(of_type);
+    types.chain([("it is angles in the sequence 3-2-1".to_string(), [sub(now, first), now])]).collect()
 }
 
 /// The unit of an output of the file, in the scene's.

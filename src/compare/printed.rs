@@ -56,9 +56,10 @@ impl Printed {
         Self { x, half: if x.fract() == 0.0 { 0.0 } else { x.abs() * f64::EPSILON } }
     }
 
-    /// The same number where its file writes no zeros at the end: it has as many digits as the longest there.
+    /// The same number where its file writes no zeros at the end: it has as many digits as the longest there. Where that has one decimal,
+    /// nobody rounded: `0.5` is what was given.
     pub(crate) fn shortest(self, Shortest { decimals, significant }: Shortest) -> Self {
-        if significant >= FULL {
+        if significant >= FULL || decimals <= 1 {
             return Self::double(self.x);
         }
         let unit = |exponent: i32| 0.5 * 10.0_f64.powi(exponent);
@@ -200,7 +201,8 @@ mod tests {
             (&["0.5", "1.54"], false, "0.5", 5e-3),
             (&["0.000123456", "2"], false, "2", 5e-6),
             (&["12.3456", "0.5", "0"], false, "0", 5e-5),
-            (&["1.5", "2.5"], true, "2.5", 0.05),
+            (&["1.5", "2.5"], true, "2.5", 2.5 * f64::EPSILON),
+            (&["0", "1.5"], false, "1.5", 1.5 * f64::EPSILON),
             (&["0.1000000000000000055", "0.5"], false, "0.5", 0.5 * f64::EPSILON),
         ] {
             let found = half(texts, is_short, text);

@@ -1,4 +1,4 @@
-//! How a run begins: velocities that a deck has rounded, a state to go on from.
+//! How a run begins: velocities that a deck has rounded, a state to go on from; what nothing determines, and stops that open at once.
 
 use crate::{Method, Options, Solution, What, solve};
 use pintle_scene::{NodeMotion, Rotation, Scene, State};
@@ -278,4 +278,65 @@ fn a_drive_that_ends_in_mid_step_rests_there() {
         let [(What::Slips, _), (What::Sticks, rest)] = events[..] else { panic!("{events:?}") };
         assert!((rest - 2.4).abs() < 1e-14, "{rest}");
     }
+}
+
+/// A mass on a spring meets a stop, loses its speed there, and is pulled back at once, whatever digits its time has: no event without end.
+#[test]
+fn a_stop_that_opens_at_once_is_met_once() {
+    let mut compared = 0;
+    for (k, v) in [(50.0, 1.0), (40.0, 1.0), (64.0, 2.0), (17.0, 0.7), (90.0, 3.0)] {
+        for digits in [3, 5, 8, 13] {
+            let deck = format!(
+                "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 1\n*MASS, ELSET=M\n1.\n\
+                 *ELEMENT, TYPE=CONN3D2, ELSET=C\n101, , 1\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nCARTESIAN\n\
+                 *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=1\n{k}\n*CONNECTOR STOP, COMPONENT=1\n, 0.1\n\
+                 *BOUNDARY\n1, 2, 6\n*INITIAL CONDITIONS, TYPE=VELOCITY\n1, 1, {v}\n*STEP\n*DYNAMIC\n0.01, 0.8\n*END STEP\n"
+            );
+            let scene = Scene::parse("deck.inp", &deck).unwrap();
+            for method in [Method::Extrapolation, Method::Collocation] {
+                let options = Options { digits, method, most_steps: 2_000, ..Options::default() };
+                let found = solve::<f64>(&scene, &options).unwrap();
+                let omega = f64::sqrt(k);
+                let wanted = (0.1 * omega / v).asin() / omega;
+                let times: Vec<(What, f64)> =
+                    found.events.iter().map(|event| (event.what, event.time)).collect();
+                let closed = times.iter().filter(|(what, _)| *what == What::Closes).count();
+                let allowed = 10.0_f64.powi(1 - digits as i32).max(1e-12);
+                assert!((times[0].1 - wanted).abs() < allowed && closed <= 2, "{k} {v} {digits}: {times:?}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 40);
+}
+
+/// A point mass on an arm, without rotary inertia: a spring, or a load that grows, turns what nothing can. It is refused where that begins.
+#[test]
+fn what_is_pushed_later_is_refused_as_what_is_pushed_at_once() {
+    let deck = |acts: &str, load: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 1\n*MASS, ELSET=M\n2.\n*MPC\nBEAM, 2, 1\n\
+             *ELEMENT, TYPE=CONN3D2, ELSET=S\n101, , 2\n*CONNECTOR SECTION, ELSET=S, BEHAVIOR=K\nCARTESIAN\n\
+             *CONNECTOR BEHAVIOR, NAME=K\n*CONNECTOR ELASTICITY, COMPONENT={acts}\n50.\n*AMPLITUDE, NAME=GROWS\n0., 0., 1., 1.\n\
+             *STEP\n*DYNAMIC\n0.01, 1.\n{load}*END STEP\n"
+        )
+    };
+    let run = |acts: &str, load: &str| {
+        let scene = Scene::parse("deck.inp", &deck(acts, load)).unwrap();
+        solve::<f64>(&scene, &Options::default())
+    };
+    for load in ["*CLOAD\n1, 2, 3.\n", "*CLOAD, AMPLITUDE=GROWS\n2, 2, 3.\n", "*CLOAD\n2, 2, 3.\n"] {
+        let why = run("2", load).unwrap_err().why.to_string();
+        assert!(why.contains("ur3 of node 1: nothing determines how it accelerates"), "{load}: {why}");
+    }
+    // Along the arm nothing turns it.
+    assert!(run("1", "*CLOAD, AMPLITUDE=GROWS\n1, 1, 3.\n").is_ok());
+    // Two springs one after the other, with nothing between them.
+    let springs = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=MASS, ELSET=M\n201, 2\n*MASS, ELSET=M\n2.\n\
+        *ELEMENT, TYPE=CONN3D2, ELSET=S\n101, , 1\n102, 1, 2\n*CONNECTOR SECTION, ELSET=S, BEHAVIOR=K\nAXIAL\n\
+        *CONNECTOR BEHAVIOR, NAME=K\n*CONNECTOR ELASTICITY, COMPONENT=1\n50.\n*STEP\n*DYNAMIC\n0.01, 1.\n*CLOAD\n2, 1, 3.\n*END STEP\n";
+    let springs = springs.replace("1, 0., 0., 0.\n2", "1, 0.5, 0., 0.\n2");
+    let why =
+        solve::<f64>(&Scene::parse("deck.inp", &springs).unwrap(), &Options::default()).unwrap_err().why;
+    assert!(why.to_string().contains("u1 of node 1: nothing determines"), "{why}");
 }

@@ -852,7 +852,7 @@ fn gaps_are_said_with_the_output_request() {
     assert_eq!(code, Some(0), "{text}");
     for words in [
         "no rotation of nodes 1: they are taken not to turn, so neither frames of components nor variations of rotations are told apart; add to the step *NODE PRINT U, UR",
-        "the rates of nodes, of which CV and CA are made; add to the step *NODE PRINT U, UR, V, VR, A, AR",
+        "the rates of nodes, of which CV, CA and viscous forces are made; add to the step *NODE PRINT U, UR, V, VR, A, AR",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
@@ -861,4 +861,124 @@ fn gaps_are_said_with_the_output_request() {
     let (code, text) = run_in("gaps", &files, &["--against", "run.csv", "forces.csv"]);
     let words = "reactions do not follow from a motion; add to the step *EL PRINT CTF";
     assert!(code == Some(4) && text.contains(words), "{text}");
+}
+
+/// A hinge with a spring and a damper, about the third axis.
+const DOOR: &str = "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0.\n\
+    *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C, BEHAVIOR=B\nHINGE\nO,\n\
+    *CONNECTOR BEHAVIOR, NAME=B\n*CONNECTOR ELASTICITY, COMPONENT=4\n12.\n*CONNECTOR DAMPING, COMPONENT=4\n2.\n\
+    *BOUNDARY\n1, 1, 6\n2, 1, 6\n";
+
+/// Numbers without zeros at the end have the digits of the longest, not those they show; where digits leave much open, it is said.
+#[test]
+fn short_numbers_are_not_taken_for_rough_ones() {
+    let turn =
+        "Time,Node,UR1,UR2,UR3\n0,2,0.0,0.0,0\n0.25,2,0.0,0.0,0.5\n0.5,2,0.0,0.0,1.0\n0.75,2,0.0,0.0,1.5\n";
+    let said = "Time,Element,CUR1,CEM1\n0,7,0.0,0.0\n0.25,7,0.5,6.12\n0.5,7,1.0,12.24\n0.75,7,1.54,18.0\n";
+    let json =
+        r#"[{"time": 0.25, "node": 2, "UR3": 0.5}, {"time": 0.25, "element": 7, "CUR1": 0.5, "CEM1": 6.1}]"#;
+    let files = [("deck.inp", DOOR), ("turn.csv", turn), ("said.csv", said), ("said.json", json)];
+    let (code, text) = run_in("short", &files, &["--against", "turn.csv", "said.csv"]);
+    assert!(code == Some(1) && text.contains("3 of 8 numbers differ, in 2 of 2 outputs"), "{text}");
+    let (code, text) = run_in("short", &files, &["--against", "said.json"]);
+    assert!(code == Some(1) && text.contains("1 of 2 numbers differ"), "{text}");
+    let rough = "Time,Element,CUR1\n0.25,7,0.5\n0.5,7,1.0\n0.75,7,1.5\n";
+    let files = [("deck.inp", DOOR), ("turn.csv", turn), ("rough.csv", rough)];
+    let (code, text) = run_in("short", &files, &["--against", "turn.csv", "rough.csv"]);
+    assert!(code == Some(0) && text.contains("errors below 3.3 % of CUR1 of 7"), "{text}");
+}
+
+/// What is not read, and what cannot be joined, is no silent agreement.
+#[test]
+fn files_that_do_not_fit_are_said_to() {
+    let turn = "Time,Node,UR3\n0.1,2,0.1250\n0.2,2,0.2500\n0.3,2,0.5000\n0.4,2,0.7500\n";
+    let run = |said: &str, more: &[&str]| {
+        let map = "[columns]\n\"Frame\" = \"Time\"\n";
+        let files = [("deck.inp", DOOR), ("turn.csv", turn), ("said.csv", said), ("map.toml", map)];
+        run_in("unfit", &files, &[&["--against", "turn.csv", "said.csv"], more].concat())
+    };
+    let said = "Time;Element;CUR1;Winkel\n0.1;7;0.1250;0.1\n0.2;7;0.2500;0.2\n0.3;7;0.5000;0.3\n";
+    let (code, text) = run(said, &[]);
+    let words = "All 3 numbers agree, within the digits of the file. The column Winkel was not read.";
+    assert!(code == Some(0) && text.contains(words), "{text}");
+    let (code, text) = run(&said.replace("Time;", "Frame;"), &[]);
+    let words = "said.csv:2: Frame is 0.1, not the whole number of a state; where it is a time, a map says so: [columns] \"Frame\" = \"Time\"";
+    assert!(code == Some(6) && text.contains(words), "{text}");
+    assert_eq!(run(&said.replace("Time;", "Frame;"), &["--map", "map.toml"]).0, Some(0));
+    let (code, text) = run("Increment,Element,CUR1\n0,7,0.1250\n1,7,0.2500\n", &[]);
+    let words = "turn.csv has times, and said.csv has none: their lines cannot be joined";
+    assert!(code == Some(6) && text.contains(words), "{text}");
+    let (code, text) = run(&said.replace("0.2500", "0.3500"), &[]);
+    assert!(
+        code == Some(1) && text.contains("CUR1 of 7 differs at 0.2 alone: got 0.35, want 0.25"),
+        "{text}"
+    );
+}
+
+/// Where files have no velocities, a viscous force is that of some time between two states, and the first has none.
+#[test]
+fn viscous_forces_without_velocities_are_not_called_wrong() {
+    let (mut turn, mut said) = ("Time,Node,UR3\n".to_string(), "Time,Element,CVM1,CTM1\n".to_string());
+    for n in 0..20 {
+        let t = 0.05 * f64::from(n);
+        let (u, v) = (1.2 * (3.0 * t).sin(), 3.6 * (3.0 * t).cos());
+        let _ = writeln!(turn, "{t:.2},2,{u:.6}");
+        let _ = writeln!(said, "{t:.2},7,{:.6},{:.6}", 2.0 * v, 12.0 * u + 2.0 * v);
+    }
+    let run = |said: &str| {
+        let files = [("deck.inp", DOOR), ("turn.csv", &turn), ("said.csv", said)];
+        run_in("viscous", &files, &["--against", "turn.csv", "said.csv"])
+    };
+    let (code, text) = run(&said);
+    assert!(
+        code == Some(0) && text.contains("CTM1, CVM1 of 7 (2 numbers): the files have no such rates"),
+        "{text}"
+    );
+    assert!(
+        text.contains("CV, CA and viscous forces are made; add to the step *NODE PRINT U, UR, V, VR"),
+        "{text}"
+    );
+    let (code, text) = run(&said.replace(",7,", ",7,-"));
+    assert!(code == Some(1) && text.contains("CVM1 of 7 differs from"), "{text}");
+}
+
+/// Angles of another type, or in another sequence, are named.
+#[test]
+fn angles_of_another_kind_are_named() {
+    let deck = |kind: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
+             *ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\n{kind}\nO,\n*BOUNDARY\n1, 1, 6\n"
+        )
+    };
+    let mut turn = "Time,Node,UR1,UR2,UR3\n".to_string();
+    let (mut states, mut nodes) = (Vec::new(), Vec::new());
+    for n in 1..8 {
+        let t = 0.1 * f64::from(n);
+        let of = [0.9 * t, -0.7 * t, 0.8 * t * t];
+        let _ = writeln!(turn, "{t:.1},2,{:.9},{:.9},{:.9}", of[0], of[1], of[2]);
+        states.push(t);
+        nodes.push(of);
+    }
+    let run = |said: &str| {
+        let deck = deck("CARDAN");
+        let files = [("deck.inp", deck.as_str()), ("turn.csv", &turn), ("said.csv", said)];
+        run_in("angles", &files, &["--against", "turn.csv", "said.csv"])
+    };
+    let table = |of: &dyn Fn(&[f64; 3]) -> [f64; 3]| {
+        let mut said = "Time,Element,CUR1,CUR2,CUR3\n".to_string();
+        for (t, turn) in states.iter().zip(&nodes) {
+            let [x, y, z] = of(turn);
+            let _ = writeln!(said, "{t:.1},7,{x:.9},{y:.9},{z:.9}");
+        }
+        said
+    };
+    let (code, text) = run(&table(&|turn| *turn));
+    assert!(code == Some(1) && text.contains("it is what a ROTATION has"), "{text}");
+    let sequence = |turn: &[f64; 3]| {
+        let q = pintle_kinematics::so3::turn(*turn);
+        [q[2][1].atan2(q[2][2]), (-q[2][0]).asin(), q[1][0].atan2(q[0][0])]
+    };
+    let (code, text) = run(&table(&sequence));
+    assert!(code == Some(1) && text.contains("it is angles in the sequence 3-2-1"), "{text}");
 }

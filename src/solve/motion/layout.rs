@@ -33,14 +33,36 @@ impl Layout {
             acts && !mechanism.held[*dof] && !is_carried
         };
         let columns: Vec<usize> = (0..count).filter(is_unknown).collect();
+        let acting = assembled.acting(mechanism);
+        let may_act = |dof: usize| {
+            let group = dof - dof % DOFS + dof % DOFS / 3 * 3;
+            dof % DOFS < 6 && acting[group..group + 3].contains(&true)
+        };
+        let is_idle = |dof: &usize| {
+            let is_carried = assembled.lines.carried(dof / DOFS).is_some();
+            may_act(*dof) && !is_unknown(dof) && !mechanism.held[*dof] && !is_carried
+        };
+        let idle = (0..count).filter(is_idle).collect();
         let mut place = vec![None; count];
         for (i, dof) in columns.iter().enumerate() {
             place[*dof] = Some(i);
         }
-        let mut layout = Self { columns, place, ..Self::default() };
+        let mut layout = Self { columns, place, idle, ..Self::default() };
         layout.keep(mechanism, assembled, modes, false)?;
         layout.determine(mechanism, assembled);
         Ok(layout)
+    }
+
+    /// Whether something acts now on what has no inertia, where nothing did before.
+    pub(crate) fn wakes<R: Number>(&self, mechanism: &Mechanism<R>, assembled: &Assembled<R>) -> bool {
+        let unit = |dof: usize| if dof % DOFS < 3 { 1.0 } else { mechanism.length };
+        let load = |dof: usize| assembled.applied[dof].to_f64().abs() / unit(dof);
+        let most = (0..assembled.applied.len()).map(load).fold(0.0, f64::max);
+        let rows = assembled.rows.iter().flat_map(|row| assembled.lines.of(row.coefficients));
+        self.idle.iter().any(|dof| ZERO * most < load(*dof))
+            || rows
+                .into_iter()
+                .any(|(dof, x)| self.idle.contains(dof) && ZERO < x.to_f64().abs() / unit(*dof))
     }
 
     /// The nodal forces of a unit of the force of an equation. Where others repeat it they are its coefficients: its connector may have equations

@@ -327,6 +327,9 @@ pub(crate) struct Layout {
     pub(crate) columns: Vec<usize>,
     /// The unknown of each degree of freedom.
     pub(crate) place: Vec<Option<usize>>,
+    /// Degrees of freedom without inertia on which nothing acts yet, and something may.
+    #[serde(default)]
+    pub(crate) idle: Vec<usize>,
     /// The equations that count: the others follow from them.
     pub(crate) kept: Vec<usize>,
     /// The equations whose forces are not determined: they repeat each other.

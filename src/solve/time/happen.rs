@@ -293,10 +293,24 @@ impl<R: Number> Run<'_, R> {
             self.modes.stops[of] = Touch::Closed(side);
             self.event_of_stop(of, What::Closes, None);
         }
+        self.stand_at_limits()?;
         self.collide()?;
         self.end_bouncing(slow)?;
         self.begin_modes()?;
         self.record(true)
+    }
+
+    /// Brings what has just closed to its limit, which it has passed by what an event's time is short of digits: one that opens at once would
+    /// still be beyond, and close again for ever.
+    fn stand_at_limits(&mut self) -> Result<(), Refusal> {
+        let free = self.modes.without_friction();
+        let found = self.assembled(&free).map_err(|trouble| self.say(trouble))?;
+        let Ok(layout) = Layout::new(&self.mechanism, &found, &free) else { return Ok(()) };
+        let modes = std::mem::replace(&mut self.modes, free);
+        let kept = std::mem::replace(&mut self.layout, layout);
+        let placed = self.place(found);
+        (self.modes, self.layout) = (modes, kept);
+        placed.map(|_| ())
     }
 
     /// Impacts that accumulate, as of a bar that rocks from one end to the other, end where what rises is rounding: then all stops that are

@@ -5,7 +5,7 @@ use crate::motion::assemble::are_parallel;
 use crate::motion::equations::{PASSED, Solved};
 use crate::motion::mechanism::Slider;
 use crate::motion::mode::{Cause, Does, Switch, Touch};
-use crate::motion::rows::{Assembled, Instant, Owner, Trouble};
+use crate::motion::rows::{Assembled, Instant, Layout, Owner, Trouble};
 use crate::motion::slide::length;
 use crate::motion::state::{DOFS, Pose, State, WORKS};
 use crate::motion::tangent::{self, Tangent, Ways};
@@ -23,6 +23,9 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
+
+/// So many events may follow one another at one time, and some for each stop.
+const MOST_AT_ONCE: usize = 100;
 
 /// The part of the usual length of a step that the first one in a mode has.
 const CAREFUL: f64 = 0.02;
@@ -525,8 +528,10 @@ impl<R: Number> Run<'_, R> {
         let longest = shortest_period(self.scene) / PARTS;
         let pace = 1.0 - SLOWER * f64::from(self.options.trial);
         let mut halvings = 0;
+        let mut at_once = 0;
         while self.state.time.less(goal) {
             self.keep(false);
+            self.wake()?;
             self.solution.steps += 1;
             if self.solution.steps > self.options.most_steps {
                 return Err(Refusal::of(
@@ -560,9 +565,14 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             if let Some(switch) = self.overdue(&slope.switches, &solved)? {
+                at_once += 1;
+                if at_once > MOST_AT_ONCE + 4 * self.mechanism.stops.len() {
+                    return Err(self.stuck_in_time());
+                }
                 self.crosses(&switch)?;
                 continue;
             }
+            at_once = 0;
             let nearest = self.rests_in(&solved)?;
             if let Some((slider, rest, is_now)) =
                 nearest.filter(|(_, rest, now)| *now || rest.to_f64() < least)
@@ -661,6 +671,20 @@ impl<R: Number> Run<'_, R> {
             }
         }
         self.state.time = end;
+        self.wake()
+    }
+
+    /// What has no inertia becomes unknown where something acts on it that did not before.
+    fn wake(&mut self) -> Result<(), Refusal> {
+        if self.layout.idle.is_empty() {
+            return Ok(());
+        }
+        let found = self.assembled(&self.modes).map_err(|trouble| self.say(trouble))?;
+        if self.layout.wakes(&self.mechanism, &found) {
+            self.layout = Layout::new(&self.mechanism, &found, &self.modes)?;
+            let y = self.packed();
+            self.flow(&self.state, self.state.time, &y).map_err(|trouble| self.say(trouble))?;
+        }
         Ok(())
     }
 
@@ -1129,8 +1153,8 @@ impl<R: Number> Run<'_, R> {
         }
     }
 
-    /// The same, where it is known what holds now.
-    fn project_from(&mut self, mut found: Assembled<R>) -> Result<(), Refusal> {
+    /// Brings positions back to what the layout keeps.
+    pub(crate) fn place(&mut self, mut found: Assembled<R>) -> Result<Assembled<R>, Refusal> {
         let zero = R::ZERO;
         let small = R::from_f64(4.0 * R::ROUNDING);
         for iteration in 0..12 {
@@ -1165,6 +1189,13 @@ impl<R: Number> Run<'_, R> {
                 break;
             }
         }
+        Ok(found)
+    }
+
+    /// The same, where it is known what holds now.
+    fn project_from(&mut self, found: Assembled<R>) -> Result<(), Refusal> {
+        let zero = R::ZERO;
+        let found = self.place(found)?;
         if self.is_still {
             return Ok(());
         }

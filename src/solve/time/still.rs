@@ -104,7 +104,7 @@ impl<R: Number> Assembled<R> {
     }
 
     /// The degrees of freedom on which something acts, now or as they move: a node that only AXIAL connectors hold does not turn.
-    fn acting(&self, mechanism: &Mechanism<R>) -> Vec<bool> {
+    pub(crate) fn acting(&self, mechanism: &Mechanism<R>) -> Vec<bool> {
         let mut acts: Vec<bool> = (0..self.applied.len())
             .map(|dof| self.is_loaded(dof) || dof % DOFS < 6 && self.has_inertia(dof))
             .collect();
