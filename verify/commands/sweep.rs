@@ -200,7 +200,8 @@ fn a_routine_is_swept() {
     let rare = "import sys\nsys.path.insert(0, OWN)\nfrom my_elements import cartesian, without_arm\n\
         def rare(state, connector):\n    values, rows = cartesian(state, connector)\n    \
         if abs(state['b']['x'][0] - state['a']['x'][0]) < 2e-3:\n        rows[1][3] += 1e-9\n    return values, rows\n\
-        def nowhere(state, connector):\n    raise ValueError('no')\n";
+        def nowhere(state, connector):\n    raise ValueError('no')\n\
+        def refuses(state, connector):\n    return {'out_of_domain': 'not here'}\n";
     fs::write(path.join("mine.py"), rare.replace("OWN", &format!("{own:?}"))).expect("a module");
     let sweep = |function: &str, more: &[&str]| {
         let python = format!("mine:{function}");
@@ -230,6 +231,11 @@ fn a_routine_is_swept() {
     );
     let none = sweep("nowhere", &[]);
     assert_eq!(none.status.code(), Some(6), "{}", String::from_utf8_lossy(&none.stderr));
+    // A routine that covers no state is not right.
+    let refuses = sweep("refuses", &[]);
+    assert_eq!(refuses.status.code(), Some(4), "{}", String::from_utf8_lossy(&refuses.stderr));
+    assert!(line(&refuses, "passed").contains("6,000 states, not judged"), "{}", line(&refuses, "passed"));
+    assert!(String::from_utf8_lossy(&refuses.stderr).contains("nothing was evaluated"));
     let unnamed = run(&["sweep", "--python", "mine:cartesian"]);
     assert_eq!(unnamed.status.code(), Some(2));
     fs::remove_dir_all(path).expect("a folder");

@@ -10,7 +10,9 @@ use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
 use pintle_sweep::ranges::checked;
 use pintle_sweep::sweep::Planted;
-use pintle_sweep::{Folder, Generator, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError};
+use pintle_sweep::{
+    Folder, Generator, OfSubject, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError,
+};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -52,8 +54,9 @@ no number on a singular set: pintle check judges histories. Initial orientations
 are those that the type allows. Of types with material flow the share alone is
 judged.
 
-Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep or
-cannot be read, 7 where it cannot be written.
+Exit codes: 1 where a number is wrong, 4 where no number of a routine was
+compared, 6 where a folder is of another sweep or cannot be read, 7 where it
+cannot be written.
 
 Examples:
   pintle sweep --states 1e5
@@ -347,5 +350,13 @@ fn tell(arguments: &SweepOf, files: Files, summary: &Summary, wanted: u64) -> Re
     if let Some(file) = &arguments.picture {
         files.text(file, report::picture(summary))?;
     }
-    if summary.wrong() > 0 { Err(Failure::Mismatch) } else { Ok(()) }
+    if summary.wrong() > 0 {
+        return Err(Failure::Mismatch);
+    }
+    let passed = |of: &OfSubject| of.outside + of.elsewhere + of.undefined;
+    let swept: u64 = summary.subjects.iter().map(OfSubject::states).sum();
+    if swept > 0 && summary.subjects.iter().map(passed).sum::<u64>() == swept {
+        return Err(Failure::Nothing("no number of the routine was compared at any state".into()));
+    }
+    Ok(())
 }
