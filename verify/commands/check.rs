@@ -224,7 +224,7 @@ fn misbehaviours_are_named() {
             OPEN,
             "sys.exit(9) if count == 5 else each(right)",
             CLOSE,
-            "ended (exit status: 9) when it was to answer",
+            "ended (exit status: 9) when it was to answer, at state ",
         ),
         ("is-killed", HELLO, OPEN, "os.kill(os.getpid(), 11)", CLOSE, "signal: 11"),
         ("hangs", HELLO, OPEN, "time.sleep(60)", CLOSE, "did not answer within"),

@@ -2,10 +2,11 @@
 
 use super::audit::Bar;
 use super::subject::{in_scene, model_of_scene, named, type_of};
+use super::tell::complain;
 use super::{Failure, Files, one_of, page_width};
 use clap::{Args, ValueEnum};
 use pintle_audit::{Against, CounterExample, Given, Oracle, Quantity, Question};
-use pintle_check::{Convention, Patience, Process, Session};
+use pintle_check::{Convention, Misbehaviour, Patience, Process, Session};
 use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
 use pintle_sweep::ranges::checked;
@@ -50,7 +51,8 @@ With --python, --library or --with (as in pintle check) the numbers are those of
 your routine. It is asked for values and rows at every state. Each is compared
 with pintle's; where both cannot be right within their bounds, and at the share,
 237 bits judge. Other angles of the same rotation are not judged, nor is what is
-no number on a singular set: pintle check judges histories. Initial orientations
+no number on a singular set: pintle check judges histories. A process that ends
+at a state is started again, up to twenty times, and has no numbers there. Initial orientations
 are those that the type allows. Of types with material flow the share alone is
 judged.
 
@@ -291,12 +293,25 @@ fn routine(arguments: &SweepOf) -> Result<Option<(String, Option<Convention>)>, 
     Ok(Some((command, convention)))
 }
 
+/// How many states may end a process before the sweep ends with it.
+const ENDS: usize = 20;
+
 /// A routine in a process of its own.
 struct Opened<'a>(Session<'a, Process>);
 
 impl Routine for Opened<'_> {
     fn ask(&mut self, asked: &[Question<'_>]) -> Result<Vec<Option<Given>>, String> {
-        self.0.ask(asked).map_err(|misbehaviour| misbehaviour.to_string())
+        let (before, _) = self.0.failures();
+        let given = self.0.ask(asked);
+        // Once for each process.
+        if let ((1.., Some((number, why))), 0) = (self.0.failures(), before) {
+            complain("note", &format!("the routine has no numbers at state {number}: {why}"));
+        }
+        given.map_err(|misbehaviour| match misbehaviour {
+            Misbehaviour::AtState { number, .. } => format!("{misbehaviour}; --state {number} prints it"),
+            Misbehaviour::Among { .. } => format!("{misbehaviour}; --state INDEX prints one"),
+            other => other.to_string(),
+        })
     }
 
     fn offers(&self) -> &[Quantity] {
@@ -314,7 +329,7 @@ fn opened<'a>(
 ) -> Result<Box<dyn Routine + 'a>, String> {
     let process = Process::start(command, Patience::default()).map_err(|why| why.to_string())?;
     let session = Session::open(process, definition, convention.as_ref(), &[None; 6]);
-    Ok(Box::new(Opened(session.map_err(|why| why.to_string())?)))
+    Ok(Box::new(Opened(session.map_err(|why| why.to_string())?.starting_again(ENDS))))
 }
 
 /// The states of a part: whole chunks.
