@@ -205,7 +205,8 @@ fn a_routine_is_swept() {
         def dies(state, connector):\n    x = abs(state['b']['x'][0] - state['a']['x'][0])\n    \
         return __import__('os')._exit(5) if x < 2e-3 else cartesian(state, connector)\n\
         def dies_often(state, connector):\n    x = state['b']['x'][0] - state['a']['x'][0]\n    \
-        return __import__('os')._exit(5) if x > 0 else cartesian(state, connector)\n";
+        return __import__('os')._exit(5) if x > 0 else cartesian(state, connector)\n\
+        def hangs(state, connector):\n    __import__('time').sleep(60)\n";
     fs::write(path.join("mine.py"), rare.replace("OWN", &format!("{own:?}"))).expect("a module");
     let sweep = |function: &str, more: &[&str]| {
         let python = format!("mine:{function}");
@@ -229,7 +230,8 @@ fn a_routine_is_swept() {
         table.split_whitespace().next_back().and_then(|last| last.parse().ok()).expect("a count");
     assert!((1..200).contains(&count), "{table}");
     assert!(
-        line(&some, "CARTESIAN: ").contains("the first wrong state is"),
+        line(&some, "CARTESIAN: ").contains("the first wrong state is")
+            && line(&some, "CARTESIAN: ").contains("the same command with --state "),
         "{}",
         line(&some, "CARTESIAN: ")
     );
@@ -247,6 +249,10 @@ fn a_routine_is_swept() {
     let said = String::from_utf8_lossy(&often.stderr).into_owned();
     assert_eq!(often.status.code(), Some(6), "{said}");
     assert!(said.contains("when it was to answer, at state ") && said.contains(" prints it"), "{said}");
+    let hangs = sweep("hangs", &["--timeout", "3"]);
+    let said = String::from_utf8_lossy(&hangs.stderr).into_owned();
+    assert_eq!(hangs.status.code(), Some(6), "{said}");
+    assert!(said.contains("within 3s") && said.contains("at one of the states "), "{said}");
     // A routine that covers no state is not right.
     let refuses = sweep("refuses", &[]);
     assert_eq!(refuses.status.code(), Some(4), "{}", String::from_utf8_lossy(&refuses.stderr));

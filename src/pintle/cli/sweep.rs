@@ -17,6 +17,7 @@ use pintle_sweep::{
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 const HELP: &str = "\
 States are drawn by their indices, from 0 on, and none is stored: state 7 of a
@@ -110,7 +111,7 @@ pub(crate) struct SweepOf {
     /// Print what a folder holds, and compute nothing
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["of", "states", "range", "oracle_share", "generator", "seed", "out", "chunk"])]
     merge: Option<PathBuf>,
-    /// Print the state of that index, as pintle replay reads it, and nothing else
+    /// Print the state of that index, and nothing else. pintle replay reads it, and judges pintle's own numbers there, not those of a routine
     #[arg(long, value_name = "INDEX", conflicts_with_all = ["states", "range", "out", "chunk", "merge", "picture", "format"])]
     state: Option<u64>,
     /// Draw the worst errors over the distance to singular sets (SVG)
@@ -131,6 +132,9 @@ pub(crate) struct SweepOf {
     /// A TOML file with what differs from pintle's conventions, in place of what the routine says
     #[arg(long, value_name = "FILE", requires = "routine")]
     convention: Option<PathBuf>,
+    /// Seconds that one answer of a routine may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = super::check::positive)]
+    timeout: f64,
     /// Put a fault into the numbers, to see it found
     #[arg(long, value_parser = one_of(Planted::ALL, Planted::name), hide = true, conflicts_with_all = ["out", "merge", "state"])]
     plant: Option<Planted>,
@@ -260,8 +264,10 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         left = left.without(&folder.done()?);
     }
-    let routines =
-        routine.as_ref().map(|routine| Routines::new(&sweep, |definition| opened(routine, definition)));
+    let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
+    let routines = routine
+        .as_ref()
+        .map(|routine| Routines::new(&sweep, move |definition| opened(routine, patience, definition)));
     let bar = Bar::new();
     bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
     let progress = |more: u64| bar.advance(more as usize, "states");
@@ -308,8 +314,12 @@ impl Routine for Opened<'_> {
             complain("note", &format!("the routine has no numbers at state {number}: {why}"));
         }
         given.map_err(|misbehaviour| match misbehaviour {
-            Misbehaviour::AtState { number, .. } => format!("{misbehaviour}; --state {number} prints it"),
-            Misbehaviour::Among { .. } => format!("{misbehaviour}; --state INDEX prints one"),
+            Misbehaviour::AtState { number, .. } => {
+                format!("{misbehaviour}; the same command with --state {number} prints it")
+            }
+            Misbehaviour::Among { .. } => {
+                format!("{misbehaviour}; the same command with --state INDEX prints one")
+            }
             other => other.to_string(),
         })
     }
@@ -325,9 +335,10 @@ impl Routine for Opened<'_> {
 
 fn opened<'a>(
     (command, convention): &(String, Option<Convention>),
+    patience: Patience,
     definition: &'a Definition,
 ) -> Result<Box<dyn Routine + 'a>, String> {
-    let process = Process::start(command, Patience::default()).map_err(|why| why.to_string())?;
+    let process = Process::start(command, patience).map_err(|why| why.to_string())?;
     let session = Session::open(process, definition, convention.as_ref(), &[None; 6]);
     Ok(Box::new(Opened(session.map_err(|why| why.to_string())?.starting_again(ENDS))))
 }

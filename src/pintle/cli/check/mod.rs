@@ -142,7 +142,8 @@ pub(crate) struct Check {
     verbose: bool,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// A number of seconds.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = super::finite(text)?;
     if number > 0.0 && number < 1e6 { Ok(number) } else { Err(format!("{text} is no time")) }
 }
