@@ -258,6 +258,10 @@ fn a_routine_is_swept() {
     assert_eq!(refuses.status.code(), Some(4), "{}", String::from_utf8_lossy(&refuses.stderr));
     assert!(line(&refuses, "passed").contains("6,000 states, not judged"), "{}", line(&refuses, "passed"));
     assert!(String::from_utf8_lossy(&refuses.stderr).contains("nothing was evaluated"));
+    let words = ["sweep", "REVOLUTE", "--python", "mine:refuses", "--states", "40"];
+    let held = pintle(&words).current_dir(&path).output().expect("it runs");
+    let said = |of: &Output| String::from_utf8_lossy(&of.stderr).contains("misaligned initial axes");
+    assert!(said(&held) && !said(&refuses));
     let unnamed = run(&["sweep", "--python", "mine:cartesian"]);
     assert_eq!(unnamed.status.code(), Some(2));
     fs::remove_dir_all(path).expect("a folder");

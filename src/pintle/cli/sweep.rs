@@ -1,7 +1,7 @@
 //! `pintle sweep`.
 
 use super::audit::Bar;
-use super::subject::{in_scene, model_of_scene, named, type_of};
+use super::subject::{drawn_aligned, in_scene, model_of_scene, named, type_of};
 use super::tell::complain;
 use super::{Failure, Files, one_of, page_width};
 use clap::{Args, ValueEnum};
@@ -53,9 +53,9 @@ your routine. It is asked for values and rows at every state. Each is compared
 with pintle's; where both cannot be right within their bounds, and at the share,
 237 bits judge. Other angles of the same rotation are not judged, nor is what is
 no number on a singular set: pintle check judges histories. A process that ends
-at a state is started again, up to twenty times, and has no numbers there. Initial orientations
-are those that the type allows. Of types with material flow the share alone is
-judged.
+at a state is started again, up to twenty times, and has no numbers there.
+Initial orientations are those that the type allows. Of types with material flow
+the share alone is judged.
 
 Exit codes: 1 where a number is wrong, 4 where no number of a routine was
 compared, 6 where a folder is of another sweep or cannot be read, 7 where it
@@ -265,6 +265,9 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
         left = left.without(&folder.done()?);
     }
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
+    if routine.is_some() {
+        arguments.of.iter().filter_map(|of| drawn_aligned(of)).for_each(|note| complain("note", &note));
+    }
     let routines = routine
         .as_ref()
         .map(|routine| Routines::new(&sweep, move |definition| opened(routine, patience, definition)));

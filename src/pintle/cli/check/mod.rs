@@ -4,7 +4,7 @@ mod fit;
 
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
-use super::subject::{At, found, named, of_scene};
+use super::subject::{At, drawn_aligned, found, named, of_scene};
 use super::tell::complain;
 use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
@@ -385,6 +385,8 @@ fn tell(arguments: &Check, name: &str, among: Option<&str>, checked: &Checked) -
     if !arguments.fit_convention && !name.starts_with("FRICTION") && checks.any(is_unnamed) {
         notes.push("no cause is named: --fit-convention tries other units, orders, frames and variations of rotations".into());
     }
+    let of = arguments.of.as_deref().unwrap_or_default();
+    notes.extend(drawn_aligned(of).filter(|_| among.is_none()));
     if let Some(among) = among {
         notes.iter_mut().for_each(|note| *note = format!("{among}: {note}"));
     }
