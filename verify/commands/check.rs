@@ -432,4 +432,10 @@ fn conventions_are_undone() {
     assert!(message.lines().count() <= 25, "{message}");
     assert!(message.contains("outside the domain of the routine"), "{message}");
     assert!(!message.contains("misaligned initial axes"), "{message}");
+    // One that covers no state is not right.
+    let refuses = "each(lambda state: {'out_of_domain': 'nowhere'})";
+    let none = process("nowhere", &rows, OPEN, refuses, CLOSE);
+    pintle(&brief("CARTESIAN", "--with", &none)).assert().code(4);
+    let help = stdout(&pintle(&["check", "--help"]).assert().success());
+    assert!(help.contains("4 the routine covers no\nstate"), "{help}");
 }

@@ -67,7 +67,8 @@ Examples:
   pintle check AXIAL --library ./uel.so --springs 250 --properties 250
   pintle check \"CARTESIAN CARDAN\" --with 'python3 bushing.py' --format junit
 
-Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.";
+Exit codes: 0 right, 1 a number is wrong, 3 undecided, 4 the routine covers no
+state, 6 the process misbehaved.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
