@@ -1,5 +1,5 @@
-//! Does what is attached to components act as it looks? Stops that are passed, initially, by a motion or at a state; locks that are passed initially or never met, entries that are ignored,
-//! frictions that vanish.
+//! Does what is attached to components act as it looks? Stops that are passed, initially, by a motion or at a state; locks that are passed
+//! initially or never met; entries that are ignored, frictions that vanish, behaviours that nothing names.
 
 use crate::model::certainty::{Certainty, Open};
 use crate::model::finding::{About, Finding};
@@ -22,6 +22,7 @@ use pintle_scene::grammar::number as short;
 use pintle_scene::{
     Behavior, Code, Digits, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
 };
+use std::collections::HashSet;
 
 /// What is found of the behaviours of connectors.
 pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
@@ -61,7 +62,23 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
             gathered.add(of, element.label, finding, |new, old| new.value > old.value);
         }
     }
-    gathered.findings().chain(by_motions.findings()).collect()
+    gathered.findings().chain(by_motions.findings()).chain(unused(scene)).collect()
+}
+
+/// Behaviours that no section names, each once for all instances of its part.
+fn unused(scene: &Scene) -> impl Iterator<Item = Finding> {
+    let names = scene.connector_sections.iter().filter_map(|section| section.behavior.as_ref());
+    let named: HashSet<&str> = names.map(|name| name.value.as_str()).collect();
+    let mut told = HashSet::new();
+    let unused = scene.behaviors.iter().filter(move |(name, behavior)| {
+        !named.contains(name.as_str()) && (told.insert(behavior.span) || !behavior.span.is_known())
+    });
+    unused.map(|(name, behavior)| {
+        let message = format!("no section names the behaviour {name}: it acts on no connector");
+        let reason = "a behaviour acts on the connectors of the sections that name it";
+        let remedy = "name it by BEHAVIOR= of a *CONNECTOR SECTION, or remove it";
+        Finding::new(scene, Code::ModelUnusedBehavior, behavior.span, message, reason, remedy)
+    })
 }
 
 fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
