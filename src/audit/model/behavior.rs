@@ -95,8 +95,8 @@ pub(super) struct Placed<'a> {
     pub(super) number: Option<u64>,
 }
 
-/// Stops that a state passes by more than the solver of that state may leave (`slack`), each with its place among those of the behaviour: not those that are
-/// passed initially already, as far, on the same side and as certainly.
+/// Stops that a state passes by more than the solver of that state may leave (`slack`), each with its place among those of the behaviour. Those
+/// that are passed initially already, as far, on the same side and as certainly, are left out.
 pub(super) fn violated_at_state(
     at: &Placed<'_>,
     certainty: &Certainty<'_>,
