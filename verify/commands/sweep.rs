@@ -249,10 +249,10 @@ fn a_routine_is_swept() {
     let said = String::from_utf8_lossy(&often.stderr).into_owned();
     assert_eq!(often.status.code(), Some(6), "{said}");
     assert!(said.contains("when it was to answer, at state ") && said.contains(" prints it"), "{said}");
-    let hangs = sweep("hangs", &["--timeout", "3"]);
+    let hangs = sweep("hangs", &["--timeout", "6"]);
     let said = String::from_utf8_lossy(&hangs.stderr).into_owned();
     assert_eq!(hangs.status.code(), Some(6), "{said}");
-    assert!(said.contains("within 3s") && said.contains("at one of the states "), "{said}");
+    assert!(said.contains("within 6s") && said.contains("at one of the states "), "{said}");
     // A routine that covers no state is not right.
     let refuses = sweep("refuses", &[]);
     assert_eq!(refuses.status.code(), Some(4), "{}", String::from_utf8_lossy(&refuses.stderr));
