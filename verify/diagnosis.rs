@@ -231,6 +231,41 @@ fn a_wrong_candidate_is_told_why() {
     assert_eq!(DOFS, 14);
 }
 
+/// A row that is zero at some states, and right at others, is not zero throughout; and what is wrong at hardly any state says so.
+#[test]
+fn causes_say_where_nothing_is_wrong() {
+    type Rows = [Option<NodalRow<f64>>; 6];
+    type State = pintle_kinematics::connector::State<f64>;
+    let sentences = |spoil: &dyn Fn(&State, &mut Rows)| -> Vec<String> {
+        let report = spoiled("CARTESIAN", spoil);
+        let checks = report.subjects.iter().flat_map(|subject| &subject.checks);
+        let found = checks.filter_map(|check| check.diagnosis.as_ref()).flat_map(|found| &found.causes);
+        found.map(|cause| cause.sentence.clone()).collect()
+    };
+    let any = |said: &[String], words: &str| said.iter().any(|sentence| sentence.contains(words));
+    let zero = |rows: &mut Rows| rows[0] = Some([0.0; DOFS]);
+    let always = sentences(&|_, rows| zero(rows));
+    assert!(any(&always, "∂u1 equals zero throughout: not computed, at "), "{always:?}");
+    let some = sentences(&|state, rows| {
+        if state.pair.b.displacement[1] > 0.0 {
+            zero(rows);
+        }
+    });
+    assert!(
+        any(&some, "∂u1 equals zero: not computed there, at ") && any(&some, ", and right at "),
+        "{some:?}"
+    );
+    assert!(!any(&some, "throughout"), "{some:?}");
+    let rare = sentences(&|state, rows| {
+        let is_still = |of: &pintle_kinematics::node::Node<f64>| of.displacement == [0.0; 3];
+        if let (true, Some(row)) = (is_still(&state.pair.a) && is_still(&state.pair.b), &mut rows[0]) {
+            row[7..10].fill(0.0);
+        }
+    });
+    assert!(any(&rare, "; nothing is wrong at "), "{rare:?}");
+    assert!(!any(&always, "nothing is wrong") && !any(&some, "nothing is wrong"), "{always:?} {some:?}");
+}
+
 /// A text without the codes of terminals.
 fn anstream_free(text: &str) -> String {
     let mut shown = String::new();

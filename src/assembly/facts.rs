@@ -205,6 +205,9 @@ pub struct Assembly {
     pub unnamed: usize,
     /// Drives that act, initially, on what is determined already.
     pub overdriven: Vec<Constraint>,
+    /// The other drives of the same connected components, in which one of either is too many.
+    #[serde(skip)]
+    pub driven_besides: Vec<Constraint>,
     /// Motions that nothing drives, at the initial state: at most a thousand.
     pub modes: Vec<Mode>,
     /// Given states that were not looked at, because they do not satisfy the constraints.
@@ -311,6 +314,7 @@ impl Assembly {
             redundant: Vec::new(),
             unnamed: 0,
             overdriven: Vec::new(),
+            driven_besides: Vec::new(),
             modes: Vec::new(),
             off: Vec::new(),
             off_boundary: Vec::new(),

@@ -1,6 +1,6 @@
 //! What is found of the connected components of an assembly at one state, and of the whole.
 
-use crate::facts::{Constraint, Gap, Position, Role};
+use crate::facts::{Constraint, Gap, LISTED, Position, Role};
 use crate::matrix::budget::Budget;
 use crate::matrix::contract::Contracted;
 use crate::matrix::dense;
@@ -285,9 +285,9 @@ pub(crate) fn constraint(system: &System<'_>, row: u32) -> Constraint {
     }
 }
 
-/// Drives that act on what is determined already.
-pub(crate) fn overdriven(system: &System<'_>, found: &[Option<Found>]) -> Vec<Constraint> {
-    let mut named = Vec::new();
+/// Drives that act on what is determined already, and the other drives of the same components.
+pub(crate) fn overdriven(system: &System<'_>, found: &[Option<Found>]) -> (Vec<Constraint>, Vec<Constraint>) {
+    let (mut named, mut besides) = (Vec::new(), Vec::new());
     for found in found.iter().flatten() {
         let Some((driven, rows)) = found.driven.as_ref().filter(|_| found.overdriven() > 0) else { continue };
         let is_drive = |row: &u32| system.roles[*row as usize] == Role::Driven;
@@ -296,6 +296,8 @@ pub(crate) fn overdriven(system: &System<'_>, found: &[Option<Found>]) -> Vec<Co
         if of_part.is_empty() {
             of_part = rows.iter().copied().filter(is_drive).collect();
         }
+        let others = rows.iter().copied().filter(is_drive).filter(|row| !of_part.contains(row));
+        besides.extend(others.take(LISTED).map(|row| constraint(system, row)));
         named.extend(of_part.into_iter().map(|row| constraint(system, row)));
     }
     named.extend(
@@ -305,5 +307,5 @@ pub(crate) fn overdriven(system: &System<'_>, found: &[Option<Found>]) -> Vec<Co
             .filter(|row| system.roles[**row as usize] == Role::Driven)
             .map(|row| constraint(system, *row)),
     );
-    named
+    (named, besides)
 }

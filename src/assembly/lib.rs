@@ -143,7 +143,7 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
         assembly.spent = Some(budget.told());
     }
     assembly.unnamed = redundant::unnamed(&found);
-    assembly.overdriven = overdriven(system, &found);
+    (assembly.overdriven, assembly.driven_besides) = overdriven(system, &found);
     assembly.modes = modes::modes(system, &found);
     given::along(system, (states, is_of), &found, fixed.len(), assembly);
 }

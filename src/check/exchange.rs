@@ -12,6 +12,13 @@ const DUE: &str = "answer";
 /// And at its begin.
 const OPEN: &str = "open the connector";
 
+/// What a routine says when it is greeted.
+fn greeted(door: &mut impl Door) -> Result<Map<String, Value>, Misbehaviour> {
+    const DUE: &str = "say hello";
+    door.send(&protocol::hello(), &[], DUE)?;
+    door.receive(DUE)
+}
+
 /// A routine that was greeted.
 #[derive(Debug)]
 pub(crate) struct Exchange<D> {
@@ -30,9 +37,7 @@ impl<D: Door> Exchange<D> {
     /// # Errors
     /// [`Misbehaviour`].
     pub(crate) fn greet(mut door: D, convention: Option<&Convention>) -> Result<Self, Misbehaviour> {
-        const DUE: &str = "say hello";
-        door.send(&protocol::hello(), &[], DUE)?;
-        let mut answer = door.receive(DUE)?;
+        let mut answer = greeted(&mut door)?;
         let hello = answer.remove("hello").ok_or_else(|| {
             Misbehaviour::BadHello(format!(
                 "it has no \"hello\", but {}",
@@ -91,6 +96,18 @@ impl<D: Door> Exchange<D> {
             due: "open the connector again",
             why,
         })
+    }
+
+    /// Starts, greets and opens the routine again, where it has ended; whether that can be done.
+    ///
+    /// # Errors
+    /// [`Misbehaviour`].
+    pub(crate) fn begin_again(&mut self, opening: &Value) -> Result<bool, Misbehaviour> {
+        let Some(door) = self.door.again()? else { return Ok(false) };
+        self.door = door;
+        greeted(&mut self.door)?;
+        self.open_again(opening)?;
+        Ok(true)
     }
 
     /// Tells a routine that what was tried stands (`commit`), or not (`revert`).

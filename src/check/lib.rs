@@ -245,8 +245,11 @@ fn check_connector<D: Door>(
     }
     let (not_offered, lacks_springs) = (session.not_offered(), session.lacks_springs());
     let (failures, failed) = session.failures();
-    let failed =
-        failed.map(|first| format!("the routine failed at {failures} of {states} states, first at {first}"));
+    let failed = failed.map(|(number, why)| {
+        format!(
+            "the routine failed at {failures} of {states} states, first at state {number} of the check: {why}"
+        )
+    });
     session.ask_again()?;
     let asked = session.asked();
     session.close()?;

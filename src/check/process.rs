@@ -37,6 +37,17 @@ pub trait Door {
         Ok(())
     }
 
+    /// Another one like it, where this one has ended; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`Misbehaviour::NotStarted`].
+    fn again(&self) -> Result<Option<Self>, Misbehaviour>
+    where
+        Self: Sized,
+    {
+        Ok(None)
+    }
+
     /// After the last message.
     ///
     /// # Errors
@@ -78,6 +89,24 @@ pub enum Misbehaviour {
         how: String,
         /// What it was asked for.
         due: &'static str,
+    },
+    /// The same at a state.
+    #[error("{why}, at state {number}")]
+    AtState {
+        /// The state.
+        number: usize,
+        /// What it did.
+        why: Box<Self>,
+    },
+    /// The same, or no answer in time, at one of several states.
+    #[error("{why}, at one of the states {first} to {last}")]
+    Among {
+        /// The first of them.
+        first: usize,
+        /// The last.
+        last: usize,
+        /// What it did.
+        why: Box<Self>,
     },
     /// It did not answer in time.
     #[error("the process did not {due} within {limit:?}; --timeout allows more")]
@@ -201,6 +230,28 @@ pub enum Misbehaviour {
     BadEnd(String),
 }
 
+impl Misbehaviour {
+    /// Whether the process has ended.
+    pub(crate) const fn is_an_end(&self) -> bool {
+        matches!(self, Self::Died { .. } | Self::HalfALine(_))
+    }
+
+    /// The same, at states of these numbers where it is about any.
+    pub(crate) fn at(self, first: usize, last: usize) -> Self {
+        match self {
+            Self::Died { .. } | Self::HalfALine(_) | Self::Silent { .. } => {
+                let why = Box::new(self);
+                if first == last {
+                    Self::AtState { number: first, why }
+                } else {
+                    Self::Among { first, last, why }
+                }
+            }
+            other => other,
+        }
+    }
+}
+
 /// What comes from the process.
 enum Line {
     Text(String),
@@ -213,6 +264,7 @@ enum Line {
 /// A process that was started. Dropped, it is ended with all that it started.
 #[derive(Debug)]
 pub struct Process {
+    command: String,
     child: Child,
     input: Option<ChildStdin>,
     lines: Receiver<LineOrEnd>,
@@ -295,7 +347,7 @@ impl Process {
             thread::spawn(move || read(output, &to));
         }
         let input = child.stdin.take();
-        Ok(Self { child, input, lines, patience, kin })
+        Ok(Self { command: command.to_string(), child, input, lines, patience, kin })
     }
 
     /// That the process has ended, if it does so now.
@@ -375,6 +427,10 @@ impl Door for Process {
             Ok(Some(Line::Flood)) => Err(Misbehaviour::Flood("answer")),
             _ => Ok(()),
         }
+    }
+
+    fn again(&self) -> Result<Option<Self>, Misbehaviour> {
+        Self::start(&self.command, self.patience).map(Some)
     }
 
     fn close(mut self) -> Result<(), Misbehaviour> {

@@ -30,8 +30,11 @@ pub struct Session<'a, D> {
     /// Whether it ever gave numbers; at how many states it failed, and the first of these, in words.
     gave: bool,
     failures: u64,
-    failed: Option<String>,
+    failed: Option<(usize, String)>,
     lacks_springs: bool,
+    /// How many states may end it before that is an error, and how many have.
+    may_end: usize,
+    ended: usize,
 }
 
 /// The first question, and what came.
@@ -109,7 +112,16 @@ impl<'a, D: Door> Session<'a, D> {
             failures: 0,
             failed: None,
             lacks_springs,
+            may_end: 0,
+            ended: 0,
         })
+    }
+
+    /// Starts a process again that ends at a state, up to so many times: it has no numbers there.
+    #[must_use]
+    pub fn starting_again(mut self, times: usize) -> Self {
+        self.may_end = times;
+        self
     }
 
     /// The name that the routine gave itself.
@@ -162,9 +174,9 @@ impl<'a, D: Door> Session<'a, D> {
         quantities.map(|(name, _)| *name).chain((0..6).filter(has).map(|k| COMPONENT[k])).collect()
     }
 
-    /// At how many states it failed, and the first of them with what it said.
-    pub fn failures(&self) -> (u64, Option<&str>) {
-        (self.failures, self.failed.as_deref())
+    /// At how many states it failed, and the number of the first of them with what it said.
+    pub fn failures(&self) -> (u64, Option<(usize, &str)>) {
+        (self.failures, self.failed.as_ref().map(|(number, why)| (*number, why.as_str())))
     }
 
     /// How many requests it got.
@@ -201,8 +213,7 @@ impl<'a, D: Door> Session<'a, D> {
                 // A routine that works elsewhere has no numbers there.
                 Answer::Error(why) if self.gave && !self.has_memory() => {
                     self.failures += u64::from(asked.is_drawn);
-                    let at = || format!("state {} of the check: {why}", asked.number);
-                    self.failed.get_or_insert_with(at);
+                    self.failed.get_or_insert((asked.number, why));
                     let has = |k: usize| components[k] && self.connector.differentiated(k).is_some();
                     Some(Given::nothing(asked.wants, std::array::from_fn(has)))
                 }
@@ -279,6 +290,40 @@ impl<'a, D: Door> Session<'a, D> {
     }
 
     fn evaluated(&mut self, asked: &[Question<'_>]) -> Result<Vec<Answer>, Misbehaviour> {
+        let (Some(first), Some(last)) = (asked.first(), asked.last()) else { return Ok(Vec::new()) };
+        match self.at_once(asked) {
+            Err(why) if why.is_an_end() && !self.has_memory() => self.one_by_one(asked, why),
+            found => found.map_err(|why| why.at(first.number, last.number)),
+        }
+    }
+
+    /// Asks a process that has ended once more, state by state, which of them it was.
+    fn one_by_one(&mut self, asked: &[Question<'_>], why: Misbehaviour) -> Result<Vec<Answer>, Misbehaviour> {
+        let (mut answers, ended) = (Vec::with_capacity(asked.len()), self.ended);
+        let mut is_there = self.exchange.begin_again(&self.opening)?;
+        for one in asked {
+            if !is_there {
+                break;
+            }
+            match self.at_once(std::slice::from_ref(one)) {
+                Err(why) if why.is_an_end() && self.ended < self.may_end => {
+                    self.ended += 1;
+                    answers.push(Answer::Error(why.to_string()));
+                    is_there = self.exchange.begin_again(&self.opening)?;
+                }
+                found => answers.extend(found.map_err(|why| why.at(one.number, one.number))?),
+            }
+        }
+        // It ends at none of them alone: what the order of questions changes is no number of a state.
+        match (asked.first(), asked.last()) {
+            (Some(first), Some(last)) if ended == self.ended || answers.len() < asked.len() => {
+                Err(why.at(first.number, last.number))
+            }
+            _ => Ok(answers),
+        }
+    }
+
+    fn at_once(&mut self, asked: &[Question<'_>]) -> Result<Vec<Answer>, Misbehaviour> {
         let Some(first) = asked.first() else { return Ok(Vec::new()) };
         let of = (self.definition, &self.connector);
         let convention = &self.exchange.hello.convention;

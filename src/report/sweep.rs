@@ -104,7 +104,11 @@ fn wrong(out: &mut dyn Write, of: &OfSubject) -> io::Result<()> {
         writeln!(out, "{}: state {index} has a number that is not finite", of.name)?;
     }
     if let Some(index) = of.first_wrong {
-        writeln!(out, "{}: the first wrong state is {index}: --state {index} prints it", of.name)?;
+        writeln!(
+            out,
+            "{}: the first wrong state is {index}: the same command with --state {index} prints it",
+            of.name
+        )?;
     }
     let laws =
         [(&of.rigid, "a rigid motion changes a value"), (&of.frame, "turning both nodes changes numbers")];

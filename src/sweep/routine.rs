@@ -73,8 +73,12 @@ impl<'a> Routines<'a> {
         self.sweep.run_of(first, count, progress, Some(self))
     }
 
-    /// The numbers at the ends of cases of the connector at a place.
-    pub(crate) fn ask(&self, place: usize, cases: &[Case]) -> Result<(Vec<Option<Given>>, Due), SweepError> {
+    /// The numbers at the ends of cases, with their indices, of the connector at a place.
+    pub(crate) fn ask(
+        &self,
+        place: usize,
+        cases: &[(u64, Case)],
+    ) -> Result<(Vec<Option<Given>>, Due), SweepError> {
         let known = {
             let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
             let at = idle.iter().position(|(of, _)| *of == place);
@@ -95,9 +99,10 @@ impl<'a> Routines<'a> {
                 "the routine offers neither values nor rows: a sweep asks for nothing else".into(),
             ));
         }
-        let before = cases.first().map_or([None; 6], values_before);
+        let before = cases.first().map_or([None; 6], |(_, case)| values_before(case));
         let wanted = wants.as_slice();
-        let asked = cases.iter().enumerate().filter_map(|(number, case)| {
+        let asked = cases.iter().filter_map(|(index, case)| {
+            let number = usize::try_from(*index).ok()?;
             let (step, path) = case.path.split_last()?;
             Some(Question { number, step, path, values_before: before, wants: wanted, is_drawn: true })
         });

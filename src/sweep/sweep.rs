@@ -391,11 +391,11 @@ impl Sweep {
         let at = |index: u64| (index - whole.start) as usize;
         let drawn = |index: u64| room.drawn.get(at(index)).map(|drawn| (index, drawn));
         let asked: Vec<(u64, &Drawn)> = range.clone().filter_map(drawn).collect();
-        let cases: Vec<Case> =
-            asked.iter().map(|(index, drawn)| ready.source.case(&of.name, *index, drawn)).collect();
+        let case = |(index, drawn): &(u64, &Drawn)| (*index, ready.source.case(&of.name, *index, drawn));
+        let cases: Vec<(u64, Case)> = asked.iter().map(case).collect();
         let (answers, due) = routines.ask(place, &cases)?;
         let mut sum = 0_u64;
-        for (((index, drawn), case), given) in asked.iter().zip(&cases).zip(answers) {
+        for (((index, drawn), (_, case)), given) in asked.iter().zip(&cases).zip(answers) {
             let branch = room.branches.get(at(*index)).unwrap_or(&ready.branch);
             let given = given.map(|given| given.on_sheet_of(case));
             let read = given.as_ref().map(|given| ready.read(given, due));

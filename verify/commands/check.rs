@@ -69,6 +69,7 @@ fn python_routines_are_judged() {
     let of_scene = "gallery:slider_crank:106";
     let report = stdout(&there(&brief(of_scene, "--python", &right)).assert().code(1));
     assert!(report.contains("is missing"), "TRANSLATOR has rotations: {report}");
+    assert!(!report.contains("misaligned initial axes"), "a scene has its own: {report}");
 }
 
 /// Node a does not start at the origin: a routine that takes b's place for what lies between the nodes is wrong. Forces of springs are not
@@ -224,7 +225,7 @@ fn misbehaviours_are_named() {
             OPEN,
             "sys.exit(9) if count == 5 else each(right)",
             CLOSE,
-            "ended (exit status: 9) when it was to answer",
+            "ended (exit status: 9) when it was to answer, at state ",
         ),
         ("is-killed", HELLO, OPEN, "os.kill(os.getpid(), 11)", CLOSE, "signal: 11"),
         ("hangs", HELLO, OPEN, "time.sleep(60)", CLOSE, "did not answer within"),
@@ -420,6 +421,8 @@ fn conventions_are_undone() {
     let part = process("components", &some, OPEN, ANSWER, CLOSE);
     let message = stdout(&pintle(&brief("TRANSLATOR", "--with", &part)).assert().success());
     assert!(message.contains("ur1, ur2, ur3"), "{message}");
+    // What is never asked is told, of types that have it.
+    assert!(message.contains("misaligned initial axes are another branch of TRANSLATOR"), "{message}");
     let rows = HELLO.replace("'values', ", "");
     let alone = process("rows-alone", &rows, OPEN, ANSWER, CLOSE);
     pintle(&brief("CARTESIAN", "--with", &alone)).assert().success();
@@ -428,4 +431,11 @@ fn conventions_are_undone() {
     let message = stdout(&pintle(&brief("CARTESIAN", "--with", &some)).assert().success());
     assert!(message.lines().count() <= 25, "{message}");
     assert!(message.contains("outside the domain of the routine"), "{message}");
+    assert!(!message.contains("misaligned initial axes"), "{message}");
+    // One that covers no state is not right.
+    let refuses = "each(lambda state: {'out_of_domain': 'nowhere'})";
+    let none = process("nowhere", &rows, OPEN, refuses, CLOSE);
+    pintle(&brief("CARTESIAN", "--with", &none)).assert().code(4);
+    let help = stdout(&pintle(&["check", "--help"]).assert().success());
+    assert!(help.contains("4 the routine covers no\nstate"), "{help}");
 }

@@ -200,7 +200,13 @@ fn a_routine_is_swept() {
     let rare = "import sys\nsys.path.insert(0, OWN)\nfrom my_elements import cartesian, without_arm\n\
         def rare(state, connector):\n    values, rows = cartesian(state, connector)\n    \
         if abs(state['b']['x'][0] - state['a']['x'][0]) < 2e-3:\n        rows[1][3] += 1e-9\n    return values, rows\n\
-        def nowhere(state, connector):\n    raise ValueError('no')\n";
+        def nowhere(state, connector):\n    raise ValueError('no')\n\
+        def refuses(state, connector):\n    return {'out_of_domain': 'not here'}\n\
+        def dies(state, connector):\n    x = abs(state['b']['x'][0] - state['a']['x'][0])\n    \
+        return __import__('os')._exit(5) if x < 2e-3 else cartesian(state, connector)\n\
+        def dies_often(state, connector):\n    x = state['b']['x'][0] - state['a']['x'][0]\n    \
+        return __import__('os')._exit(5) if x > 0 else cartesian(state, connector)\n\
+        def hangs(state, connector):\n    __import__('time').sleep(60)\n";
     fs::write(path.join("mine.py"), rare.replace("OWN", &format!("{own:?}"))).expect("a module");
     let sweep = |function: &str, more: &[&str]| {
         let python = format!("mine:{function}");
@@ -224,12 +230,38 @@ fn a_routine_is_swept() {
         table.split_whitespace().next_back().and_then(|last| last.parse().ok()).expect("a count");
     assert!((1..200).contains(&count), "{table}");
     assert!(
-        line(&some, "CARTESIAN: ").contains("the first wrong state is"),
+        line(&some, "CARTESIAN: ").contains("the first wrong state is")
+            && line(&some, "CARTESIAN: ").contains("the same command with --state "),
         "{}",
         line(&some, "CARTESIAN: ")
     );
     let none = sweep("nowhere", &[]);
     assert_eq!(none.status.code(), Some(6), "{}", String::from_utf8_lossy(&none.stderr));
+    // One that dies at some states has no numbers there, and the sweep goes on; one that dies at every other state ends it. Both name a state.
+    let dies = sweep("dies", &["--oracle-share", "0"]);
+    assert_eq!(dies.status.code(), Some(1), "{}", String::from_utf8_lossy(&dies.stderr));
+    let count = |of: &Output| line(of, "CARTESIAN").split_whitespace().next_back().map(str::to_string);
+    assert_eq!(count(&dies), count(&some));
+    assert!(line(&dies, "CARTESIAN: ").contains("state "), "{}", line(&dies, "CARTESIAN: "));
+    let said = String::from_utf8_lossy(&dies.stderr).into_owned();
+    assert!(said.contains("no numbers at state ") && said.contains("exit status: 5"), "{said}");
+    let often = sweep("dies_often", &["--oracle-share", "0"]);
+    let said = String::from_utf8_lossy(&often.stderr).into_owned();
+    assert_eq!(often.status.code(), Some(6), "{said}");
+    assert!(said.contains("when it was to answer, at state ") && said.contains(" prints it"), "{said}");
+    let hangs = sweep("hangs", &["--timeout", "6"]);
+    let said = String::from_utf8_lossy(&hangs.stderr).into_owned();
+    assert_eq!(hangs.status.code(), Some(6), "{said}");
+    assert!(said.contains("within 6s") && said.contains("at one of the states "), "{said}");
+    // A routine that covers no state is not right.
+    let refuses = sweep("refuses", &[]);
+    assert_eq!(refuses.status.code(), Some(4), "{}", String::from_utf8_lossy(&refuses.stderr));
+    assert!(line(&refuses, "passed").contains("6,000 states, not judged"), "{}", line(&refuses, "passed"));
+    assert!(String::from_utf8_lossy(&refuses.stderr).contains("nothing was evaluated"));
+    let words = ["sweep", "REVOLUTE", "--python", "mine:refuses", "--states", "40"];
+    let held = pintle(&words).current_dir(&path).output().expect("it runs");
+    let said = |of: &Output| String::from_utf8_lossy(&of.stderr).contains("misaligned initial axes");
+    assert!(said(&held) && !said(&refuses));
     let unnamed = run(&["sweep", "--python", "mine:cartesian"]);
     assert_eq!(unnamed.status.code(), Some(2));
     fs::remove_dir_all(path).expect("a folder");

@@ -363,6 +363,21 @@ fn keywords_of_other_subjects_are_no_misspelling() {
     for keyword in misspelt {
         assert_eq!(of(keyword), 1, "{keyword}");
     }
+    // Of these, what holds or drives connectors is missing among their constraints; springs and loads are not.
+    let unread = |keyword: &str| {
+        let scene = read(&format!("{HINGE}*{keyword}\n1, 2\n"));
+        (scene.warnings.len(), scene.unread_constraints().len())
+    };
+    for (keyword, held) in [
+        ("CONECTOR SECTION, ELSET=E", 1),
+        ("BOUNDRY", 1),
+        ("CONECTOR ELASTICITY, COMPONENT=4", 0),
+        ("CONECTOR ELASTICITY, RIGID, COMPONENT=4", 1),
+        ("CONECTOR STOP, COMPONENT=4", 0),
+        ("CONNECTR LOAD", 0),
+    ] {
+        assert_eq!(unread(keyword), (1, held), "{keyword}");
+    }
 }
 
 /// However many warnings of one code there are, those of others are kept, and the first counts the rest.

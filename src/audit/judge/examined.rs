@@ -149,6 +149,21 @@ impl<'a> Examined<'a> {
         invariant::try_mutants(quantity, self.numbers, demands, made, (&size, &is_conditioned))
     }
 
+    /// Whether a component is right as a whole, and not zero.
+    fn is_whole(&self, quantity: Quantity, k: usize) -> bool {
+        let got = self.numbers.entries(quantity);
+        let Some(want) = self.trusted.entries(quantity).0[k].as_deref() else { return false };
+        let mut is_zero = true;
+        for (i, want) in want.iter().enumerate() {
+            let tolerance = self.bound.tolerance(quantity, k, i);
+            if !got.get(k, i).is_some_and(|x| (x - want).abs() <= tolerance) {
+                return false;
+            }
+            is_zero &= want.abs() <= tolerance;
+        }
+        !is_zero
+    }
+
     /// The check of a quantity against an answer; with mutants where it `proves`. What the referee excuses is undecided.
     pub fn check(
         &self,
@@ -183,7 +198,7 @@ impl<'a> Examined<'a> {
                 ((x - want).abs() <= tolerance).then_some((k, want, tolerance))
             });
             let is_number = matches!(quantity, Quantity::Value | Quantity::Rate | Quantity::Acceleration);
-            check.has_seen(places, right.filter(|_| is_number));
+            check.has_seen(places, right.filter(|_| is_number), |k| self.is_whole(quantity, k));
         }
         if check.verdict.is_mismatch() {
             // Where the bound rests on what is wrong, what is right is what the oracle says.

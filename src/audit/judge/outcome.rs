@@ -243,10 +243,17 @@ impl Check {
         }
     }
 
-    /// Keeps how far a state is from special ones, whether something is wrong there, and which values are right: component, value, tolerance.
-    pub(super) fn has_seen(&mut self, places: &Places, right: impl Iterator<Item = (usize, f64, f64)>) {
+    /// Keeps how far a state is from special ones, whether something is wrong there, which values are right: component, value, tolerance; and which
+    /// components are right as a whole, and not zero.
+    pub(super) fn has_seen(
+        &mut self,
+        places: &Places,
+        right: impl Iterator<Item = (usize, f64, f64)>,
+        is_whole: impl Fn(usize) -> bool,
+    ) {
         self.seen.add(places, self.verdict.is_mismatch());
         right.for_each(|(k, want, tolerance)| self.seen.add_right(k, want, tolerance));
+        (0..6).filter(|k| is_whole(*k)).for_each(|k| self.seen.add_whole(k));
     }
 
     /// Settles the figures over all states, and says why numbers are wrong.

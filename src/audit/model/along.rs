@@ -1,7 +1,7 @@
 //! What happens along the given states: singular points on the way or near it, angles that move too far to count their turns,
-//! constraints that do not hold.
+//! constraints that do not hold, stops that are passed.
 
-use crate::model::behavior::{Placed, violated_at_first};
+use crate::model::behavior::{Placed, violated_at_state};
 use crate::model::certainty::Certainty;
 use crate::model::finding::{About, Finding};
 use crate::model::gather::Gathered;
@@ -61,7 +61,7 @@ pub(super) fn findings(
         lengths: lengths(model),
         spans,
         gathered,
-        certainty: Certainty::along(scene, states.first()),
+        certainty: Certainty::of(scene),
         nearest: None,
         state: None,
         is_first: false,
@@ -77,6 +77,7 @@ pub(super) fn findings(
     for (index, state) in states.iter().enumerate() {
         walk.state = Some(state.number.unwrap_or(index as u64));
         walk.is_first = index == 0;
+        walk.certainty.at(state);
         let Ok(()) = sequence.visit(state, |item| -> Result<(), Infallible> {
             walk.look(item);
             if let Item::Connector(result) = item {
@@ -94,6 +95,11 @@ fn lengths(model: &Model) -> Vec<f64> {
     let apart: Vec<f64> = own.iter().copied().filter(|length| *length > 0.0).collect();
     let mean = if apart.is_empty() { 1.0 } else { apart.iter().sum::<f64>() / apart.len() as f64 };
     own.into_iter().map(|length| if length > 0.0 { length } else { mean }).collect()
+}
+
+/// Whether component k (0-based) is a length.
+fn is_of_length(element: &ConnectorElement, k: usize) -> bool {
+    element.connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Length)
 }
 
 struct Walk<'a> {
@@ -187,7 +193,7 @@ impl Walk<'_> {
         }
         for (k, residual) in residual.into_iter().enumerate() {
             let Some(residual) = residual else { continue };
-            let of_length = element.connector.differentiated(k).is_some_and(|m| m.unit() == Unit::Length);
+            let of_length = is_of_length(element, k);
             let size = if of_length { length } else { 1.0 };
             // What is no finite number is told above.
             if residual.is_finite() && residual.abs() > VIOLATED * size {
@@ -207,10 +213,18 @@ impl Walk<'_> {
         for found in found {
             self.add((given.section, element.label, given.span), format!("element {}", element.label), found);
         }
-        if let Some(number) = self.state.filter(|_| self.is_first) {
+        if let Some(number) = self.state {
             let (scene, state) = (self.scene, &result.state);
             let at = Placed { scene, element, positions: &position, state, number: Some(number) };
-            for (stop, finding) in violated_at_first(&at, &self.certainty) {
+            // Where a history begins is given; what follows is computed.
+            let slack = |k: usize| {
+                if self.is_first {
+                    0.0
+                } else {
+                    VIOLATED * if is_of_length(element, k) { length } else { 1.0 }
+                }
+            };
+            for (stop, finding) in violated_at_state(&at, &self.certainty, slack) {
                 let of = (given.section, Some(stop));
                 self.gathered.add(of, element.label, finding, |new, old| new.value > old.value);
             }

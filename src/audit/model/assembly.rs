@@ -12,7 +12,7 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_model::evaluate::Freedom;
 use pintle_scene::grammar::number as short;
 use pintle_scene::grammar::{agree, count, ranges};
-use pintle_scene::{Code, ConnectorMotion, Label, Mpc, Scene, Severity, Span, Target};
+use pintle_scene::{Boundary, Code, ConnectorMotion, Label, Mpc, Scene, Severity, Span, Target};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The names that a message lists.
@@ -61,6 +61,9 @@ fn place(scene: &Scene, constraint: &Constraint) -> Span {
     if let Some((span, _)) = &constraint.joined {
         return *span;
     }
+    if let Some(span) = constraint.node.and_then(|node| place_of_boundary(scene, node, constraint)) {
+        return span;
+    }
     constraint.index.and_then(|index| mpc_of(scene, index)).map(|mpc| mpc.span).unwrap_or_default()
 }
 
@@ -79,6 +82,20 @@ fn place_of_motion(scene: &Scene, element: Label, constraint: &Constraint) -> Op
         is_of && usize::from(motion.component) == k + 1
     };
     (constraint.role == Role::Driven).then(|| motions.find(is_it)).flatten().map(|motion| motion.target.span)
+}
+
+/// The line of the boundary condition of a step that drives a degree of freedom of a node.
+fn place_of_boundary(scene: &Scene, node: Label, constraint: &Constraint) -> Option<Span> {
+    let number: u8 = constraint.component.parse().ok()?;
+    let mut all = scene.steps.iter().flat_map(|step| &step.boundaries);
+    let is_it = |boundary: &&Boundary| {
+        let is_of = match &boundary.target.value {
+            Target::Label(label) => *label == node,
+            Target::Set(name) => scene.node_sets.get(name).is_some_and(|set| set.labels.contains(&node)),
+        };
+        is_of && boundary.degrees_of_freedom.contains(&number)
+    };
+    (constraint.role == Role::Driven).then(|| all.find(is_it)).flatten().map(|boundary| boundary.target.span)
 }
 
 /// The constraint at a place among those that are evaluated.
@@ -415,8 +432,19 @@ fn redundant_at(
 fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     let first = assembly.overdriven.first()?;
     let names: Vec<String> = assembly.overdriven.iter().map(ToString::to_string).collect();
-    let message =
-        format!("a motion is prescribed for what is determined already, initially: {}", listed(&names));
+    let with_line = |constraint: &Constraint| match place(scene, constraint) {
+        span if span.is_known() => format!("{constraint} (line {})", span.line()),
+        _ => constraint.to_string(),
+    };
+    let besides: Vec<String> = assembly.driven_besides.iter().map(with_line).collect();
+    let besides = match besides.as_slice() {
+        [] => String::new(),
+        all => format!("; prescribed besides: {}", listed(all)),
+    };
+    let message = format!(
+        "a motion is prescribed for what is determined already, initially: {}{besides}",
+        listed(&names)
+    );
     let reason = "with the drives, the rank grows by less than their number";
     let remedy = "remove the motion, or free what determines it; at a dead centre, drive another component";
     let finding = Finding::new(scene, Code::AssemblyOverdriven, place(scene, first), message, reason, remedy);

@@ -1,5 +1,5 @@
-//! Does what is attached to components act as it looks? Stops and locks that are passed initially or never met, entries that are ignored,
-//! frictions that vanish.
+//! Does what is attached to components act as it looks? Stops that are passed, initially, by a motion or at a state; locks that are passed
+//! initially or never met; entries that are ignored, frictions that vanish, behaviours that nothing names.
 
 use crate::model::certainty::{Certainty, Open};
 use crate::model::finding::{About, Finding};
@@ -12,6 +12,7 @@ use pintle_kinematics::catalog::{
 };
 use pintle_kinematics::connector::{Components, State};
 use pintle_kinematics::scalar::U;
+use pintle_model::behavior::drive::{Prescribed, Schedule};
 use pintle_model::behavior::entry;
 use pintle_model::behavior::friction::Coefficient;
 use pintle_model::evaluate::{ConnectorElement, Model};
@@ -19,12 +20,13 @@ use pintle_scene as scene;
 use pintle_scene::grammar::agree;
 use pintle_scene::grammar::number as short;
 use pintle_scene::{
-    Behavior, Code, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
+    Behavior, Code, Digits, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
 };
+use std::collections::HashSet;
 
 /// What is found of the behaviours of connectors.
 pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Finding> {
-    let mut gathered = Gathered::new(levels);
+    let (mut gathered, mut by_motions) = (Gathered::new(levels), Gathered::new(levels));
     let certainty = Certainty::of(scene);
     for element in &model.connectors {
         let Some(given) = scene.connectors.get(&element.label) else { continue };
@@ -40,6 +42,12 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
         for (place, stop) in behavior.stops.iter().enumerate() {
             let beyond = beyond_stop(&at, stop, &certainty);
             found.extend(beyond.map(|beyond| (Some(place), violated(&at, stop, &beyond))));
+            let led = led_beyond(&at, stop, &model.schedule, &certainty);
+            if let Some(finding) = led {
+                by_motions.add((given.section, Some(place)), element.label, finding, |new, old| {
+                    new.value > old.value
+                });
+            }
         }
         for (place, law) in limited(behavior).enumerate() {
             found.extend(passed_or_idle(&at, &law, &certainty).map(|finding| (Some(place), finding)));
@@ -54,7 +62,23 @@ pub(super) fn findings(scene: &Scene, model: &Model, levels: &Levels) -> Vec<Fin
             gathered.add(of, element.label, finding, |new, old| new.value > old.value);
         }
     }
-    gathered.findings().collect()
+    gathered.findings().chain(by_motions.findings()).chain(unused(scene)).collect()
+}
+
+/// Behaviours that no section names, each once for all instances of its part.
+fn unused(scene: &Scene) -> impl Iterator<Item = Finding> {
+    let names = scene.connector_sections.iter().filter_map(|section| section.behavior.as_ref());
+    let named: HashSet<&str> = names.map(|name| name.value.as_str()).collect();
+    let mut told = HashSet::new();
+    let unused = scene.behaviors.iter().filter(move |(name, behavior)| {
+        !named.contains(name.as_str()) && (told.insert(behavior.span) || !behavior.span.is_known())
+    });
+    unused.map(|(name, behavior)| {
+        let message = format!("no section names the behaviour {name}: it acts on no connector");
+        let reason = "a behaviour acts on the connectors of the sections that name it";
+        let remedy = "name it by BEHAVIOR= of a *CONNECTOR SECTION, or remove it";
+        Finding::new(scene, Code::ModelUnusedBehavior, behavior.span, message, reason, remedy)
+    })
 }
 
 fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
@@ -62,7 +86,7 @@ fn about(element: &ConnectorElement, component: usize, value: f64) -> About {
     About { elements: vec![element.label], components, value: Some(value), ..About::default() }
 }
 
-/// A connector at the initial state, or at the first one given, of this number.
+/// A connector at the initial state, or at one that is given, of this number.
 pub(super) struct Placed<'a> {
     pub(super) scene: &'a Scene,
     pub(super) element: &'a ConnectorElement,
@@ -71,24 +95,68 @@ pub(super) struct Placed<'a> {
     pub(super) number: Option<u64>,
 }
 
-/// Stops that are passed at the first state given, each with its place among those of the behaviour: not those that are passed initially already, as far, on the
-/// same side and as certainly.
-pub(super) fn violated_at_first(at: &Placed<'_>, certainty: &Certainty<'_>) -> Vec<(usize, Finding)> {
+/// Stops that a state passes by more than the solver of that state may leave (`slack`), each with its place among those of the behaviour. Those
+/// that are passed initially already, as far, on the same side and as certainly, are left out.
+pub(super) fn violated_at_state(
+    at: &Placed<'_>,
+    certainty: &Certainty<'_>,
+    slack: impl Fn(usize) -> f64,
+) -> Vec<(usize, Finding)> {
     let Placed { scene, element, .. } = *at;
     let section = scene.connectors.get(&element.label).and_then(|given| scene.section(given));
     let Some(behavior) = section.and_then(|section| scene.behavior(section)) else { return Vec::new() };
-    if behavior.stops.is_empty() {
-        return Vec::new();
-    }
-    let initial = initial_positions(element);
-    let initially = Placed { scene, element, positions: &initial, state: &at_start(element), number: None };
     let new = |(place, stop): (usize, &scene::Stop)| {
-        let beyond = beyond_stop(at, stop, certainty)?;
-        let is_told =
+        let beyond = beyond_stop(at, stop, certainty).filter(|beyond| beyond.by > slack(beyond.component))?;
+        let positions = initial_positions(element);
+        let initially =
+            Placed { scene, element, positions: &positions, state: &at_start(element), number: None };
+        let is_known =
             beyond_stop(&initially, stop, certainty).is_some_and(|initial| !beyond.is_worse_than(&initial));
-        (!is_told).then(|| (place, violated(at, stop, &beyond)))
+        (!is_known).then(|| (place, violated(at, stop, &beyond)))
     };
     behavior.stops.iter().enumerate().filter_map(new).collect()
+}
+
+/// A stop beyond which a connector motion leads, farther than the component lies initially: at the worst of the times at which the motion is not smooth.
+fn led_beyond(
+    at: &Placed<'_>,
+    stop: &scene::Stop,
+    schedule: &Schedule,
+    certainty: &Certainty<'_>,
+) -> Option<Finding> {
+    let Placed { scene, element, .. } = *at;
+    let k = component_index(stop.component)?;
+    let (start, drive) = (at.positions[k]?, element.behavior.drives.motions[k].as_ref()?);
+    let in_step = |step: usize| {
+        let [begin, end] = schedule.span(step).map_or([0.0; 2], |(span, _)| span);
+        let within = drive.breaks(step).into_iter().filter(move |time| begin < *time && *time < end);
+        within.chain([end]).map(move |time| (step, time))
+    };
+    let led = (0..schedule.len()).flat_map(in_step).filter_map(|(step, time)| {
+        let Some(Prescribed::Displacement(by)) = drive.within::<f64>(schedule, step, time, |_| None) else {
+            return None;
+        };
+        let beyond = Beyond::of(at, (k, start + by), [stop.lower, stop.upper], certainty)?;
+        (beyond.by > Digits::of_number(by)).then_some((beyond, time))
+    });
+    let (worst, time) = led.max_by(|(one, _), (other, _)| one.by.total_cmp(&other.by))?;
+    if beyond_stop(at, stop, certainty).is_some_and(|initial| !worst.is_worse_than(&initial)) {
+        return None;
+    }
+    let Beyond { position, by, side, limit, .. } = worst;
+    let message = format!(
+        "element {}: a connector motion leads {} to {position} at time {time}, {by} {side} its stop at {limit}{}",
+        element.label,
+        COMPONENT[k],
+        worst.in_words(None),
+        by = short(by, 4),
+        position = short(position, 7),
+        time = short(time, 7)
+    );
+    let reason = "a motion gives the displacement from the initial position (CU); stops limit the position (CP); angles in rad";
+    let remedy = "move the stop, or end the motion before it";
+    let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
+    Some(worst.judged(finding).about(about(element, k, by)))
 }
 
 /// A limit that a position lies beyond, by more than rounding can make it.
@@ -156,7 +224,7 @@ fn violated(at: &Placed<'_>, stop: &scene::Stop, beyond: &Beyond) -> Finding {
     let Beyond { component: k, position, by, side, limit, .. } = *beyond;
     let when = match number {
         None => "initially".to_string(),
-        Some(state) => format!("at state {state}, the first one given"),
+        Some(state) => format!("at state {state}"),
     };
     let message = format!(
         "element {}: {} is {position} {when}, {by} {side} its stop at {limit}{}",
@@ -169,7 +237,7 @@ fn violated(at: &Placed<'_>, stop: &scene::Stop, beyond: &Beyond) -> Finding {
     let reason = "stops limit the position (CP), not the displacement from the initial one; angles in rad";
     let remedy = match number {
         None => "move the stop or the nodes, so that the initial position lies within",
-        Some(_) => "move the stop, or begin with a state at which the position lies within",
+        Some(_) => "move the stop, or check that the states are those of this model, and their units",
     };
     let finding = Finding::new(scene, Code::ModelStopViolated, stop.span, message, reason, remedy);
     beyond.judged(finding).about(About { state: number, ..about(element, k, by) })

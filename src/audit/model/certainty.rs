@@ -38,22 +38,23 @@ pub(super) struct Open {
 pub(super) struct Certainty<'a> {
     scene: &'a Scene,
     digits: OnceCell<Digits>,
-    /// The first state given.
-    first: Option<&'a scene::State>,
-    digits_of_first: OnceCell<DigitsOfState>,
+    /// The state that is looked at: none but the initial one.
+    state: Option<&'a scene::State>,
+    digits_of_state: OnceCell<DigitsOfState>,
 }
 
 impl<'a> Certainty<'a> {
+    /// Of what the scene gives, initially.
     pub(super) fn of(scene: &'a Scene) -> Self {
-        Self::along(scene, None)
+        Self { scene, digits: OnceCell::new(), state: None, digits_of_state: OnceCell::new() }
     }
 
-    /// The same, where that is the first of the states given.
-    pub(super) fn along(scene: &'a Scene, first: Option<&'a scene::State>) -> Self {
-        Self { scene, digits: OnceCell::new(), first, digits_of_first: OnceCell::new() }
+    /// Looks at another state given.
+    pub(super) fn at(&mut self, state: &'a scene::State) {
+        (self.state, self.digits_of_state) = (Some(state), OnceCell::new());
     }
 
-    /// What the digits of the first state given leave open of what has such derivatives by the motion of a node: nothing where the node is as it is initially.
+    /// What the digits of the state given leave open of what has such derivatives by the motion of a node: nothing where the node is as it is initially.
     fn of_motion(
         &self,
         element: &ConnectorElement,
@@ -62,15 +63,15 @@ impl<'a> Certainty<'a> {
         [at, turn]: [[f64; 3]; 2],
     ) -> f64 {
         let is_initial = node.displacement == [0.0; 3] && node.triad == *element.triads()[end];
-        let motion = element.nodes[end].and_then(|label| self.first?.nodes.get(&label));
-        let (Some(first), Some(motion), false) = (self.first, motion, is_initial) else { return 0.0 };
-        let digits = self.digits_of_first.get_or_init(|| DigitsOfState::of(first));
+        let motion = element.nodes[end].and_then(|label| self.state?.nodes.get(&label));
+        let (Some(state), Some(motion), false) = (self.state, motion, is_initial) else { return 0.0 };
+        let digits = self.digits_of_state.get_or_init(|| DigitsOfState::of(state));
         let (displacement, angle) = digits.of_motion(motion);
         let moved: f64 = at.iter().zip(displacement).map(|(by, open)| by.abs() * open).sum();
         moved + norm(turn) * angle
     }
 
-    /// How far the position of component k (0-based), initially or at the first state given, may be from a limit that it is computed to be at.
+    /// How far the position of component k (0-based), initially or at the state given, may be from a limit that it is computed to be at.
     pub(super) fn open(
         &self,
         element: &ConnectorElement,

@@ -4,7 +4,7 @@ use super::compare::any_states;
 use super::eval::{read, source};
 use super::states::deck;
 use super::{Failure, connection};
-use pintle_audit::sampling::{aligned, definition, pair};
+use pintle_audit::sampling::{Turning, aligned, definition, pair, turning};
 use pintle_audit::{FrictionSubject, connector_at, constraint_at};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{Definition, Request};
@@ -49,6 +49,16 @@ pub(crate) fn type_of(name: &str) -> Result<ConnectionType, Failure> {
     let spaces = name.match_indices(' ').map(|(at, _)| (name[..at].trim(), name[at..].trim()));
     let of_two = || spaces.into_iter().find_map(|(one, other)| connection(one, Some(other)).ok());
     connection(name, None).or_else(|failure| of_two().ok_or(failure))
+}
+
+/// What a report says of a TYPE whose misaligned axes are another branch of its formulas: it is drawn without them.
+pub(crate) fn drawn_aligned(word: &str) -> Option<String> {
+    let connection = in_scene(word).map_or_else(|| type_of(word).ok(), |_| None)?;
+    let holds = matches!(turning(&connection), Turning::Align | Turning::Revolute | Turning::Universal);
+    let name = &connection.name;
+    holds.then(|| {
+        format!("misaligned initial axes are another branch of {name}, and are not asked: a connector of a scene may have them")
+    })
 }
 
 /// The connector of a TYPE: both triads are oblique, and satisfy what the type constrains.

@@ -1,19 +1,23 @@
 //! `pintle sweep`.
 
 use super::audit::Bar;
-use super::subject::{in_scene, model_of_scene, named, type_of};
+use super::subject::{drawn_aligned, in_scene, model_of_scene, named, type_of};
+use super::tell::complain;
 use super::{Failure, Files, one_of, page_width};
 use clap::{Args, ValueEnum};
 use pintle_audit::{Against, CounterExample, Given, Oracle, Quantity, Question};
-use pintle_check::{Convention, Patience, Process, Session};
+use pintle_check::{Convention, Misbehaviour, Patience, Process, Session};
 use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
 use pintle_sweep::ranges::checked;
 use pintle_sweep::sweep::Planted;
-use pintle_sweep::{Folder, Generator, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError};
+use pintle_sweep::{
+    Folder, Generator, OfSubject, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError,
+};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 const HELP: &str = "\
 States are drawn by their indices, from 0 on, and none is stored: state 7 of a
@@ -48,12 +52,14 @@ With --python, --library or --with (as in pintle check) the numbers are those of
 your routine. It is asked for values and rows at every state. Each is compared
 with pintle's; where both cannot be right within their bounds, and at the share,
 237 bits judge. Other angles of the same rotation are not judged, nor is what is
-no number on a singular set: pintle check judges histories. Initial orientations
-are those that the type allows. Of types with material flow the share alone is
-judged.
+no number on a singular set: pintle check judges histories. A process that ends
+at a state is started again, up to twenty times, and has no numbers there.
+Initial orientations are those that the type allows. Of types with material flow
+the share alone is judged.
 
-Exit codes: 1 where a number is wrong, 6 where a folder is of another sweep or
-cannot be read, 7 where it cannot be written.
+Exit codes: 1 where a number is wrong, 4 where no number of a routine was
+compared, 6 where a folder is of another sweep or cannot be read, 7 where it
+cannot be written.
 
 Examples:
   pintle sweep --states 1e5
@@ -105,7 +111,7 @@ pub(crate) struct SweepOf {
     /// Print what a folder holds, and compute nothing
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["of", "states", "range", "oracle_share", "generator", "seed", "out", "chunk"])]
     merge: Option<PathBuf>,
-    /// Print the state of that index, as pintle replay reads it, and nothing else
+    /// Print the state of that index, and nothing else. pintle replay reads it, and judges pintle's own numbers there, not those of a routine
     #[arg(long, value_name = "INDEX", conflicts_with_all = ["states", "range", "out", "chunk", "merge", "picture", "format"])]
     state: Option<u64>,
     /// Draw the worst errors over the distance to singular sets (SVG)
@@ -126,6 +132,9 @@ pub(crate) struct SweepOf {
     /// A TOML file with what differs from pintle's conventions, in place of what the routine says
     #[arg(long, value_name = "FILE", requires = "routine")]
     convention: Option<PathBuf>,
+    /// Seconds that one answer of a routine may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = super::check::positive)]
+    timeout: f64,
     /// Put a fault into the numbers, to see it found
     #[arg(long, value_parser = one_of(Planted::ALL, Planted::name), hide = true, conflicts_with_all = ["out", "merge", "state"])]
     plant: Option<Planted>,
@@ -255,8 +264,13 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         left = left.without(&folder.done()?);
     }
-    let routines =
-        routine.as_ref().map(|routine| Routines::new(&sweep, |definition| opened(routine, definition)));
+    let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
+    if routine.is_some() {
+        arguments.of.iter().filter_map(|of| drawn_aligned(of)).for_each(|note| complain("note", &note));
+    }
+    let routines = routine
+        .as_ref()
+        .map(|routine| Routines::new(&sweep, move |definition| opened(routine, patience, definition)));
     let bar = Bar::new();
     bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
     let progress = |more: u64| bar.advance(more as usize, "states");
@@ -288,12 +302,29 @@ fn routine(arguments: &SweepOf) -> Result<Option<(String, Option<Convention>)>, 
     Ok(Some((command, convention)))
 }
 
+/// How many states may end a process before the sweep ends with it.
+const ENDS: usize = 20;
+
 /// A routine in a process of its own.
 struct Opened<'a>(Session<'a, Process>);
 
 impl Routine for Opened<'_> {
     fn ask(&mut self, asked: &[Question<'_>]) -> Result<Vec<Option<Given>>, String> {
-        self.0.ask(asked).map_err(|misbehaviour| misbehaviour.to_string())
+        let (before, _) = self.0.failures();
+        let given = self.0.ask(asked);
+        // Once for each process.
+        if let ((1.., Some((number, why))), 0) = (self.0.failures(), before) {
+            complain("note", &format!("the routine has no numbers at state {number}: {why}"));
+        }
+        given.map_err(|misbehaviour| match misbehaviour {
+            Misbehaviour::AtState { number, .. } => {
+                format!("{misbehaviour}; the same command with --state {number} prints it")
+            }
+            Misbehaviour::Among { .. } => {
+                format!("{misbehaviour}; the same command with --state INDEX prints one")
+            }
+            other => other.to_string(),
+        })
     }
 
     fn offers(&self) -> &[Quantity] {
@@ -307,11 +338,12 @@ impl Routine for Opened<'_> {
 
 fn opened<'a>(
     (command, convention): &(String, Option<Convention>),
+    patience: Patience,
     definition: &'a Definition,
 ) -> Result<Box<dyn Routine + 'a>, String> {
-    let process = Process::start(command, Patience::default()).map_err(|why| why.to_string())?;
+    let process = Process::start(command, patience).map_err(|why| why.to_string())?;
     let session = Session::open(process, definition, convention.as_ref(), &[None; 6]);
-    Ok(Box::new(Opened(session.map_err(|why| why.to_string())?)))
+    Ok(Box::new(Opened(session.map_err(|why| why.to_string())?.starting_again(ENDS))))
 }
 
 /// The states of a part: whole chunks.
@@ -347,5 +379,13 @@ fn tell(arguments: &SweepOf, files: Files, summary: &Summary, wanted: u64) -> Re
     if let Some(file) = &arguments.picture {
         files.text(file, report::picture(summary))?;
     }
-    if summary.wrong() > 0 { Err(Failure::Mismatch) } else { Ok(()) }
+    if summary.wrong() > 0 {
+        return Err(Failure::Mismatch);
+    }
+    let passed = |of: &OfSubject| of.outside + of.elsewhere + of.undefined;
+    let swept: u64 = summary.subjects.iter().map(OfSubject::states).sum();
+    if swept > 0 && summary.subjects.iter().map(passed).sum::<u64>() == swept {
+        return Err(Failure::Nothing("no number of the routine was compared at any state".into()));
+    }
+    Ok(())
 }

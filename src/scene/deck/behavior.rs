@@ -162,7 +162,21 @@ fn law(deck: &mut Deck<'_>, keyword: &Keyword, coefficient: &str, motion: &str) 
     if frequency {
         columns.push("frequency");
     }
-    let rows = rows(&mut deck.lexer, header, &columns, terms, fields)?;
+    let first = deck.lexer.row()?.map(|line| line.items().count());
+    if first.is_some() {
+        deck.lexer.again();
+    }
+    // A number and its temperature are no matrix.
+    let is_of_one = first.is_some_and(|count| count <= 2);
+    let rows = rows(&mut deck.lexer, header, &columns, terms, fields).map_err(|error| {
+        if !is_of_one || error.code() != Code::MissingData {
+            return error;
+        }
+        keyword.missing("COMPONENT").help(format!(
+            "write *{}, COMPONENT=… for {coefficient} of one component; the matrix of all has {terms} terms, 8 on a line",
+            keyword.name
+        ))
+    })?;
     Ok(Law::Coupled { unsymmetric, frequency, rows })
 }
 

@@ -464,8 +464,11 @@ impl Deck<'_> {
             Diagnostic::warning(Code::MisspeltKeyword, keyword.span, message, "not a keyword that is read");
         let shown: Vec<String> = meant.iter().take(3).map(|name| format!("*{name}")).collect();
         self.warn(warning.help(format!("did you mean {}?", shown.join(" or "))));
-        let holds = |name: &&&str| {
-            matches!(**name, "BOUNDARY" | "ELEMENT") || keywords::find(name).is_some_and(Rule::bears)
+        let holds = |name: &&&str| match **name {
+            "BOUNDARY" | "ELEMENT" | "CONNECTOR SECTION" | "CONNECTOR MOTION" => true,
+            "CONNECTOR ELASTICITY" => keyword.has("RIGID"),
+            // Other laws, and loads, hold nothing.
+            name => !name.starts_with("CONNECTOR ") && keywords::find(name).is_some_and(Rule::bears),
         };
         if let Some(name) = meant.iter().find(holds) {
             self.scene.skipped.constraints.push(SkippedConstraint { keyword: name, span: keyword.span });

@@ -112,6 +112,9 @@ const SINGLE: usize = 2;
 /// The share of the states at which a cause must explain all that is wrong, to be preferred to one that explains entries one by one.
 const NEARLY_ALL: f64 = 0.8;
 
+/// Where no more than one of so many states is wrong, that is told.
+const RARE: usize = 20;
+
 /// The share of the states at which a cause must explain something.
 const RARELY: f64 = 0.4;
 
@@ -508,20 +511,38 @@ impl Matching<'_> {
         for (n, explains) in chosen.by_state {
             wrong[*n].without(&explains.entries);
         }
-        let relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
+        let mut relation = chosen.relation.clone().unwrap_or_else(|| self.relation(cause, &region));
+        let mut at = self.at(chosen.states[0], open);
+        // What is right elsewhere, and not zero there, is not zero throughout.
+        let whole = |(k, _): &Cell| self.seen.map_or(0, |seen| seen.whole(*k));
+        let elsewhere = region.iter().map(whole).min().filter(|_| cause == Cause::ComponentZero).unwrap_or(0);
+        if elsewhere > 0 {
+            relation = "zero".into();
+            at = format!("{}, and right at {elsewhere}", Self::at_states(chosen.states[0], open));
+        }
         // A formula that was searched for says all but that it is another.
         let meaning = match cause {
             Cause::OtherLength if chosen.is_searched => "another length",
             Cause::OtherParameters if chosen.is_searched => "another number of the rotation",
+            _ if elsewhere > 0 => "not computed there",
             _ => self.words.meaning(cause),
         };
-        let sentence = equation(&place, &relation, meaning, &self.at(chosen.states[0], open));
+        let sentence = equation(&place, &relation, meaning, &at);
         Some(Explained { cause, code: cause.code(), sentence, also })
     }
 
-    /// At how many of the states, in words, where there is more than one.
+    /// At how many of the wrong states, in words, where there is more than one; and that hardly any state is wrong.
     pub(super) fn at(&self, states: usize, open: usize) -> String {
-        if self.states.len() > 1 { Self::at_states(states, open) } else { String::new() }
+        let of_wrong = if self.states.len() > 1 { Self::at_states(states, open) } else { String::new() };
+        let rare = self.seen.filter(|seen| match seen.wrong() {
+            0 => false,
+            1 => seen.states() > 1,
+            wrong => RARE * wrong <= seen.states(),
+        });
+        let told = rare.map(|seen| {
+            format!("; nothing is wrong at {} of {} states", seen.states() - seen.wrong(), seen.states())
+        });
+        of_wrong + &told.unwrap_or_default()
     }
 
     /// At so many of the states, in words.

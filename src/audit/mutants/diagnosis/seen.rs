@@ -40,7 +40,10 @@ pub struct Seen {
     places: BTreeMap<(usize, i32), Bin>,
     /// Of each component how many of its values were right, below zero and above, and how large.
     right: BTreeMap<(usize, bool), (usize, f64)>,
+    /// At how many states each component was right as a whole, and not zero.
+    whole: BTreeMap<usize, usize>,
     states: usize,
+    wrong: usize,
 }
 
 impl Seen {
@@ -57,6 +60,21 @@ impl Seen {
         self.right.get(&(k, is_above)).copied().unwrap_or_default()
     }
 
+    /// Adds a component that is right as a whole, and not zero.
+    pub fn add_whole(&mut self, k: usize) {
+        *self.whole.entry(k).or_default() += 1;
+    }
+
+    /// At how many states a component was right as a whole, and not zero.
+    pub(super) fn whole(&self, k: usize) -> usize {
+        self.whole.get(&k).copied().unwrap_or_default()
+    }
+
+    /// At how many states something was wrong.
+    pub(super) const fn wrong(&self) -> usize {
+        self.wrong
+    }
+
     /// How many states.
     pub const fn states(&self) -> usize {
         self.states
@@ -65,6 +83,7 @@ impl Seen {
     /// Adds a state.
     pub fn add(&mut self, distances: &Places, is_wrong: bool) {
         self.states += 1;
+        self.wrong += usize::from(is_wrong);
         for (kind, distance) in distances.iter().copied().enumerate() {
             // On the set itself numbers may be none, or be excused.
             if !distance.is_finite() || distance == 0.0 && !is_wrong {
@@ -95,6 +114,10 @@ impl Seen {
     /// Adds others.
     pub fn merge(&mut self, others: Self) {
         self.states += others.states;
+        self.wrong += others.wrong;
+        for (k, count) in others.whole {
+            *self.whole.entry(k).or_default() += count;
+        }
         others.places.into_iter().for_each(|(place, one)| self.put(place, one));
         for (place, (count, largest)) in others.right {
             let known = self.right.entry(place).or_default();

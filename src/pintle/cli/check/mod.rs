@@ -4,7 +4,7 @@ mod fit;
 
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
-use super::subject::{At, found, named, of_scene};
+use super::subject::{At, drawn_aligned, found, named, of_scene};
 use super::tell::complain;
 use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
@@ -67,7 +67,8 @@ Examples:
   pintle check AXIAL --library ./uel.so --springs 250 --properties 250
   pintle check \"CARTESIAN CARDAN\" --with 'python3 bushing.py' --format junit
 
-Exit codes: 0 right, 1 a number is wrong, 3 undecided, 6 the process misbehaved.";
+Exit codes: 0 right, 1 a number is wrong, 3 undecided, 4 the routine covers no
+state, 6 the process misbehaved.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = HELP)]
@@ -142,7 +143,8 @@ pub(crate) struct Check {
     verbose: bool,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// A number of seconds.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = super::finite(text)?;
     if number > 0.0 && number < 1e6 { Ok(number) } else { Err(format!("{text} is no time")) }
 }
@@ -384,6 +386,8 @@ fn tell(arguments: &Check, name: &str, among: Option<&str>, checked: &Checked) -
     if !arguments.fit_convention && !name.starts_with("FRICTION") && checks.any(is_unnamed) {
         notes.push("no cause is named: --fit-convention tries other units, orders, frames and variations of rotations".into());
     }
+    let of = arguments.of.as_deref().unwrap_or_default();
+    notes.extend(drawn_aligned(of).filter(|_| among.is_none()));
     if let Some(among) = among {
         notes.iter_mut().for_each(|note| *note = format!("{among}: {note}"));
     }
