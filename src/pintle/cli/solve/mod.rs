@@ -279,7 +279,7 @@ fn solved<R: Solvable>(
             if solution.frames.is_empty() {
                 return Err(match why {
                     Refusal::Scene(diagnostic) => Failure::Scene(diagnostic),
-                    Refusal::Of { .. } => Failure::Input(told(&why)),
+                    Refusal::Of { .. } => Failure::Input(format!("{}: {}", scene.name, told(&why))),
                 });
             }
             (solution, Some((time, told(&why))))
