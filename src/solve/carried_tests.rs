@@ -169,6 +169,22 @@ fn what_is_carried_moves_as_equations_say() {
     assert_eq!(compared, 2 * 3 * (3 * 3 + 5) * 18);
 }
 
+/// A rod without mass between two bodies, of which each holds one of its ends, turns by itself: a pin does not make it part of a body.
+#[test]
+fn a_pin_does_not_carry_what_carries_its_node() {
+    let deck = "*NODE\n1, 0.5, 0., 0.\n2, 0., 0., 0.\n3, 1., 0., 0.\n4, 0., 1., 0.\n5, 1., 1., 0.\n\
+        *ELEMENT, TYPE=MASS, ELSET=M\n201, 4\n202, 5\n*MASS, ELSET=M\n2.\n\
+        *ELEMENT, TYPE=ROTARYI, ELSET=I\n301, 4\n302, 5\n*ROTARY INERTIA, ELSET=I\n0.1, 0.2, 0.25\n\
+        *NSET, NSET=ENDS\n2, 3\n*NSET, NSET=LEFT\n2\n*NSET, NSET=RIGHT\n3\n*RIGID BODY, REF NODE=1, PIN NSET=ENDS\n\
+        *RIGID BODY, REF NODE=4, PIN NSET=LEFT\n*RIGID BODY, REF NODE=5, PIN NSET=RIGHT\n\
+        *STEP\n*DYNAMIC\n0.01, 0.5\n*CLOAD\n4, 2, 3.\n*END STEP\n";
+    let scene = Scene::parse("deck.inp", deck).unwrap();
+    let mechanism = Mechanism::<f64>::new(&scene, &Model::compile(&scene).unwrap(), 0).unwrap();
+    let of = |label: u64| mechanism.bodies.iter().position(|body| body.label == Label::from(label)).unwrap();
+    assert!(mechanism.carried[of(1)].is_none() && mechanism.relations.len() == 2, "{:?}", mechanism.carried);
+    assert_eq!([2, 3].map(|end| mechanism.root(of(end))), [of(1); 2]);
+}
+
 /// A node without rotations that a moment acts on is no part of its body: the moment would act on that, and nothing says so.
 #[test]
 fn a_moment_on_a_pin_is_refused() {

@@ -345,15 +345,16 @@ impl<R: Number> Mechanism<R> {
             })
             .collect();
         let mut found: Vec<Option<Carry<R>>> = vec![None; bodies.len()];
-        // Of two nodes that turn alike either may carry the other.
+        // Of two nodes that turn alike either may carry the other. A pin holds its own node, not what carries that.
         let mut is_within = |slave: usize, master: usize, turns: bool| {
             let root = |node: usize| found[node].map_or(node, |carry: Carry<R>| carry.by);
+            let is_own = root(slave) == slave;
             let (slave, master) = (root(slave), root(master));
             if slave == master {
                 return true;
             }
             let (from, by) = match (is_bare[slave], is_bare[master]) {
-                (true, _) => (slave, master),
+                (true, _) if turns || is_own => (slave, master),
                 (false, true) if turns => (master, slave),
                 _ => return false,
             };

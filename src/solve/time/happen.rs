@@ -300,8 +300,8 @@ impl<R: Number> Run<'_, R> {
         self.record(true)
     }
 
-    /// Brings what has just closed to its limit, which it has passed by what an event's time is short of digits: one that opens at once would
-    /// still be beyond, and close again for ever.
+    /// Brings what has just closed to its limit, which it has passed as far as the digits of an event's time leave open. One that opens at once
+    /// would still be beyond, and close again for ever.
     fn stand_at_limits(&mut self) -> Result<(), Refusal> {
         let free = self.modes.without_friction();
         let found = self.assembled(&free).map_err(|trouble| self.say(trouble))?;
