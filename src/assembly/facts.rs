@@ -163,8 +163,8 @@ pub struct Position {
     /// most a hundred.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub without_derivative: Vec<Constraint>,
-    /// Whether, of a given state, the rank or the number of motions of a connected component is another than initially: what is redundant and what moves
-    /// is named then, up to a thousand in all.
+    /// Whether, of a given state, the rank or the number of motions of a connected component is another than initially. What is redundant and
+    /// what moves is named then, up to a thousand in all.
     pub differs: bool,
     /// Redundant constraints at a given state that differs; at the initial one, [`Assembly::redundant`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -267,7 +267,7 @@ pub struct NotAssembled {
     pub why: String,
 }
 
-/// Constraints of one kind that are not read, and not in the rank: where there are any, the nodes of connectors may move in fewer ways than is
+/// Constraints of one kind that are not read, and not in the rank. Where there are any, the nodes of connectors may move in fewer ways than is
 /// said, and more constraints may be redundant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unread {

@@ -119,8 +119,8 @@ const TOGETHER: usize = 3000;
 /// Entries that the elimination of any connected component may take, whatever others took before.
 const CHEAP: usize = 10_000_000;
 
-/// Looks at every connected component at one state, whose equations are satisfied but for `residuals` (by row of the system), and of which these rows have no
-/// derivative there; none of those whose elimination would take too much.
+/// Looks at every connected component at one state, whose equations are satisfied but for `residuals` (by row of the system). Some rows have no
+/// derivative there. Components whose elimination would take too much are left out.
 pub(crate) fn look(
     system: &System<'_>,
     (state, values): (&State, &[f64]),

@@ -21,7 +21,7 @@
 //!
 //! *Proven and judged.* Ranks are those of the matrix to rounding, with the gap between what counts as zero and what does not
 //! ([`Gap`]); without gap they are undecided. That a redundancy holds at one state only is proven, to rounding, by another
-//! admissible state without it; that it holds throughout is judged from several random ones that the assembly was moved to, and from
+//! admissible state without it. That it holds throughout is judged from several random ones that the assembly was moved to, and from
 //! the states given ([`Holds`]). Stops, locks, failures and friction are not looked at.
 //!
 //! | module | question |

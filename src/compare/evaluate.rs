@@ -527,7 +527,8 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// What others take for the three angles of a connection, CU and CP: those of other types, and of the sequence 3-2-1.
+/// What others take for the three angles of a connection, CU and CP (rad): those of other types, and of the sequence 3-2-1. With
+/// Q = C_aᵀ C_b = R₃(ψ) R₂(θ) R₁(φ) these are φ = atan2(Q₃₂, Q₃₃), θ = −asin Q₃₁, ψ = atan2(Q₂₁, Q₁₁).
 fn other_angles(
     result: &ConnectorResult,
     reference: Vector<f64>,

@@ -858,8 +858,8 @@ fn rules_point_at_what_breaks_them() {
     }
 }
 
-/// What is placed on its stop does not lie beyond it for rounding, in any frame and at any distance from the origin; what lies beyond by less than the digits
-/// of the numbers is a note.
+/// What is placed on its stop does not lie beyond it for rounding, in any frame and at any distance from the origin. What lies beyond by less
+/// than the digits of the numbers is a note.
 #[test]
 fn what_lies_on_its_stop_is_not_beyond() {
     let deck = |a: &str, b: &str, orientation: &str, limits: &str| {

@@ -947,6 +947,8 @@ fn viscous_forces_without_velocities_are_not_called_wrong() {
 /// Angles of another type, or in another sequence, are named.
 #[test]
 fn angles_of_another_kind_are_named() {
+    use pintle_kinematics::so3;
+    use pintle_kinematics::vector::product;
     let deck = |kind: &str| {
         format!(
             "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n\
@@ -962,9 +964,9 @@ fn angles_of_another_kind_are_named() {
         states.push(t);
         nodes.push(of);
     }
-    let run = |said: &str| {
+    let run = |said: &str, turn: &str| {
         let deck = deck("CARDAN");
-        let files = [("deck.inp", deck.as_str()), ("turn.csv", &turn), ("said.csv", said)];
+        let files = [("deck.inp", deck.as_str()), ("turn.csv", turn), ("said.csv", said)];
         run_in("angles", &files, &["--against", "turn.csv", "said.csv"])
     };
     let table = |of: &dyn Fn(&[f64; 3]) -> [f64; 3]| {
@@ -975,12 +977,22 @@ fn angles_of_another_kind_are_named() {
         }
         said
     };
-    let (code, text) = run(&table(&|turn| *turn));
+    let (code, text) = run(&table(&|turn| *turn), &turn);
     assert!(code == Some(1) && text.contains("it is what a ROTATION has"), "{text}");
-    let sequence = |turn: &[f64; 3]| {
-        let q = pintle_kinematics::so3::turn(*turn);
-        [q[2][1].atan2(q[2][2]), (-q[2][0]).asin(), q[1][0].atan2(q[0][0])]
+    // Turned about 1, then about 2, then about 3: the angles are those that were given.
+    let turned = |angles: &[f64; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|i| {
+            let mut about = [0.0; 3];
+            about[i] = angles[i];
+            so3::turn(about)
+        });
+        so3::log(&product(&z, &product(&y, &x)))
     };
-    let (code, text) = run(&table(&sequence));
+    turn = "Time,Node,UR1,UR2,UR3\n".to_string();
+    for (t, angles) in states.iter().zip(&nodes) {
+        let [x, y, z] = turned(angles);
+        let _ = writeln!(turn, "{t:.1},2,{x:.9},{y:.9},{z:.9}");
+    }
+    let (code, text) = run(&table(&|angles| *angles), &turn);
     assert!(code == Some(1) && text.contains("it is angles in the sequence 3-2-1"), "{text}");
 }
