@@ -337,10 +337,12 @@ impl<R: Number> Mechanism<R> {
         let is_bare: Vec<bool> = (0..bodies.len())
             .map(|node| {
                 let body = &bodies[node];
+                // In two dimensions all are held out of the plane, and so are those that carry them.
+                let is_held = |k: usize| self.held[DOFS * node + k] && !is_out(scene, k);
                 body.mass.is_nothing()
                     && body.weights.is_empty()
                     && body.inertia.iter().flatten().all(|x| x.is_nothing())
-                    && !self.held[DOFS * node..DOFS * node + 6].contains(&true)
+                    && !(0..6).any(is_held)
                     && !self.bounds.iter().any(|bound| bound.node == node)
             })
             .collect();

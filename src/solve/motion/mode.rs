@@ -31,6 +31,9 @@ pub(crate) struct Branches<R> {
     pub(crate) is_capped: Option<bool>,
     /// Those that have turned since the last step, `None` is the sum: on the other side of zero they are by the error of the state.
     pub(crate) turned: Vec<Option<usize>>,
+    /// Whether a magnitude that is zero counts as zero: within a step, where off the constraints it has a kink.
+    #[serde(skip)]
+    pub(crate) zeros_stay: bool,
 }
 
 /// A friction in a mode.
@@ -211,6 +214,6 @@ impl<R: Number> Mode<R> {
 
 impl<R> Branches<R> {
     pub(crate) fn none() -> Self {
-        Self { magnitudes: Vec::new(), normal: None, is_capped: None, turned: Vec::new() }
+        Self { magnitudes: Vec::new(), normal: None, is_capped: None, turned: Vec::new(), zeros_stay: false }
     }
 }

@@ -110,6 +110,7 @@ impl<'a, R: Number> Contact<'a, R> {
                             direction.iter_mut().zip(unit).for_each(|(x, e)| *x = *e);
                             along(unit)
                         }
+                        Some(None) if known.is_some_and(|known| known.zeros_stay) => zero,
                         _ => {
                             if !is_nothing {
                                 direction.iter_mut().zip(vector).for_each(|(e, x)| *e = *x / length);

@@ -24,6 +24,7 @@ const BOUNCE: f64 = 1e-3;
 impl<R: Number> Run<'_, R> {
     /// An event at this state.
     pub(crate) fn happens(&mut self, of: usize, cause: Cause) -> Result<(), Refusal> {
+        self.hold_zeros(false);
         match cause {
             Cause::Turns(part) => {
                 self.is_new = true;

@@ -114,6 +114,8 @@ pub(crate) struct Run<'a, R: Number> {
     pub(crate) fastest: f64,
     /// Whether the mode has just begun.
     pub(crate) is_new: bool,
+    /// Whether the step is done again, in which a magnitude grew from zero.
+    pub(crate) has_grown: bool,
     /// Steps since the last event, and whether motion has been found to be stiff.
     pub(crate) quiet: Quiet,
     /// The limits of frictions as the step began, where there are no others.
@@ -390,6 +392,7 @@ impl<'a, R: Number> Run<'a, R> {
             h: 0.0,
             fastest: 0.0,
             is_new: false,
+            has_grown: false,
             quiet: Quiet::default(),
             limits: Vec::new(),
             stages: None,

@@ -545,6 +545,7 @@ impl<R: Number> Run<'_, R> {
                 ));
             }
             self.limits.clear();
+            self.hold_zeros(false);
             self.leave_onsets()?;
             let base = self.state.clone();
             let y = self.packed();
@@ -597,6 +598,8 @@ impl<R: Number> Run<'_, R> {
             let left = goal - self.state.time;
             let is_last = !wanted.less(left);
             let h = if is_last { left } else { wanted };
+            let zeros_stay = !std::mem::take(&mut self.has_grown);
+            self.hold_zeros(zeros_stay);
             let tried = self.tried(&base, &y, &slope, h);
             let tried = match tried {
                 Ok(tried) if tried.error <= 1.0 => tried,
@@ -624,6 +627,10 @@ impl<R: Number> Run<'_, R> {
                 continue;
             }
             let (ended, after) = self.switches_at(&base, base.time + h, &tried.end)?;
+            if zeros_stay && self.zeros_grow(&base, (base.time + h, &tried.end), &after)? {
+                self.has_grown = true;
+                continue;
+            }
             // A slip that has passed rest has turned, and its stages need not show it.
             if self.has_turned(&solved, &after) && self.h > least {
                 self.h = h.to_f64() * 0.5;
@@ -898,6 +905,38 @@ impl<R: Number> Run<'_, R> {
         changed
     }
 
+    /// From now on magnitudes that are zero count as zero, or are found.
+    pub(crate) fn hold_zeros(&mut self, stay: bool) {
+        self.modes.frictions.iter_mut().for_each(|mode| mode.branches.zeros_stay = stay);
+    }
+
+    /// Whether a magnitude that counted as zero is none at the end of a step, on the constraints.
+    fn zeros_grow(
+        &mut self,
+        base: &State<R>,
+        (time, y): (R, &[R]),
+        ended: &Solved<R>,
+    ) -> Result<bool, Refusal> {
+        if !self.is_beyond_zero(ended) {
+            return Ok(false);
+        }
+        let kept = (self.state.clone(), self.layout.clone());
+        let arrived = self.arrive(base, time, y).and_then(|_| {
+            let (there, y) = (self.state.clone(), self.packed());
+            self.flow(&there, time, &y).map_err(|trouble| self.say(trouble))
+        });
+        (self.state, self.layout) = kept;
+        Ok(self.is_beyond_zero(&arrived?.1))
+    }
+
+    /// Whether a magnitude that is zero in the modes is none.
+    fn is_beyond_zero(&self, solved: &Solved<R>) -> bool {
+        self.modes.frictions.iter().zip(&solved.limits).any(|(mode, limit)| {
+            let mut all = mode.branches.magnitudes.iter().zip(&limit.branches.magnitudes);
+            mode.along().is_some() && all.any(|(known, now)| known.is_none() && now.is_some())
+        })
+    }
+
     pub(crate) fn switches_at(
         &mut self,
         base: &State<R>,
@@ -1104,6 +1143,22 @@ impl<R: Number> Run<'_, R> {
 
     /// Goes on to a state, and back to its constraints.
     pub(crate) fn commit(&mut self, base: &State<R>, time: R, y: &[R]) -> Result<(), Refusal> {
+        self.modes.frictions.iter_mut().for_each(|mode| mode.branches.turned.clear());
+        let kinetic = self.arrive(base, time, y)?;
+        let far = self.state.poses.iter().flat_map(|pose| pose.displacement).map(|x| x.to_f64().abs());
+        self.solution.farthest = far.fold(self.solution.farthest, f64::max);
+        if !self.is_still {
+            self.solution.liveliest = self.solution.liveliest.max(kinetic.to_f64());
+        }
+        if let Some(reached) = &self.options.reached {
+            reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
+        }
+        self.fastest = self.speed();
+        Ok(())
+    }
+
+    /// The state there, on its constraints; the kinetic energy with which it came.
+    fn arrive(&mut self, base: &State<R>, time: R, y: &[R]) -> Result<R, Refusal> {
         let n = self.layout.columns.len();
         let (poses, rates, turned) = self.unpacked(base, y, true);
         let mut next = State {
@@ -1120,19 +1175,10 @@ impl<R: Number> Run<'_, R> {
             .map_err(|trouble| self.say(trouble))?;
         next.branches = found.joints.iter().map(|now| now.branch).collect();
         self.layout.arrange(&found);
-        let far = next.poses.iter().flat_map(|pose| pose.displacement).map(|x| x.to_f64().abs());
-        self.solution.farthest = far.fold(self.solution.farthest, f64::max);
-        if !self.is_still {
-            self.solution.liveliest = self.solution.liveliest.max(found.kinetic().to_f64());
-        }
         self.state = next;
-        self.modes.frictions.iter_mut().for_each(|mode| mode.branches.turned.clear());
-        if let Some(reached) = &self.options.reached {
-            reached.store(self.state.time.to_f64().to_bits(), Ordering::Relaxed);
-        }
+        let kinetic = found.kinetic();
         self.project_from(found)?;
-        self.fastest = self.speed();
-        Ok(())
+        Ok(kinetic)
     }
 
     /// Brings positions and rates back to the equations.
