@@ -21,7 +21,7 @@ const BOUND: f64 = 1e-13;
 fn pair(seed: f64) -> Pair<f64> {
     let node = |a: f64, b: f64, c: f64, flow: f64| Node {
         displacement: [0.1 * a, 0.2 * b, 0.3 * c],
-        triad: so3::matrix(so3::exp([a, b, c])),
+        triad: so3::matrix(so3::exp_quaternion([a, b, c])),
         flow,
     };
     Pair {

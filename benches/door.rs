@@ -9,7 +9,7 @@ use pintle_check::{Patience, Process, Session, python_command};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::Definition;
 use pintle_kinematics::node::{Node, Pair};
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::identity;
 use std::fs;
 use std::path::Path;
@@ -55,7 +55,7 @@ fn cost(command: &str, definition: &Definition) -> Result<[f64; 2], String> {
     let states: Vec<Step> = (0..STATES)
         .map(|n| {
             let b = Node { displacement: [0.1 * n as f64, 0.2, 0.0], ..definition.initial.b };
-            let a = Node { triad: turn([0.01 * n as f64, 0.1, 0.0]), ..definition.initial.a };
+            let a = Node { triad: exp([0.01 * n as f64, 0.1, 0.0]), ..definition.initial.a };
             Step::between(&definition.initial, Pair { a, b, ..definition.initial })
         })
         .collect();

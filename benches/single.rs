@@ -52,7 +52,7 @@ impl Draw {
     fn pair(&mut self) -> Pair<f64> {
         let mut node = || Node {
             displacement: self.vector(),
-            triad: so3::matrix(so3::exp(self.vector().map(|x| 2.0 * x))),
+            triad: so3::matrix(so3::exp_quaternion(self.vector().map(|x| 2.0 * x))),
             flow: 0.0,
         };
         let (a, b) = (node(), node());

@@ -696,7 +696,7 @@ fn the_belt_is_in_equilibrium() {
             let Rotation::Vector(phi) = motion.rotation else { panic!("a rotation vector") };
             Node {
                 displacement: motion.displacement,
-                triad: vector::product(&so3::matrix(so3::exp(phi)), element.triads()[end]),
+                triad: vector::product(&so3::matrix(so3::exp_quaternion(phi)), element.triads()[end]),
                 flow: motion.flow,
             }
         };

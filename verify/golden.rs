@@ -153,7 +153,7 @@ impl Case {
     fn at(&self, t: f64) -> Pair<f64> {
         let node = |u: Vector<f64>, theta: Vector<f64>, triad: &Matrix<f64>, flow: f64| Node {
             displacement: scale(u, t),
-            triad: product(&so3::matrix(so3::exp(scale(theta, t))), triad),
+            triad: product(&so3::matrix(so3::exp_quaternion(scale(theta, t))), triad),
             flow: flow * t,
         };
         Pair {
@@ -346,7 +346,7 @@ const PLACES: [usize; 7] = [3, 4, 5, 10, 11, 12, 14];
 impl Joint {
     fn state(&self, t: f64) -> mpc::State<f64> {
         let body = |theta: Vector<f64>| {
-            let rotation = so3::matrix(so3::exp(scale(theta, t)));
+            let rotation = so3::matrix(so3::exp_quaternion(scale(theta, t)));
             mpc::Body { rotation, ..mpc::Body::at_rest() }
         };
         let join = |s: Vector<f64>, m: Vector<f64>, j: f64| {

@@ -42,8 +42,11 @@ struct Case {
 
 impl Case {
     fn state(&self) -> State<f64> {
-        let body =
-            |displacement, theta, flow| Body { displacement, rotation: so3::matrix(so3::exp(theta)), flow };
+        let body = |displacement, theta, flow| Body {
+            displacement,
+            rotation: so3::matrix(so3::exp_quaternion(theta)),
+            flow,
+        };
         State {
             slave: body(self.u_S, self.theta_S, self.psi_S),
             master: body(self.u_M, self.theta_M, self.psi_M),

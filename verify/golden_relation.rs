@@ -55,7 +55,7 @@ impl Case {
     fn points(&self) -> Vec<Point<f64>> {
         let point = |place: usize| Point {
             displacement: self.u[place],
-            rotation: so3::matrix(so3::exp(self.theta[place])),
+            rotation: so3::matrix(so3::exp_quaternion(self.theta[place])),
             vector: self.theta[place],
             flow: self.psi[place],
             velocity: self.rates[place],

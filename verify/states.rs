@@ -6,7 +6,7 @@ pub(crate) use pintle_audit::sampling::{
 };
 pub(crate) use pintle_kinematics::draw::Draw;
 pub(crate) use pintle_kinematics::node::dof_size;
-pub(crate) use pintle_kinematics::so3::turn;
+pub(crate) use pintle_kinematics::so3::exp;
 
 use pintle_audit::sampling::Region;
 use pintle_kinematics::catalog::TABLE;

@@ -182,7 +182,7 @@ fn origin() -> Result<Panel> {
             let mut near = |part| vector::add(vector::scale(away, part), draw.vector(1.0));
             let [initial, displacements] = parts.map(|part| [near(part), near(part)]);
             // CARTESIAN gives node b no rotation.
-            let rotations = [so3::exp(draw.rotation(0.1, 3.0)), [1.0, 0.0, 0.0, 0.0]];
+            let rotations = [so3::exp_quaternion(draw.rotation(0.1, 3.0)), [1.0, 0.0, 0.0, 0.0]];
             for (worst, error) in worst.iter_mut().zip(far_away(initial, displacements, rotations)?) {
                 *worst = worse(*worst, error);
             }
@@ -266,8 +266,8 @@ fn lock(of: &Lock) -> Result<Panel> {
     let [mut outer, mut middle] = ["pintle, rows of α and γ", "pintle, row of β"].map(Curve::new);
     let [mut their_outer, mut their_middle] = of.others.map(Curve::new);
     for distance in (2..=60).map(|k| 10_f64.powf(-f64::from(k) / 4.0)) {
-        let a = so3::exp(draw.rotation(0.1, 3.0));
-        let [alpha, beta, gamma] = (of.rotations)(distance).map(so3::exp);
+        let a = so3::exp_quaternion(draw.rotation(0.1, 3.0));
+        let [alpha, beta, gamma] = (of.rotations)(distance).map(so3::exp_quaternion);
         let b = so3::compose(a, so3::compose(alpha, so3::compose(beta, gamma)));
         let rotations = [a, b];
         let mut sequence = Sequence::new(&stressed.model, &stressed.plan);

@@ -153,7 +153,7 @@ impl Motion {
         };
         let stressed = Stressed::new(name, [[0.0; 3]; 2], 0)?;
         let draw = &mut Draw::new(&self.seed);
-        let turn = |angle: f64| so3::exp(vector::scale(self.axis, angle));
+        let turn = |angle: f64| so3::exp_quaternion(vector::scale(self.axis, angle));
         let mut rotations = [[1.0, 0.0, 0.0, 0.0], turn(START)];
         let mut sequence = Sequence::new(&stressed.model, &stressed.plan);
         let Ok(()) = sequence.pass(&turned(&rotations), |_| Ok::<(), Infallible>(()));
@@ -169,7 +169,7 @@ impl Motion {
         for step in 1..=self.steps {
             // As a solver composes them: each node by its own increment.
             let [a, b] = rotations;
-            let of_a = so3::exp(vector::scale(draw.direction(), draw.between(0.0, self.carried)));
+            let of_a = so3::exp_quaternion(vector::scale(draw.direction(), draw.between(0.0, self.carried)));
             let relative = so3::compose(a, so3::compose(turn(self.step), so3::conjugate(a)));
             let of_b = so3::compose(of_a, relative);
             rotations = [(of_a, a), (of_b, b)].map(|(by, old)| so3::normalize(so3::compose(by, old)));

@@ -577,10 +577,13 @@ fn rotated(motion: &NodeMotion, turn: [f64; 3], is_hinge: bool) -> Rotation {
     match motion.rotation {
         Rotation::Vector([x, y, angle]) if is_hinge => Rotation::Vector([x, y, angle + turn[2]]),
         rotation if turn == [0.0; 3] => rotation,
-        Rotation::Vector(vector) => {
-            Rotation::Quaternion(so3::normalize(so3::compose(so3::exp(turn), so3::exp(vector))))
+        Rotation::Vector(vector) => Rotation::Quaternion(so3::normalize(so3::compose(
+            so3::exp_quaternion(turn),
+            so3::exp_quaternion(vector),
+        ))),
+        Rotation::Quaternion(q) => {
+            Rotation::Quaternion(so3::normalize(so3::compose(so3::exp_quaternion(turn), q)))
         }
-        Rotation::Quaternion(q) => Rotation::Quaternion(so3::normalize(so3::compose(so3::exp(turn), q))),
     }
 }
 

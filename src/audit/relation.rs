@@ -34,7 +34,7 @@ use pintle_kinematics::measure::Unit;
 use pintle_kinematics::relation::{Form, Point, Quantity as Of, Relation, Row, place_of};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Scalar, U, Wide};
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, Vector, add, apply, cross, product, scale, sub};
 
 /// Nodes besides the reference node whose columns are differentiated again.
@@ -77,7 +77,7 @@ fn moved<R: Differentiable>(point: &Point<R>, by: &[R; 7]) -> Point<R> {
     let is_still = turned.iter().all(|x| R::holds(x.magnitude().less(R::from_f64(f64::MIN_POSITIVE))));
     Point {
         displacement: add(point.displacement, [by[0], by[1], by[2]]),
-        rotation: if is_still { point.rotation } else { product(&turn(turned), &point.rotation) },
+        rotation: if is_still { point.rotation } else { product(&exp(turned), &point.rotation) },
         vector: add(point.vector, turned),
         flow: point.flow + by[6],
         ..*point
@@ -438,7 +438,7 @@ impl RelationCase {
     /// The state turned and moved, which goes on turning.
     fn twin(&self) -> (Self, Matrix<f64>) {
         let is_planar = self.relation.is_planar();
-        let matrix = turn(turning(is_planar));
+        let matrix = exp(turning(is_planar));
         let speed = |of: fn(&Point<f64>) -> &[f64; 7]| {
             let largest = self.nodes.iter().flat_map(of).fold(0.0_f64, |most, x| most.max(x.abs()));
             if largest > 0.0 { largest.min(1.0) } else { 1.0 }

@@ -275,7 +275,7 @@ impl AtElement<'_> {
         }
         for (node, turned) in [&mut pair.a, &mut pair.b].into_iter().zip(turned) {
             if let Some(rotation) = turned {
-                node.triad = product(&so3::matrix(so3::exp(rotation)), &node.triad);
+                node.triad = product(&so3::matrix(so3::exp_quaternion(rotation)), &node.triad);
             }
         }
         let mut values = [0.0; 6];

@@ -11,7 +11,7 @@ use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Pair};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, Vector, identity, product, scale, transpose};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -212,7 +212,7 @@ fn at(
         let half_turn = Some(&site.set) != site.measure.removable_sets().first();
         let spin = if half_turn { PI - distance } else { distance };
         let mut end = still([0.5, -0.25, 1.0]);
-        end.b.triad = turn(scale(draw.direction(), spin));
+        end.b.triad = exp(scale(draw.direction(), spin));
         from_rest(connection, end, draw)
     } else {
         beside(connection, site, distance, azimuth, draw)?
@@ -222,7 +222,7 @@ fn at(
         case = from_rest(connection, case.last()?.state.pair, draw);
     }
     let mut step = *case.last()?;
-    step.state.pair = carried(&step.state.pair, &turn(draw.rotation(0.3, 1.2)), draw.vector(0.5));
+    step.state.pair = carried(&step.state.pair, &exp(draw.rotation(0.3, 1.2)), draw.vector(0.5));
     step.increment = Increment::none();
     case.path = vec![step];
     (rows_of(&case.connector()) == *rows).then_some(case)

@@ -66,8 +66,8 @@ impl Variation {
         let [i, j, _] = sequence;
         let axis = |of: usize| [0, 1, 2].map(|x| f64::from(u8::from(x == of)));
         let [alpha, beta] = successive(&own.rotation, sequence);
-        let first = so3::turn(axis(i).map(|x| x * alpha));
-        let second = product(&first, &so3::turn(axis(j).map(|x| x * beta)));
+        let first = so3::exp(axis(i).map(|x| x * alpha));
+        let second = product(&first, &so3::exp(axis(j).map(|x| x * beta)));
         // δθ = e_i δα + R_i e_j δβ + R_i R_j e_k δγ.
         transpose(&[axis(i), apply(&first, axis(j)), apply(&second, axis(sequence[2]))])
     }

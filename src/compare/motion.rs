@@ -109,7 +109,7 @@ pub(crate) fn shift(node: &mut NodeMotion, motion: Motion, by: f64) {
         (Motion::Rotation(i), Rotation::Quaternion(quaternion)) => {
             let mut turn = [0.0; 3];
             turn[i] = by;
-            let turned = product(&so3::turn(turn), &so3::matrix(*quaternion));
+            let turned = product(&so3::exp(turn), &so3::matrix(*quaternion));
             *quaternion = so3::quaternion(&turned);
         }
         (Motion::Quaternion(i), Rotation::Quaternion(quaternion)) => {

@@ -221,7 +221,7 @@ impl<R: Differentiable> Connector<R> {
     /// let turned = |angle| Pair {
     ///     reference: [0.0; 3],
     ///     a: node(vector::identity()),
-    ///     b: node(so3::matrix(so3::exp([angle, 0.0, 0.0]))),
+    ///     b: node(so3::matrix(so3::exp_quaternion([angle, 0.0, 0.0]))),
     /// };
     /// let definition = Definition::new(ConnectionType::named("REVOLUTE", None)?, turned(0.0));
     /// let connector = Connector::<f64>::new(&definition);

@@ -2,7 +2,7 @@
 
 use crate::node::{DOFS, dof_size};
 use crate::scalar::Real;
-use crate::so3::turn;
+use crate::so3::exp;
 use crate::vector::{Matrix, Vector, scale};
 use std::f64::consts::PI;
 
@@ -90,7 +90,7 @@ impl Draw {
 
     /// A triad in any orientation.
     pub fn triad(&mut self) -> Matrix<f64> {
-        turn(self.rotation(0.0, PI))
+        exp(self.rotation(0.0, PI))
     }
 
     /// Nodal rates: translations and flows of size `length`, rotations of size 1.

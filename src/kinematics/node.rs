@@ -288,7 +288,7 @@ impl<R: Real> Pair<R> {
     pub fn moved<S: Scalar<Real = R>>(&self, dofs: &[S; DOFS]) -> Pair<S> {
         let node = |node: &Node<R>, at: usize| {
             let theta = [dofs[at + 3], dofs[at + 4], dofs[at + 5]];
-            let turn = crate::so3::matrix(crate::so3::exp(theta));
+            let turn = crate::so3::matrix(crate::so3::exp_quaternion(theta));
             let initial = [
                 vector::constant(node.triad[0]),
                 vector::constant(node.triad[1]),

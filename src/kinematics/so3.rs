@@ -4,7 +4,9 @@
 //! derivatives are lifted from real Taylor coefficients ([`crate::scalar`]).
 //!
 //! Errors are in units u = 2⁻⁵³ of the conditioned scale: value / first / second derivative, as `verify/numbers/numerics.rs` asserts
-//! them. They hold on doubles with any type of derivatives. On lanes they are larger for these:
+//! them. They hold on doubles with any type that carries up to two orders. Third and fourth derivatives have bounds along motions alone
+//! (`verify/numbers/numerics/chain.rs`). 237 bits are what the others are measured by, and have no bound here.
+//! What states no figure is sums and products of its arguments, or is made of what states one. On lanes they are larger for these:
 //!
 //! - continued logs, 5 / 6 / 12 u;
 //! - Cardan angles one by one, 1 / 5 / 3 u; Euler angles, 2 / 5 / 3 u.
@@ -14,7 +16,7 @@
 //! use pintle_kinematics::so3;
 //! // At zero rotation the derivative of the rotation vector with respect to the rotation is the identity:
 //! let spin = [Dual64::new(0.0, 1.0), Dual64::new(0.0, 2.0), Dual64::new(0.0, 3.0)];
-//! let phi = so3::log(&so3::matrix(so3::exp(spin)));
+//! let phi = so3::log(&so3::matrix(so3::exp_quaternion(spin)));
 //! assert_eq!(phi.map(|p| p.eps), [1.0, 2.0, 3.0]);
 //! ```
 
@@ -32,7 +34,7 @@ inlined_for_doubles! {
     /// The unit quaternion (cos |φ|/2, sin(|φ|/2) φ/|φ|) of the rotation vector φ in radians, 4 / 4 / 5 u up to 10⁶ rad.
     ///
     /// Theory Guide 1.3.1: exp(φ^) is the rotation by |φ| about φ.
-    pub fn exp<S: Scalar>(phi: Vector<S>) -> Quaternion<S> {
+    pub fn exp_quaternion<S: Scalar>(phi: Vector<S>) -> Quaternion<S> {
         let square = dot(phi, phi);
         let (w, k) = S::Real::exp_series(square.real(), S::ORDER);
         let [x, y, z] = times(phi, square.lift(&k));
@@ -61,13 +63,31 @@ inlined_for_doubles! {
 
 /// The rotation matrix exp(φ^) of the rotation vector φ in radians.
 #[inline(always)]
-pub fn turn<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
-    matrix(exp(phi))
+pub fn exp<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
+    matrix(exp_quaternion(phi))
+}
+
+/// exp(ε^) R₀ of a constant rotation matrix R₀ and a variation ε, which is zero and carries derivatives: those of what follows are by rotations of
+/// R₀ about the fixed axes, as rows of nodes are.
+///
+/// ```
+/// use num_dual::DualSVec64;
+/// use pintle_kinematics::scalar::Seeded;
+/// use pintle_kinematics::so3;
+/// let r = so3::exp([0.3, -0.2, 0.5]);
+/// let varied = so3::vary([0, 1, 2].map(|i| DualSVec64::<3>::seed(0.0, i)), &r);
+/// // ∂φ/∂ε is the inverse left Jacobian of φ.
+/// let row = so3::log(&varied)[0].gradient();
+/// let expected = so3::inverse_left_jacobian([0.3, -0.2, 0.5])[0];
+/// assert!(row.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-15));
+/// ```
+pub fn vary<S: Scalar>(variation: Vector<S>, r: &Matrix<S::Real>) -> Matrix<S> {
+    vector::product(&exp(variation), &r.map(|row| row.map(S::from_real)))
 }
 
 /// J_l(φ) of the rotation vector φ in radians: δθ = J_l δφ, with exp((φ + δφ)^) = exp(δθ^) exp(φ^) to first order.
 ///
-/// J_l = 1 + (1 − cos|φ|)/|φ|² φ^ + (|φ| − sin|φ|)/|φ|³ φ^². It is formed of the factor k(|φ|²) = sin(|φ|/2)/|φ| of [`exp`] and its
+/// J_l = 1 + (1 − cos|φ|)/|φ|² φ^ + (|φ| − sin|φ|)/|φ|³ φ^². It is formed of the factor k(|φ|²) = sin(|φ|/2)/|φ| of [`exp_quaternion`] and its
 /// derivative: nothing cancels near φ = 0. Of numbers with up to three orders of derivatives; 8 u of the largest entry on doubles, where |φ| ≤ 10.
 /// Spatial: rows by the total rotation vector are rows by δθ times J_l.
 ///

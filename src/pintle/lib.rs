@@ -29,7 +29,7 @@
 //! let initial = Pair { reference: [0.0; 3], a: node(vector::identity()), b: node(vector::identity()) };
 //! let definition = Definition::new(ConnectionType::named("REVOLUTE", None)?, initial);
 //! let connector = Connector::<f64>::new(&definition);
-//! let turned = Pair { b: node(so3::turn([0.3, 0.0, 0.0])), ..initial };
+//! let turned = Pair { b: node(so3::exp([0.3, 0.0, 0.0])), ..initial };
 //! let mut rows = [Linear::default(); 6];
 //! let count = connector.linearize(&turned, &connector.initial_branch(), [true; 6], &mut rows);
 //! assert_eq!(count, 3); // ur1, ur2, ur3

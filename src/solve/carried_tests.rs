@@ -247,7 +247,10 @@ fn a_moment_that_is_zero_costs_no_digits() {
             assert_eq!(found.events.len(), times.len());
             for (event, time) in found.events.iter().zip(&times) {
                 let apart = (event.time - time).abs();
-                assert!(apart < 1e-13, "{apart:e}: in space {is_space}, an equation {is_equation}, {method:?}");
+                assert!(
+                    apart < 1e-13,
+                    "{apart:e}: in space {is_space}, an equation {is_equation}, {method:?}"
+                );
                 compared += 1;
             }
         }

@@ -731,7 +731,7 @@ fn momentum(name: &str, solution: &Solution<f64>, seen: &mut Seen) {
         }
         let pose = |node: &NodeFrame<f64>| Pose {
             displacement: node.displacement,
-            rotation: so3::turn(node.rotation),
+            rotation: so3::exp(node.rotation),
             vector: node.rotation,
             flow: 0.0,
         };

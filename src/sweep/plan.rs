@@ -9,7 +9,7 @@ use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::Definition;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::product;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -87,7 +87,7 @@ impl Subject {
             let draw = &mut Draw::new(&format!("sweep {} {i}", connection.name));
             let mut q0 = aligned(&connection, draw);
             if i % 4 == 3 {
-                q0 = product(&turn(draw.rotation(0.2, 0.4)), &q0);
+                q0 = product(&exp(draw.rotation(0.2, 0.4)), &q0);
             }
             let reference = draw.direction();
             definition(&connection, pair(reference, draw.triad(), &q0), 1.0)

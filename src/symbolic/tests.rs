@@ -7,7 +7,7 @@ use pintle_kinematics::so3;
 fn every_atom() -> [Symbol; 12] {
     let (x, y) = (Symbol::input(0), Symbol::input(1));
     let half = Symbol::ratio(1, 2);
-    let rotation = so3::matrix(so3::exp([x, y * half, x * y]));
+    let rotation = so3::matrix(so3::exp_quaternion([x, y * half, x * y]));
     [
         elementary::sqrt(x),
         elementary::inverse_sqrt(y * x),
@@ -57,7 +57,7 @@ fn traced_values_are_those_of_doubles() {
     let (graph, functions) = trace(every_atom).unwrap();
     let traced = graph.evaluate(&functions, &[0.625, 0.75]);
     let (x, y, half) = (0.625_f64, 0.75_f64, 0.5);
-    let rotation = so3::matrix(so3::exp([x, y * half, x * y]));
+    let rotation = so3::matrix(so3::exp_quaternion([x, y * half, x * y]));
     let [_, along, _] = so3::log(&rotation);
     let direct = [x.sqrt(), 1.0 / (x * y).sqrt(), (x * y).sin(), (x - y).exp(), x.exp_m1(), y.atan2(x)];
     for (traced, direct) in traced.iter().zip(direct).chain([(&traced[10], along)]) {

@@ -162,7 +162,7 @@ fn trees_with_redundant_rods() {
 
 /// The rotation matrix of a rotation about an axis that has no direction in common with the global ones.
 fn frame(dice: &mut Dice) -> [[f64; 3]; 3] {
-    so3::matrix(so3::exp(std::array::from_fn(|_| dice.between(-2.0, 2.0))))
+    so3::matrix(so3::exp_quaternion(std::array::from_fn(|_| dice.between(-2.0, 2.0))))
 }
 
 fn apply(matrix: &[[f64; 3]; 3], x: Point) -> Point {
@@ -246,10 +246,10 @@ fn chains_folded_at_random() {
         let states: Vec<State> = (0..5)
             .map(|_| {
                 let mut nodes = BTreeMap::new();
-                let (mut turned, mut shift) = (so3::exp([0.0; 3]), [0.0; 3]);
+                let (mut turned, mut shift) = (so3::exp_quaternion([0.0; 3]), [0.0; 3]);
                 for (low, high, axis, by) in &links {
                     let angle = dice.between(-3.0, 3.0);
-                    turned = so3::compose(turned, so3::exp(axis.map(|x| x * angle)));
+                    turned = so3::compose(turned, so3::exp_quaternion(axis.map(|x| x * angle)));
                     let rotation = Rotation::Quaternion(turned);
                     let of = |displacement| NodeMotion { displacement, rotation, ..NodeMotion::default() };
                     nodes.insert(low.to_string().parse().unwrap(), of(shift));
@@ -274,7 +274,7 @@ fn turns_along_the_states_are_counted() {
     let (scene, model) = compile(text);
     let state = |turned: f64, flow: f64| {
         let drum = NodeMotion {
-            rotation: Rotation::Quaternion(so3::exp([0.0, 0.0, turned])),
+            rotation: Rotation::Quaternion(so3::exp_quaternion([0.0, 0.0, turned])),
             ..NodeMotion::default()
         };
         let belt = NodeMotion { flow, ..NodeMotion::default() };

@@ -17,7 +17,7 @@ const MOVED: Move = |x| {
 };
 
 fn turned(x: Point) -> Point {
-    let r = so3::matrix(so3::exp([0.7, -1.1, 0.4]));
+    let r = so3::matrix(so3::exp_quaternion([0.7, -1.1, 0.4]));
     std::array::from_fn(|i| r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2])
 }
 

@@ -39,7 +39,7 @@ fn states_beside_a_lock_are_no_mismatch() {
                 let draw = &mut Draw::new(&format!("{name} {n} {azimuth}"));
                 let mut case = atlas::near(named(name), measure, sign * distance, azimuth, draw).unwrap();
                 let turn = pintle_kinematics::vector::scale(draw.direction(), draw.between(0.0, 3.0));
-                let together = so3::matrix(so3::exp(turn));
+                let together = so3::matrix(so3::exp_quaternion(turn));
                 for step in case.path.iter_mut().filter(|_| azimuth != 0.0) {
                     step.state.pair = carried(&step.state.pair, &together, [0.0; 3]);
                 }
@@ -70,8 +70,9 @@ fn states_beside_a_lock_are_no_mismatch() {
 fn half_turns_are_no_mismatch() {
     let (mut found, mut compared) = (Vec::new(), 0);
     for (connection, axis) in TABLE.iter().flat_map(|connection| [0, 1, 2].map(|axis| (connection, axis))) {
-        let about =
-            |angle: f64| so3::matrix(so3::exp([0, 1, 2].map(|i| if i == axis { angle } else { 0.0 })));
+        let about = |angle: f64| {
+            so3::matrix(so3::exp_quaternion([0, 1, 2].map(|i| if i == axis { angle } else { 0.0 })))
+        };
         let mut half = [[0.0; 3]; 3];
         (0..3).for_each(|i| half[i][i] = if i == axis { 1.0 } else { -1.0 });
         let mut case = sample::cases(connection, Extent::Brief).swap_remove(0);
@@ -153,7 +154,7 @@ fn scenes_once_called_wrong_are_right() {
 fn near_singular(name: &str, near: usize, spoils: impl Fn(f64) -> bool) -> Report {
     let mut definition = at_rest(name);
     // No kink, and no lock, at the start.
-    definition.initial.b.triad = so3::matrix(so3::exp([0.2, 0.7, -0.3]));
+    definition.initial.b.triad = so3::matrix(so3::exp_quaternion([0.2, 0.7, -0.3]));
     let connector = Connector::<f64>::new(&definition);
     let settings = Settings {
         states: 12,

@@ -38,7 +38,7 @@ fn case(form: &str, region: usize) -> RelationCase {
     let mut three = |size: f64| -> Vector<f64> { [0; 3].map(|_| draw.between(-size, size)) };
     let flat = |[x, y, z]: Vector<f64>| if is_planar { [x, y, 0.0] } else { [x, y, z] };
     let about = |[x, y, z]: Vector<f64>| if is_planar { [0.0, 0.0, z] } else { [x, y, z] };
-    let axes = so3::matrix(so3::exp(about(three(2.0))));
+    let axes = so3::matrix(so3::exp_quaternion(about(three(2.0))));
     let places: Vec<Vector<f64>> = (0..200).map(|_| flat(three(length))).collect();
     let count = match form.trim_end_matches(" in the plane") {
         "DISTRIBUTING many" => 200,
@@ -61,7 +61,7 @@ fn case(form: &str, region: usize) -> RelationCase {
         };
         nodes.push(Point {
             displacement: [0, 1, 2].map(|i| far[i] + moved[i]),
-            rotation: so3::matrix(so3::exp(phi)),
+            rotation: so3::matrix(so3::exp_quaternion(phi)),
             vector: phi,
             flow: 0.3 * length,
             velocity: rates(),
@@ -173,7 +173,7 @@ fn tolerances_that_are_too_wide_are_noticed() {
 fn constraints_in_the_plane_pass() {
     let (mut compared, mut laws) = (0, 0);
     for kind in [Kind::Beam, Kind::Pin, Kind::Link, Kind::Tie] {
-        let turned = |angle: f64| so3::matrix(so3::exp([0.0, 0.0, angle]));
+        let turned = |angle: f64| so3::matrix(so3::exp_quaternion([0.0, 0.0, angle]));
         let body = |x: f64, y: f64, angle: f64| Body {
             displacement: [x, y, 0.0],
             rotation: turned(angle),

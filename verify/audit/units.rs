@@ -166,7 +166,7 @@ fn units_do_not_change_the_verdict_on_an_entry() {
 /// In turned axes numbers are the same and rows are turned, within the tolerances of both.
 #[test]
 fn axes_do_not_change_the_verdict_on_an_entry() {
-    let rotation = so3::matrix(so3::exp([0.7, -1.9, 0.4]));
+    let rotation = so3::matrix(so3::exp_quaternion([0.7, -1.9, 0.4]));
     let mut compared = 0;
     for case in tried() {
         let [(numbers, bound, _), (others, fine, _)] = [judged(&case), judged(&turned(&case, &rotation))];
@@ -235,7 +235,7 @@ fn told(check: &Check) -> String {
 /// Every oracle and law has the same verdict on as many numbers in millimetres and in turned axes, of right numbers and of wrong ones.
 #[test]
 fn every_check_has_the_same_verdict_in_any_frame() {
-    let rotation = so3::matrix(so3::exp([0.7, -1.9, 0.4]));
+    let rotation = so3::matrix(so3::exp_quaternion([0.7, -1.9, 0.4]));
     let mut wrong = 0;
     for (case, error) in tried().iter().zip([Planted::WrongEntry, Planted::WrongSign].into_iter().cycle()) {
         for planted in [None, Some(error)] {

@@ -177,7 +177,7 @@ impl Truth<'_> {
         let node = |end: usize| {
             let motion = &self.motions[end];
             let Rotation::Vector(phi) = motion.rotation else { panic!("a rotation vector") };
-            let turn = |phi: Vector<Wide>| so3::matrix(so3::exp(phi));
+            let turn = |phi: Vector<Wide>| so3::matrix(so3::exp_quaternion(phi));
             let first = 7 * end;
             let small = turn([at(first + 3), at(first + 4), at(first + 5)]);
             let initial: Matrix<Wide> = vector::exact_matrix(self.element.triads()[end]);

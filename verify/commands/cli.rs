@@ -482,7 +482,8 @@ fn saved_branches_continue_exactly() {
         let mut turnless = second.to_vec();
         for motion in turnless.iter_mut().flat_map(|state| state.nodes.values_mut()) {
             if let pintle_scene::Rotation::Vector(phi) = motion.rotation {
-                motion.rotation = pintle_scene::Rotation::Quaternion(pintle_kinematics::so3::exp(phi));
+                motion.rotation =
+                    pintle_scene::Rotation::Quaternion(pintle_kinematics::so3::exp_quaternion(phi));
             }
         }
         let turnless = part("turnless", &turnless);

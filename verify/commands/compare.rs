@@ -269,7 +269,7 @@ fn balance(motion: &Moved) -> BTreeMap<u32, [[f64; 3]; 2]> {
     let of = |node: u32| motion.iter().find(|(label, ..)| *label == node).unwrap();
     let mut found: BTreeMap<u32, [[f64; 3]; 2]> = BTreeMap::new();
     for [a, b] in [[1, 2], [3, 2]] {
-        let [turned_a, turned_b] = [a, b].map(|node| product(&so3::turn(of(node).2), &initial));
+        let [turned_a, turned_b] = [a, b].map(|node| product(&so3::exp(of(node).2), &initial));
         let apart = sub(add(place(b), of(b).1), add(place(a), of(a).1));
         let along =
             sub(apply_transposed(&turned_a, apart), apply_transposed(&initial, sub(place(b), place(a))));
@@ -357,7 +357,7 @@ fn reactions_and_their_faults_are_told() {
         (
             "axes",
             &|n, node, at| {
-                let turned = pintle_kinematics::so3::turn(motion[n][0].2);
+                let turned = pintle_kinematics::so3::exp(motion[n][0].2);
                 let initial = pintle_kinematics::vector::transpose(&[
                     [0.6, 0.8, 0.0],
                     [-0.8, 0.6, 0.0],
@@ -656,13 +656,13 @@ fn vectors_along_other_axes_are_told() {
                 .chain([(3, [0.0; 3], [0.0; 3])])
                 .collect(),
         );
-        let a = product(&so3::turn(motion[n][0].2), &initial);
+        let a = product(&so3::exp(motion[n][0].2), &initial);
         // On node 1 there is one spring alone.
         apply_transposed(&a, at[&1][0].map(|x| -x))
     };
     type Change<'a> = &'a dyn Fn(usize, [f64; 3]) -> [f64; 3];
-    let a = |n: usize| product(&so3::turn(motion[n][0].2), &initial);
-    let b = |n: usize| product(&so3::turn(motion[n][1].2), &initial);
+    let a = |n: usize| product(&so3::exp(motion[n][0].2), &initial);
+    let b = |n: usize| product(&so3::exp(motion[n][1].2), &initial);
     let faults: [(Change<'_>, &str); 6] = [
         (&|_, f| f, "All 42 numbers agree"),
         (&|n, f| apply(&a(n), f), "it is along global axes"),
@@ -984,7 +984,7 @@ fn angles_of_another_kind_are_named() {
         let [x, y, z] = [0, 1, 2].map(|i| {
             let mut about = [0.0; 3];
             about[i] = angles[i];
-            so3::turn(about)
+            so3::exp(about)
         });
         so3::log(&product(&z, &product(&y, &x)))
     };

@@ -6,7 +6,7 @@ use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::mpc::{
     Constraint, DOFS, Dofs, Evaluation, Kind, PHI, RHO, State, THETA_M, THETA_S, XM, XS,
 };
-use pintle_kinematics::so3::{inverse_left_jacobian, log, quaternion, turn};
+use pintle_kinematics::so3::{exp, inverse_left_jacobian, log, quaternion};
 use pintle_kinematics::vector::{
     Vector, add, apply, apply_transposed, cross, dot, identity, product, scale, sub, transpose,
 };
@@ -282,7 +282,7 @@ pub(crate) const ALL: &[Wrong] = &[
         &[F],
         |case, found| {
             let value = [0, 1, 2].map(|i| found.residual[RHO + i].unwrap());
-            let [_, x, y, z] = quaternion(&turn(value));
+            let [_, x, y, z] = quaternion(&exp(value));
             assert_eq!(case.constraint.kind(), Kind::Revolute);
             rho(found, [2.0 * x, 2.0 * y, 2.0 * z]);
         },
@@ -316,7 +316,7 @@ pub(crate) const ALL: &[Wrong] = &[
         |case, found| {
             let State { slave, master, angles, .. } = &case.state;
             let axis = case.constraint.initial_axes()[0].unwrap();
-            let allowed = product(&turn(scale(axis, angles[0].unwrap())), &master.rotation);
+            let allowed = product(&exp(scale(axis, angles[0].unwrap())), &master.rotation);
             rho(found, log(&product(&slave.rotation, &transpose(&allowed))));
         },
         "initial-axes",
@@ -384,7 +384,7 @@ pub(crate) const ALL: &[Wrong] = &[
         |case, found| {
             let State { slave, master, angles, .. } = &case.state;
             let axis = case.constraint.initial_axes()[0].unwrap();
-            let allowed = product(&master.rotation, &turn(scale(axis, angles[0].unwrap())));
+            let allowed = product(&master.rotation, &exp(scale(axis, angles[0].unwrap())));
             let violation = product(&slave.rotation, &transpose(&allowed));
             let hinge = apply(&violation, apply(&master.rotation, axis));
             for i in 0..3 {
@@ -438,7 +438,7 @@ pub(crate) const ALL: &[Wrong] = &[
             let State { slave, master, angles, .. } = &case.state;
             let [first, second] = case.constraint.initial_axes().map(Option::unwrap);
             let [one, two] = [(second, angles[1]), (first, angles[0])]
-                .map(|(axis, angle)| turn(scale(axis, angle.unwrap())));
+                .map(|(axis, angle)| exp(scale(axis, angle.unwrap())));
             let allowed = product(&product(&master.rotation, &one), &two);
             rho(found, log(&product(&slave.rotation, &transpose(&allowed))));
         },
@@ -633,7 +633,7 @@ fn composed_rotations_raise_no_alarm() {
         let report = candidate.check(|case: &MpcCase| {
             let mut composed = case.clone();
             for body in [&mut composed.state.slave, &mut composed.state.master] {
-                let third = turn(scale(log(&body.rotation), 1.0 / 3.0));
+                let third = exp(scale(log(&body.rotation), 1.0 / 3.0));
                 body.rotation = product(&third, &product(&third, &third));
             }
             MpcCase::product(&composed)

@@ -2,7 +2,7 @@
 
 use super::Check;
 use crate::states::{
-    Case, Ends, carried, cases, cube_orientations, dof_size, exact_branch, exact_state, extent, moved, turn,
+    Case, Ends, carried, cases, cube_orientations, dof_size, exact_branch, exact_state, exp, extent, moved,
     types,
 };
 use crate::tolerance::WIDE;
@@ -274,7 +274,7 @@ fn rigid_motion_turns_nodal_forces() {
     for case in all_cases() {
         let narrow = Loaded::<f64>::of(&case, 1);
         let before = narrow.rows(Want::default()).nodal(&narrow.forces);
-        let rotation = turn([0.3, -0.7, 0.5]);
+        let rotation = exp([0.3, -0.7, 0.5]);
         let mut state = narrow.state;
         state.pair = carried(&narrow.state.pair, &rotation, [0.5, -2.0, 1.0].map(|x| x * case.length));
         let after = narrow.rows_at(&state, Want::default()).nodal(&narrow.forces);
@@ -381,7 +381,7 @@ fn singular_states_are_finite_and_named() {
 #[test]
 fn extreme_sizes_scale() {
     for connection in TABLE.iter().filter(|entry| (0..6).any(|k| entry.loading(k).is_some())) {
-        let q = turn([0.4, -0.3, 0.5]);
+        let q = exp([0.4, -0.3, 0.5]);
         let (rows, forces, _) = special(&connection.name, q, [1.0, 2.0, -0.5]);
         let nodal = rows.nodal(&forces);
         for size in [1e300, 1e-300] {

@@ -37,7 +37,7 @@ impl Turning {
     /// Turns on by an increment, in pieces.
     fn on(&mut self, increment: Vector<f64>) {
         const PIECES: usize = 64;
-        let piece = so3::exp(scale(increment, 1.0 / PIECES as f64));
+        let piece = so3::exp_quaternion(scale(increment, 1.0 / PIECES as f64));
         for _ in 0..PIECES {
             self.quaternion = so3::normalize(so3::compose(piece, self.quaternion));
             self.continued = so3::continuous_log_quaternion(self.quaternion, self.continued).phi;

@@ -23,7 +23,7 @@ fn state(time: f64, angles: [f64; 2], rate: f64) -> State {
         angular_velocity: [0.0, 0.0, rate],
         ..NodeMotion::default()
     };
-    let [first, second] = [[0.0, 0.0, angles[0]], [angles[1], 0.0, 0.0]].map(so3::exp);
+    let [first, second] = [[0.0, 0.0, angles[0]], [angles[1], 0.0, 0.0]].map(so3::exp_quaternion);
     let slave =
         NodeMotion { rotation: Rotation::Quaternion(so3::compose(first, second)), ..NodeMotion::default() };
     let nodes = [(1, slave), (3, turn(angles[0], rate)), (4, turn(angles[1], 0.0))];

@@ -2,7 +2,7 @@
 
 use super::{Check, assert_bits, functions};
 use crate::states::{
-    Case, Draw, Ends, Extent, Motion, about_1, about_3, cases, definition, pair, turn, types,
+    Case, Draw, Ends, Extent, Motion, about_1, about_3, cases, definition, exp, pair, types,
 };
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{
@@ -118,7 +118,7 @@ fn whole_turns_of_the_nodes_are_counted() {
                 let mut next = definition.initial;
                 let signed = if carrier == 0 { -angle } else { angle };
                 let node = if carrier == 0 { &mut next.a } else { &mut next.b };
-                node.triad = product(&turn(scale(direction, signed)), &node.triad);
+                node.triad = product(&exp(scale(direction, signed)), &node.triad);
                 let mut increment = Increment::none();
                 let told = if carrier == 0 { -step } else { step };
                 increment.rotation[carrier] = scale(direction, told);
@@ -142,7 +142,7 @@ fn cardan_angles_wind() {
     for i in 1..=3000 {
         let t = f64::from(i);
         let (alpha, beta, gamma) = (0.9 * t, 1.4 * (0.11 * t).sin(), -1.3 * t + (0.3 * t).sin());
-        let q = product(&product(&about_1(alpha), &turn([0.0, beta, 0.0])), &about_3(gamma));
+        let q = product(&product(&about_1(alpha), &exp([0.0, beta, 0.0])), &about_3(gamma));
         let got = walk.told_nothing(posed(&definition.initial, &q));
         for (c, want) in [(3, alpha), (4, beta), (5, gamma)] {
             let scale = 4.0 * (1.0 + alpha.abs() + gamma.abs()) / beta.cos();
@@ -173,7 +173,7 @@ fn at_an_exact_lock_the_first_angle_is_held() {
     ];
     for (name, lock, exact, third) in cases {
         let before = |beta: f64, third: f64| match name {
-            "CARDAN" => product(&product(&about_1(first), &turn([0.0, beta, 0.0])), &about_3(third)),
+            "CARDAN" => product(&product(&about_1(first), &exp([0.0, beta, 0.0])), &about_3(third)),
             _ => product(&product(&about_3(first), &about_1(beta)), &about_3(third)),
         };
         let near = if lock > 0.0 { lock - 0.1 } else { lock + 0.1 };
@@ -228,7 +228,7 @@ fn euler_angles_continue_through_the_lock() {
 #[test]
 fn torsion_winds() {
     let mut check = Check::of("angles along paths");
-    let ry = |angle: f64| turn([0.0, angle, 0.0]);
+    let ry = |angle: f64| exp([0.0, angle, 0.0]);
     let posed_by =
         |phi: f64, alpha: f64, psi: f64| product(&product(&about_3(phi), &ry(alpha)), &about_3(psi));
     let path = |i: i32| {
@@ -293,7 +293,7 @@ fn rotation_vectors_continue_through_whole_turns() {
         for i in 1..=400 {
             angle += if i <= 220 { 0.5 } else { -0.67 };
             let mut next = definition.initial;
-            next.b.triad = product(&turn(scale(axis, angle)), &next.b.triad);
+            next.b.triad = product(&exp(scale(axis, angle)), &next.b.triad);
             let got = walk.short(next);
             let local = apply_transposed(&definition.initial.a.triad, axis);
             for c in 0..3 {
@@ -326,7 +326,7 @@ fn a_drum_winds_thousands_of_turns() {
             angle += turned;
             flow += taken;
             let mut next = definition.initial;
-            next.a.triad = product(&turn(scale(axis, angle.to_f64())), &a0);
+            next.a.triad = product(&exp(scale(axis, angle.to_f64())), &a0);
             next.b.flow = flow.to_f64();
             let mut increment = Increment::none();
             increment.rotation[0] = scale(axis, turned);
@@ -354,7 +354,7 @@ fn a_drum_has_no_potential() {
     // e3 → e1 about e2, e1 → e2 about e3, e2 → e3 about e1: each across the direction that it carries.
     for axis in [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]] {
         let step = scale(axis, quarter);
-        pose.a.triad = product(&turn(step), &pose.a.triad);
+        pose.a.triad = product(&exp(step), &pose.a.triad);
         let mut increment = Increment::none();
         increment.rotation[0] = step;
         accumulated = walk.to(pose, &increment).residual[5].unwrap();
@@ -454,7 +454,7 @@ fn refit(case: &Case) -> Motion {
     let first = &case.path[0];
     let [of_a, of_b] = first.increment.rotation;
     // exp(Δ_b) = exp(common/n) exp(spin/n) for the first step.
-    let spin = so3::log(&product(&turn(scale(of_a, -1.0)), &turn(of_b)));
+    let spin = so3::log(&product(&exp(scale(of_a, -1.0)), &exp(of_b)));
     let whole = |v: Vector<f64>| scale(v, n);
     let pair = &first.state.pair;
     Motion {
@@ -486,7 +486,7 @@ fn large_increments_of_a_rotation_keep_their_turns() {
             let angle = fraction * PI * f64::from(step);
             let rest = angle - TAU * (angle / TAU).round();
             near += usize::from(rest.abs() < 0.1);
-            let turned = so3::matrix(so3::exp([rest, 0.0, 0.0]));
+            let turned = so3::matrix(so3::exp_quaternion([rest, 0.0, 0.0]));
             let state = State {
                 pair: Pair { b: node(turned), ..initial },
                 velocity: [0.0; DOFS],

@@ -2,7 +2,7 @@
 
 use super::derivatives::Truth;
 use super::{Check, Scales, U, assert_bits, functions, times};
-use crate::states::{Case, Draw, Ends, Extent, carried, cases, dof_size, extent, moved, pair, turn, types};
+use crate::states::{Case, Draw, Ends, Extent, carried, cases, dof_size, exp, extent, moved, pair, types};
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{
     Components, Connector, Evaluation, Flag, Increment, NodalRow, Output, Request, State, Tally,
@@ -114,7 +114,7 @@ fn rigid_motion_changes_nothing() {
     let mut rate = Check::of("rigid motion, rates");
     everywhere(|case| {
         let draw = &mut Draw::new(&format!("rigid {}", case.name));
-        let rotation = turn(draw.rotation(0.2, 3.0));
+        let rotation = exp(draw.rotation(0.2, 3.0));
         let original = case.end().state;
         let before = after(case, &original, &Request::everything(2));
         let mut state = original;
@@ -228,7 +228,7 @@ fn every_frame_gives_the_same() {
     let mut second = Check::of("frames, second derivatives");
     everywhere(|case| {
         let draw = &mut Draw::new(&format!("frame {}", case.name));
-        let rotation = turn(draw.rotation(0.2, 3.0));
+        let rotation = exp(draw.rotation(0.2, 3.0));
         let turned_pair = |pair: &Pair<f64>| {
             let mut turned = *pair;
             turned.reference = apply(&rotation, pair.reference);
@@ -616,7 +616,7 @@ fn coincident_axial_is_fixed_in_space() {
     for _ in 0..8 {
         let direction = draw.direction();
         let a0 = draw.triad();
-        let q0 = turn(draw.rotation(0.0, 3.0));
+        let q0 = exp(draw.rotation(0.0, 3.0));
         let mut definition = crate::states::definition(entry("AXIAL"), pair([0.0; 3], a0, &q0), 1.0);
         definition.fixed_direction = direction;
         let connector = Connector::<f64>::new(&definition);

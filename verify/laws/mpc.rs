@@ -2,7 +2,7 @@
 //! turns are counted, and the equations are those of connectors where both hold the same thing.
 
 use super::{Check, U};
-use crate::states::{Draw, turn};
+use crate::states::{Draw, exp};
 use pintle_audit::mpc::{exact, moved};
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::ConnectionType;
@@ -74,12 +74,12 @@ pub(crate) fn cases() -> Vec<Case> {
             let angles = [draw.between(-3.0, 3.0), draw.between(-1.2, 1.2)];
             let master = Body {
                 displacement: draw.vector(length),
-                rotation: turn(draw.rotation(0.3, 2.5)),
+                rotation: exp(draw.rotation(0.3, 2.5)),
                 flow: draw.between(-length, length),
             };
             let (off, slipped) = (draw.direction(), scale(draw.direction(), miss * length));
             let mut state = following(kind, &positions, &master, angles);
-            state.slave.rotation = product(&turn(scale(off, miss)), &state.slave.rotation);
+            state.slave.rotation = product(&exp(scale(off, miss)), &state.slave.rotation);
             state.slave.displacement = add(state.slave.displacement, slipped);
             let sizes = |rate: usize| {
                 let size =
@@ -110,7 +110,7 @@ pub(crate) fn following<R: Differentiable>(
     let mut rotation = master.rotation;
     for (axis, angle) in constraint.initial_axes().into_iter().zip(angles) {
         let axis = axis.map_or([R::zero(); 3], |axis| scale(axis, angle));
-        rotation = product(&rotation, &turn(axis));
+        rotation = product(&rotation, &exp(axis));
     }
     let carried = sub(apply(&master.rotation, constraint.arm()), constraint.arm());
     let displacement = match kind {
@@ -313,7 +313,7 @@ fn rigid_motions_keep_what_holds() {
     for case in cases().into_iter().filter(|case| case.holds) {
         let mut draw = Draw::new(&format!("{} rigid", case.name));
         let turned = matches!(case.kind, Kind::Beam | Kind::Link | Kind::Revolute | Kind::Universal);
-        let q: Matrix<f64> = if turned { turn(draw.rotation(0.2, 3.0)) } else { vector::identity() };
+        let q: Matrix<f64> = if turned { exp(draw.rotation(0.2, 3.0)) } else { vector::identity() };
         let c = draw.vector(case.length);
         let place = |body: &Body<f64>, at: Vector<f64>| Body {
             displacement: sub(add(c, apply(&q, add(at, body.displacement))), at),
@@ -389,7 +389,7 @@ fn angles_are_counted() {
         let positions = [(); 4].map(|()| draw.vector(1.0));
         let [slave, master, first, other] = positions;
         let constraint = Constraint::<f64>::new(kind, slave, master, [first, other]);
-        let master = Body { rotation: turn(draw.rotation(0.5, 1.0)), ..Body::at_rest() };
+        let master = Body { rotation: exp(draw.rotation(0.5, 1.0)), ..Body::at_rest() };
         let request = Request::new(&[Output::CP], [true; 6], 0);
         let mut angles = START;
         let steps = 400;
@@ -442,7 +442,7 @@ fn compositions_agree() {
         let mut rotation = case.state.master.rotation;
         for (i, axis) in got.axes.into_iter().enumerate() {
             let Some(axis) = axis else { continue };
-            rotation = product(&turn(scale(axis, case.state.angles[i].unwrap())), &rotation);
+            rotation = product(&exp(scale(axis, case.state.angles[i].unwrap())), &rotation);
             // ∂ρ/∂φ_i = −a_i where the constraint holds.
             for k in 0..3 {
                 let entry = got.jacobian[RHO + k].unwrap()[PHI + i];
@@ -680,7 +680,7 @@ fn constraints_are_those_of_connectors() {
 #[test]
 fn pin_is_no_join_at_a_distance() {
     let positions = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3], [0.0; 3]];
-    let master = Body { rotation: turn([0.0, 0.0, 0.5]), ..Body::at_rest() };
+    let master = Body { rotation: exp([0.0, 0.0, 0.5]), ..Body::at_rest() };
     let state = State { master, ..State::at_rest() };
     let case = Case { name: "apart".into(), kind: Kind::Pin, positions, state, length: 1.0, holds: true };
     let got = case.evaluate(&Request::everything(1));
@@ -703,5 +703,5 @@ fn a_link_of_no_length_is_flagged() {
     assert_eq!((flags[0].component(), flags[0].name()), ("δl", "singular"));
     assert_eq!(Some(Measure::Distance.singular_set()), Some(Kind::Link.row_set(0)));
     let column = column(&state.slave.rotation, 0);
-    assert_eq!(so3::log(&turn(scale(column, 0.0))), [0.0; 3]);
+    assert_eq!(so3::log(&exp(scale(column, 0.0))), [0.0; 3]);
 }

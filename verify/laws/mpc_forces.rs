@@ -184,7 +184,8 @@ fn springs_on_hinges() {
             ..NodeMotion::default()
         };
         let mut state = SceneState::default();
-        let [of_first, of_second] = [[0.0, 0.0, first], [second, 0.0, 0.0]].map(pintle_kinematics::so3::exp);
+        let [of_first, of_second] =
+            [[0.0, 0.0, first], [second, 0.0, 0.0]].map(pintle_kinematics::so3::exp_quaternion);
         let rotation = Rotation::Quaternion(pintle_kinematics::so3::compose(of_first, of_second));
         let names: Vec<_> = scene.nodes.keys().copied().collect();
         state.nodes.insert(names[0], NodeMotion { rotation, ..NodeMotion::default() });

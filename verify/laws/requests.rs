@@ -2,7 +2,7 @@
 //! its halves. What is declared not to matter does not.
 
 use super::{assert_bits, functions};
-use crate::states::{Case, Draw, Ends, Extent, cases, definition, extent, moved, pair, turn, types};
+use crate::states::{Case, Draw, Ends, Extent, cases, definition, exp, extent, moved, pair, types};
 use pintle_kinematics::catalog::{Availability, ConnectionType, TABLE};
 use pintle_kinematics::connector::{
     Components, Connector, Definition, Evaluation, Mask, Output, Request, Tally,
@@ -305,7 +305,7 @@ fn two_dimensions_are_part_of_three() {
         for _ in 0..4 {
             count += 1;
             let flat = |v: [f64; 3]| [v[0], v[1], 0.0];
-            let about_3 = |angle: f64| turn([0.0, 0.0, angle]);
+            let about_3 = |angle: f64| exp([0.0, 0.0, angle]);
             let (initial, swing) = (about_3(draw.between(-3.0, 3.0)), draw.between(-1.0, 1.0));
             let start = pair(flat(draw.direction()), initial, &vector::identity());
             let space = definition(&connection, start, 1.0);

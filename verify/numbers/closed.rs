@@ -268,7 +268,7 @@ fn rotation() {
     judge("ROTATION", |case, pose| {
         let phi = case.evaluate(&Request::everything(0)).0.position;
         let phi = [3, 4, 5].map(|c| phi[c].expect("an angle"));
-        let turned = so3::matrix(so3::exp(phi));
+        let turned = so3::matrix(so3::exp_quaternion(phi));
         for i in 0..3 {
             for j in 0..3 {
                 let gap = (turned[i][j] - pose.q[i][j]).abs();

@@ -14,7 +14,7 @@ use pintle_kinematics::connector::{
     Branch, Connector, Definition, Evaluation, Increment, Request, State, Tally,
 };
 use pintle_kinematics::node::{DOFS, Node, Pair};
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, Vector, add, apply, column, cross, dot, product, scale};
 use proptest::array::{uniform3, uniform14};
 use proptest::prelude::*;
@@ -84,7 +84,7 @@ impl Moving {
     fn step(&mut self, rotation: [Vector<f64>; 2], displacement: [Vector<f64>; 2]) -> Evaluation<f64> {
         let turned = |node: Node<f64>, by: Vector<f64>, moved: Vector<f64>| Node {
             displacement: add(node.displacement, moved),
-            triad: product(&turn(by), &node.triad),
+            triad: product(&exp(by), &node.triad),
             ..node
         };
         self.pair.a = turned(self.pair.a, rotation[0], displacement[0]);
@@ -112,7 +112,7 @@ fn named(name: &str) -> ConnectionType {
 fn revolute_keeps_its_axis_along_every_admissible_motion() {
     let steps = prop::collection::vec((vector(1.5), -2.5..2.5_f64), 1..8);
     ask((vector(1.8), steps, 0.01..0.5_f64), 1_500, |(initial, steps, apart), compared| {
-        let triad = turn(initial);
+        let triad = exp(initial);
         let mut revolute = Moving::new(named("REVOLUTE"), [0.0; 3], [triad; 2]);
         for (common, angle) in steps {
             // First b about the axis as it stands, then both together.
@@ -134,7 +134,7 @@ fn revolute_keeps_its_axis_along_every_admissible_motion() {
 fn the_angle_of_revolute_unwraps_through_n_pi() {
     let steps = prop::collection::vec((-3.0..3.0_f64, vector(1.0)), 1..40);
     ask((vector(1.8), steps), 2_000, |(initial, steps), compared| {
-        let mut revolute = Moving::new(named("REVOLUTE"), [0.0; 3], [turn(initial); 2]);
+        let mut revolute = Moving::new(named("REVOLUTE"), [0.0; 3], [exp(initial); 2]);
         let mut total = 0.0_f64;
         for (angle, common) in steps {
             revolute.step([common; 2], [[0.0; 3]; 2]);
@@ -154,7 +154,7 @@ fn the_rotation_vector_continues_past_two_pi() {
     // Half a step beside whole turns, where the vector keeps its sheet and its digits.
     ask((vector(1.8), axis, 5..60_usize, 0.2..0.6_f64), 2_000, |(initial, axis, count, step), compared| {
         let unit = scale(axis, 1.0 / dot(axis, axis).sqrt());
-        let triad = turn(initial);
+        let triad = exp(initial);
         let mut rotation = Moving::new(named("ROTATION"), [0.0; 3], [triad; 2]);
         for n in 1..=count {
             let about = apply(&triad, unit);
@@ -183,12 +183,12 @@ fn a_common_motion_changes_nothing() {
     let motions = (anywhere(), small, vector(0.25), vector(1.7), vector(3.0));
     ask(motions, 10_000, |((initial, apart), spin, moved, common, shift), compared| {
         for connection in TABLE {
-            let triad = turn(initial);
+            let triad = exp(initial);
             let mut one = Moving::new(connection.clone(), apart, [triad; 2]);
             let before = one.step([[0.0; 3], spin], [[0.0; 3], moved]);
             // About the origin of a: x_b − x_a turns with both.
             let separation = one.pair.separation();
-            let turned = apply(&turn(common), separation);
+            let turned = apply(&exp(common), separation);
             let arm = [0, 1, 2].map(|i| turned[i] - separation[i]);
             let after = one.step([common; 2], [shift, add(shift, arm)]);
             for k in 0..6 {
@@ -218,7 +218,7 @@ fn the_whole_is_its_parts() {
     ask((anywhere(), vector(0.3), vector(0.3)), 5_000, |((initial, apart), spin, moved), compared| {
         for (whole, first, second) in ASSEMBLED {
             let step = |name: &str| {
-                let mut one = Moving::new(named(name), apart, [turn(initial); 2]);
+                let mut one = Moving::new(named(name), apart, [exp(initial); 2]);
                 one.step([[0.0; 3], spin], [[0.0; 3], moved])
             };
             let [whole_result, first_result, second_result] = [whole, first, second].map(step);
@@ -252,7 +252,7 @@ fn component_and_nodal_forces_have_the_same_power() {
         (anywhere(), small, vector(0.25), uniform14(-1.0..1.0_f64), prop::array::uniform6(-1.0..1.0_f64));
     ask(motions, 5_000, |((initial, apart), spin, moved, rates, forces), compared| {
         for connection in TABLE {
-            let mut one = Moving::new(connection.clone(), apart, [turn(initial); 2]);
+            let mut one = Moving::new(connection.clone(), apart, [exp(initial); 2]);
             one.step([[0.0; 3], spin], [[0.0; 3], moved]);
             let result = one.evaluate(&Increment::none(), rates);
             let (mut power, mut nodal, mut size) = (0.0, [0.0; DOFS], 0.0);
@@ -280,7 +280,7 @@ fn component_and_nodal_forces_have_the_same_power() {
 #[test]
 fn nodes_are_turned_by_rotations() {
     ask(vector(3.0 * PI), 2_000, |by, compared| {
-        let triad = turn(by);
+        let triad = exp(by);
         for i in 0..3 {
             let [first, second, third] = [i, (i + 1) % 3, (i + 2) % 3].map(|j| column(&triad, j));
             let crossed = cross(first, second);

@@ -34,7 +34,7 @@ fn case(connection: &ConnectionType, draw: &mut Draw, count: usize) -> Option<Ca
         .map(|turn| {
             let node = |end: usize, displacement| Node {
                 displacement,
-                triad: vector::product(&so3::turn(turn[end]), &initial[end]),
+                triad: vector::product(&so3::exp(turn[end]), &initial[end]),
                 flow: 0.0,
             };
             Pair { reference: first.reference, a: node(0, draw.vector(1.0)), b: node(1, draw.vector(1.0)) }
@@ -164,8 +164,9 @@ fn rows_of_arrays_are_those_of_tiles() {
                 case.flat(|s| nine(&vector::transpose(&case.pairs[s].b.triad))),
             ];
             let turns = [case.flat(|s| case.turns[s][0]), case.flat(|s| case.turns[s][1])];
-            let quaternions =
-                [0, 1].map(|end: usize| case.flat(|s| so3::exp(case.turns[s][end]).map(|part| -3.0 * part)));
+            let quaternions = [0, 1].map(|end: usize| {
+                case.flat(|s| so3::exp_quaternion(case.turns[s][end]).map(|part| -3.0 * part))
+            });
             let all = |of: [Orientation<'_>; 2]| -> usize {
                 let node = |end: usize| Nodes { displacement: Array::new(&x[end], 3), orientation: of[end] };
                 let states = States {

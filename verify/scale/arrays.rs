@@ -57,7 +57,9 @@ impl Held {
             ("alpha", motions().flat_map(|motion| motion.angular_acceleration).collect()),
         ]);
         Self {
-            quaternions: motions().flat_map(|motion| so3::exp(vector(motion)).map(|x| 2.5 * x)).collect(),
+            quaternions: motions()
+                .flat_map(|motion| so3::exp_quaternion(vector(motion)).map(|x| 2.5 * x))
+                .collect(),
             flow: [
                 motions().map(|motion| motion.flow).collect(),
                 motions().map(|motion| motion.flow_velocity).collect(),

@@ -6,7 +6,7 @@ use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::mpc::{Body, Constraint, Kind, State as MpcState, Turning};
 use pintle_kinematics::relation::{Point, Relation};
 use pintle_kinematics::so3;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Vector, add, apply, apply_transposed, cross, dot, product, sub};
 use pintle_model::evaluate::{Fixed, Jacobian, Model, Plan, Selection, Sequence, StepResult};
 use pintle_scene::{Format, Label, NodeMotion, Rotation, Scene, State};
@@ -474,7 +474,7 @@ const ROTATED: Vector<f64> = [0.7, -0.4, 1.1];
 
 /// Everything turned about the origin and moved.
 fn rigid(x: Vector<f64>) -> NodeMotion {
-    let moved = add(apply(&turn(ROTATED), x), [3.0, -2.0, 5.0]);
+    let moved = add(apply(&exp(ROTATED), x), [3.0, -2.0, 5.0]);
     NodeMotion { displacement: sub(moved, x), rotation: Rotation::Vector(ROTATED), ..NodeMotion::default() }
 }
 
@@ -499,7 +499,7 @@ fn rigid_motion_is_met() {
 }
 
 fn point(displacement: Vector<f64>, phi: Vector<f64>) -> Point<f64> {
-    Point { displacement, rotation: so3::matrix(so3::exp(phi)), vector: phi, ..Point::at_rest() }
+    Point { displacement, rotation: so3::matrix(so3::exp_quaternion(phi)), vector: phi, ..Point::at_rest() }
 }
 
 const AXES: [Vector<f64>; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
@@ -592,8 +592,8 @@ fn free_rotations_are_free() {
         let master = point([0.0; 3], [0.3, -0.8, 0.4]);
         let free: Vec<usize> = (0..3).filter(|i| !fixed[3 + i]).collect();
         let at = |turns: &[(usize, f64)]| {
-            let by = turns.iter().fold(so3::matrix(so3::exp([0.0; 3])), |by, (i, angle)| {
-                product(&by, &turn(AXES[*i].map(|x| x * angle)))
+            let by = turns.iter().fold(so3::matrix(so3::exp_quaternion([0.0; 3])), |by, (i, angle)| {
+                product(&by, &exp(AXES[*i].map(|x| x * angle)))
             });
             let slave = Point { rotation: product(&master.rotation, &by), ..Point::at_rest() };
             relation.evaluate(&[slave, master], &Request::everything(1), &mut Tally::default())
@@ -641,7 +641,7 @@ fn means_in_closed_form() {
     let found = rows(&pair, &points);
     assert!(found.iter().all(|row| row.residual.abs() < 2e-16), "{found:?}");
     // Turned about the line as well: nobody minds, but M stays on its circle.
-    let also = product(&points[0].rotation, &turn([0.4, 0.0, 0.0]));
+    let also = product(&points[0].rotation, &exp([0.4, 0.0, 0.0]));
     let swung = apply(&also, [0.0, 0.0, 1.0]);
     let about = Point {
         displacement: sub(add(swung, [0.0, 0.0, h / 2.0]), [0.0, 0.0, 1.0]),
@@ -810,7 +810,7 @@ fn the_mean_rotation_is_the_best_fit() {
             dot(a, cross(right, c)) / volume,
             dot(a, cross(b, right)) / volume,
         ];
-        points[0].rotation = product(&turn(step), &points[0].rotation);
+        points[0].rotation = product(&exp(step), &points[0].rotation);
     }
     let misfit = |rotation: &[Vector<f64>; 3]| {
         let sum: f64 = weights.iter().sum();
@@ -830,7 +830,7 @@ fn the_mean_rotation_is_the_best_fit() {
     for n in 0..26 {
         let by = [n % 3, n / 3 % 3, n / 9].map(|i| 1e-3 * (f64::from(i) - 1.0));
         if by != [0.0; 3] {
-            assert!(misfit(&product(&turn(by), &points[0].rotation)) > best, "{by:?}");
+            assert!(misfit(&product(&exp(by), &points[0].rotation)) > best, "{by:?}");
         }
     }
 }

@@ -300,5 +300,5 @@ fn connectors_on_one_pair_of_nodes_add_up() {
 
 /// The directions of a at the state of [`connectors_on_one_pair_of_nodes_add_up`].
 fn current_triad(model: &Model, i: usize) -> Matrix<f64> {
-    vector::product(&crate::states::turn([0.3, 0.4, -0.2]), model.connectors[i].triads()[0])
+    vector::product(&crate::states::exp([0.3, 0.4, -0.2]), model.connectors[i].triads()[0])
 }

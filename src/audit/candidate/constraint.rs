@@ -15,7 +15,7 @@ use pintle_kinematics::mpc::{
     Body, Constraint, Dofs, PSI_M, PSI_S, ROWS, State, THETA_M, THETA_S, Translation, Turning, XM, XS,
 };
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{add, apply, identity, product, scale, sub};
 use std::convert::Infallible;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -142,25 +142,25 @@ impl<'a> ConstraintCandidate<'a> {
         let is_special = near.is_none() && (i + i / 6) % 6 == 5;
         let cubes = cube_orientations();
         let (master, violation, mut angles) = if is_special {
-            let violation = if is_held { identity() } else { turn(scale(draw.direction(), FRAC_PI_2)) };
+            let violation = if is_held { identity() } else { exp(scale(draw.direction(), FRAC_PI_2)) };
             let quarter = |draw: &mut Draw| FRAC_PI_2 * (draw.below(9) as f64 - 4.0);
             (cubes[draw.below(cubes.len())], violation, [quarter(draw), quarter(draw)])
         } else {
             let most = if i % 4 == 1 { 0.2 } else { 3.0 };
             let size = if is_held { 0.0 } else { draw.between(0.01, most) };
-            let violation = turn(scale(draw.direction(), size));
+            let violation = exp(scale(draw.direction(), size));
             (draw.triad(), violation, [draw.between(-9.0, 9.0), draw.between(-9.0, 9.0)])
         };
         let violation = match near {
             Some(n) => {
                 let distance = 10.0_f64.powf(-1.0 - (n % 12) as f64);
-                turn(scale(draw.direction(), PI - distance))
+                exp(scale(draw.direction(), PI - distance))
             }
             None => violation,
         };
         let axes = self.constraint.initial_axes();
         let allowed = axes.into_iter().zip(&mut angles).fold(master, |so_far, (axis, angle)| match axis {
-            Some(axis) => product(&so_far, &turn(scale(axis, *angle))),
+            Some(axis) => product(&so_far, &exp(scale(axis, *angle))),
             None => {
                 *angle = 0.0;
                 so_far

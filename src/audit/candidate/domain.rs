@@ -204,7 +204,7 @@ impl Domain {
     ) -> Pair<f64> {
         let turns = [0, 1].map(|end| definition.moves[end] && definition.rotates[end]);
         if let Some(turned) = turned {
-            let between = product(&so3::turn(turned), &definition.initial.relative().q);
+            let between = product(&so3::exp(turned), &definition.initial.relative().q);
             if turns[1] {
                 pair.b.triad = product(&pair.a.triad, &between);
             } else if turns[0] {
@@ -312,7 +312,7 @@ mod tests {
     fn of_type(connection: &pintle_kinematics::catalog::ConnectionType) -> Definition {
         let draw = &mut Draw::new("a domain");
         let relative = aligned(connection, draw);
-        definition(connection, pair([0.3, -0.4, 0.1], so3::turn([0.4, -0.3, 0.7]), &relative), 1.2)
+        definition(connection, pair([0.3, -0.4, 0.1], so3::exp([0.4, -0.3, 0.7]), &relative), 1.2)
     }
 
     /// Small ranges, large ones of all three turns, one that begins far from the initial state, and places alone.
@@ -374,7 +374,7 @@ mod tests {
             let connection = pintle_kinematics::catalog::ConnectionType::named(name, None).unwrap();
             let level = Definition::new(
                 connection.clone(),
-                pair([0.3, -0.4, 0.0], so3::turn([0.0, 0.0, 0.7]), &so3::turn([0.0; 3])),
+                pair([0.3, -0.4, 0.0], so3::exp([0.0, 0.0, 0.7]), &so3::exp([0.0; 3])),
             );
             let oblique = of_type(&connection);
             for definition in [

@@ -797,7 +797,7 @@ mod tests {
     use crate::oracles::referee::OVERRULED;
     use pintle_kinematics::catalog::ConnectionType;
     use pintle_kinematics::node::{Node, Pair};
-    use pintle_kinematics::so3::turn;
+    use pintle_kinematics::so3::exp;
     use pintle_kinematics::vector::{Matrix, Vector, column, identity};
     use std::f64::consts::TAU;
 
@@ -854,7 +854,7 @@ mod tests {
     fn dual_numbers_do_not_decide_about_a_routine() {
         let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
         let at = |angle: f64| {
-            let mut b = node(turn([0.6 * angle, 0.0, 0.8 * angle]));
+            let mut b = node(exp([0.6 * angle, 0.0, 0.8 * angle]));
             b.triad[0][0] += 3e-11;
             b.triad[1][2] -= 2e-11;
             Pair { reference: [1.0, 0.0, 0.0], a: node(identity()), b }

@@ -13,7 +13,7 @@ use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::{DOFS, Node, Pair};
 use pintle_kinematics::scalar::Real;
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3::{self, turn};
+use pintle_kinematics::so3::{self, exp};
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, add, apply, product, sub, transpose};
 use serde::{Deserialize, Serialize};
@@ -182,7 +182,7 @@ pub fn moved<R: Differentiable>(pair: &Pair<R>, by: &[R; DOFS]) -> Pair<R> {
         let rotation = [by[at + 3], by[at + 4], by[at + 5]];
         Node {
             displacement: add(node.displacement, [by[at], by[at + 1], by[at + 2]]),
-            triad: if is_still(&rotation) { node.triad } else { product(&turn(rotation), &node.triad) },
+            triad: if is_still(&rotation) { node.triad } else { product(&exp(rotation), &node.triad) },
             flow: node.flow + by[at + 6],
         }
     };

@@ -13,7 +13,7 @@ use pintle_kinematics::node;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::node::dof_size;
 use pintle_kinematics::scalar::U;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, Vector, apply, cross};
 
 /// How the axes are turned: far from every special rotation.
@@ -182,7 +182,7 @@ impl Context<'_> {
 
     /// The state in turned axes, and the rotation: one that is far from every special one, about the third axis where the connector lies in a plane.
     pub(crate) fn turned(&self) -> (Matrix<f64>, Case) {
-        let rotation = turn(turning(self.case.definition.planar));
+        let rotation = exp(turning(self.case.definition.planar));
         let mut state = self.state;
         state.pair = carried(&self.state.pair, &rotation, [0.0; 3]);
         for rates in [&mut state.velocity, &mut state.acceleration] {

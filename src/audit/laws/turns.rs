@@ -10,7 +10,7 @@ use pintle_kinematics::connector::{Connector, Output, Request, Tally};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::scalar::U;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, Vector, apply, column, dot, product, scale, sub};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -67,7 +67,7 @@ impl Winding {
         match self.turning {
             Turning::Euler => by_euler_angles(angles),
             Turning::Torsion => by_shafts(angles),
-            Turning::Align | Turning::RotationVector => turn(scale(self.axis, t)),
+            Turning::Align | Turning::RotationVector => exp(scale(self.axis, t)),
             _ => by_cardan_angles(angles),
         }
     }
@@ -123,7 +123,7 @@ pub(super) fn winding(connection: &ConnectionType) -> Vec<Demand> {
             let share = step as f64 / steps as f64;
             let t = sign * FAR * share;
             let mut after = initial;
-            after.a.triad = product(&turn(scale(common, share)), &a0);
+            after.a.triad = product(&exp(scale(common, share)), &a0);
             after.b.triad = product(&after.a.triad, &winding.orientation(t));
             after.b.displacement = sub(apply(&after.a.triad, winding.d), initial.reference);
             let Step { state, increment } = Step::between(&before, after);

@@ -15,7 +15,7 @@ use pintle_kinematics::mpc::{
     Body, Constraint, DOFS, Dofs, Evaluation, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
 };
 use pintle_kinematics::scalar::{Scalar, Wide};
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{product, scale};
 use rayon::prelude::*;
@@ -65,7 +65,7 @@ impl DeclaredSet {
         let [e1, e2, e3] = vector::identity::<f64>();
         let arm = [1.0, 0.0, 0.0];
         let mut body = [Body::at_rest(), Body::at_rest()];
-        let common = turn([0.4, -0.7, 0.5]);
+        let common = exp([0.4, -0.7, 0.5]);
         let angles = [0.3, -0.4];
         let relative = match subject {
             // Across the link, so that it is as long as it says.
@@ -78,22 +78,22 @@ impl DeclaredSet {
                 let axis = [2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0];
                 let across = [6.0 / 7.0, 2.0 / 7.0, -3.0 / 7.0];
                 let direction = vector::add(scale(axis, cosine), scale(across, sine));
-                let violation = product(&turn(scale(axis, PI)), &turn(scale(direction, -distance)));
+                let violation = product(&exp(scale(axis, PI)), &exp(scale(direction, -distance)));
                 let hinges = angles.into_iter().zip([e3, e1]).take(kind.entry().angles.len());
                 let allowed =
-                    hinges.fold(common, |so_far, (angle, axis)| product(&so_far, &turn(scale(axis, angle))));
+                    hinges.fold(common, |so_far, (angle, axis)| product(&so_far, &exp(scale(axis, angle))));
                 product(&vector::transpose(&common), &product(&violation, &allowed))
             }
             // Half a turn across the axis; what is left of it turns by twice the distance.
             SetOf::Angle(_) if kind.entry().angles.len() == 1 => {
                 let rest = vector::add(scale(e1, 2.0 * distance * cosine), scale(e2, 2.0 * distance * sine));
-                product(&turn(scale(e1, PI)), &turn(rest))
+                product(&exp(scale(e1, PI)), &exp(rest))
             }
             // Turned by the first axis, across both, by the second: at a right angle only the difference of the first and the last is left.
             SetOf::Angle(_) => {
                 let [first, last] = [0.7 + azimuth, -0.5 + azimuth].map(|angle| angle.rem_euclid(PI));
-                let across = turn(scale(e2, FRAC_PI_2 - distance));
-                product(&product(&turn(scale(e3, first)), &across), &turn(scale(e1, last)))
+                let across = exp(scale(e2, FRAC_PI_2 - distance));
+                product(&product(&exp(scale(e3, first)), &across), &exp(scale(e1, last)))
             }
         };
         let [slave, master] = &mut body;

@@ -85,12 +85,12 @@ mod tests {
     use crate::settings::Settings;
     use pintle_kinematics::connector::Turns;
     use pintle_kinematics::mpc::{Body, Constraint, Kind, State, Turning};
-    use pintle_kinematics::so3::turn;
+    use pintle_kinematics::so3::exp;
     use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
     /// Nodes turned by these rotation vectors, and hinges by these angles; everything moves.
     fn case(kind: Kind, [slave, master]: [[f64; 3]; 2], angles: [f64; 2]) -> MpcCase {
-        let body = |rotation, displacement| Body { displacement, rotation: turn(rotation), flow: 0.0 };
+        let body = |rotation, displacement| Body { displacement, rotation: exp(rotation), flow: 0.0 };
         let hinges = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
         MpcCase {
             name: format!("{} S {slave:?} M {master:?} φ {angles:?}", kind.name()),

@@ -622,7 +622,7 @@ impl MpcCase {
         let carried = hinges.fold(part(&velocity, THETA_M), |spin, (axis, rate)| {
             add(spin, scale(axis.unwrap_or([0.0; 3]), *rate))
         });
-        let with = apply(&so3::turn(rho), carried);
+        let with = apply(&so3::exp(rho), carried);
         let mut relative = [0.0; DOFS];
         relative[THETA_S..THETA_S + 3].copy_from_slice(&sub(part(&velocity, THETA_S), with));
         let together: Dofs<f64> = std::array::from_fn(|j| velocity[j] - relative[j]);
@@ -648,7 +648,7 @@ impl MpcCase {
                 .fold(scale(part(&velocity, THETA_M), of_master), |spin, ((axis, rate), times)| {
                     add(spin, scale(axis.unwrap_or([0.0; 3]), times * rate))
                 });
-            moved[THETA_S..THETA_S + 3].copy_from_slice(&apply(&so3::turn(rho), spin));
+            moved[THETA_S..THETA_S + 3].copy_from_slice(&apply(&so3::exp(rho), spin));
             for (i, times) in rates.into_iter().enumerate() {
                 moved[PHI + i] = times * velocity[PHI + i];
             }

@@ -32,7 +32,7 @@ use pintle_kinematics::mpc::{
     Body, DOFS, Dofs, Evaluation, FLOW, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
 };
 use pintle_kinematics::scalar::U;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{
     Matrix, Vector, add, apply, apply_transposed, cross, dot, product, scale, sub,
 };
@@ -310,7 +310,7 @@ impl<'a> Laws<'a> {
         };
         let (fast, faster) = (fastest(&state.velocity), fastest(&state.acceleration));
         let is_planar = self.case.constraint.is_planar();
-        let rotation = turn(turning(is_planar));
+        let rotation = exp(turning(is_planar));
         let [spin, spin_rate] = [scale([0.6, 0.3, -0.5], fast), scale([-0.2, 0.7, 0.4], faster)]
             .map(|rate| about_third(is_planar, rate));
         let [place, velocity, acceleration] = [
@@ -570,8 +570,8 @@ mod tests {
             _ => three(length),
         };
         let mut state = State::at_rest();
-        state.master.rotation = turn(common);
-        state.slave.rotation = product(&turn(violation), &state.master.rotation);
+        state.master.rotation = exp(common);
+        state.slave.rotation = product(&exp(violation), &state.master.rotation);
         state.master.displacement = far;
         state.slave.displacement = add(far, displacement);
         if region == 5 && kind == Kind::Beam {

@@ -37,7 +37,7 @@ use pintle_kinematics::mpc::{
     Turning, XM, XS,
 };
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{add, product, sub};
 
@@ -338,7 +338,7 @@ pub fn moved<R: Differentiable>(state: &State<R>, by: &Dofs<R>) -> State<R> {
         let turned = [by[at + 3], by[at + 4], by[at + 5]];
         Body {
             displacement: add(body.displacement, [by[at], by[at + 1], by[at + 2]]),
-            rotation: if is_still(&turned) { body.rotation } else { product(&turn(turned), &body.rotation) },
+            rotation: if is_still(&turned) { body.rotation } else { product(&exp(turned), &body.rotation) },
             flow: body.flow + by[at + 6],
         }
     };

@@ -159,7 +159,7 @@ impl Given {
     fn at(&self, t: f64) -> Pair<f64> {
         let node = |u: Vector<f64>, theta: Vector<f64>, triad: &Matrix<f64>, flow: f64| Node {
             displacement: scale(u, t),
-            triad: matrix_product(&so3::matrix(so3::exp(scale(theta, t))), triad),
+            triad: matrix_product(&so3::matrix(so3::exp_quaternion(scale(theta, t))), triad),
             flow: flow * t,
         };
         Pair {

@@ -14,7 +14,7 @@
 //! let definition = Definition::new(ConnectionType::named("CARTESIAN", Some("CARDAN"))?, initial);
 //! let mut coverage = Coverage::default();
 //! for i in 0..100 {
-//!     let turn = so3::matrix(so3::exp([1e-4 * f64::from(i), 0.0, 0.0]));
+//!     let turn = so3::matrix(so3::exp_quaternion([1e-4 * f64::from(i), 0.0, 0.0]));
 //!     let pair = Pair { b: node(turn), ..initial };
 //!     coverage.add(&definition, &State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] }, 1.0);
 //! }

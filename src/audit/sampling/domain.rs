@@ -5,7 +5,7 @@ use pintle_kinematics::catalog::{Class, Condition, ConnectionType, Slot, TABLE};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::so3;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, column, product};
 
@@ -99,12 +99,12 @@ pub(super) fn needs_tilt(connection: &ConnectionType) -> bool {
 
 /// Rx(angle).
 pub fn about_1(angle: f64) -> Matrix<f64> {
-    turn([angle, 0.0, 0.0])
+    exp([angle, 0.0, 0.0])
 }
 
 /// Rz(angle).
 pub fn about_3(angle: f64) -> Matrix<f64> {
-    turn([0.0, 0.0, angle])
+    exp([0.0, 0.0, angle])
 }
 
 /// An initial Q₀ at which the printed constraints of the type hold.
@@ -118,14 +118,14 @@ pub fn aligned(connection: &ConnectionType, draw: &mut Draw) -> Matrix<f64> {
             let tilt = about_1(draw.between(0.7, 1.4));
             product(&product(&about_3(x), &tilt), &about_3(y))
         }
-        _ => turn(draw.rotation(0.1, 0.6)),
+        _ => exp(draw.rotation(0.1, 0.6)),
     }
 }
 
 /// An initial Q₀ at which the printed constraints do not hold.
 pub(super) fn misaligned(connection: &ConnectionType, draw: &mut Draw) -> Matrix<f64> {
     let start = aligned(connection, draw);
-    product(&turn(draw.rotation(0.2, 0.4)), &start)
+    product(&exp(draw.rotation(0.2, 0.4)), &start)
 }
 
 /// The axis, in the initial global frame, about which b can turn against a without meeting a singular set on the way.

@@ -14,7 +14,7 @@ use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Node, Pair, THETA_B};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose};
 use std::f64::consts::PI;
@@ -139,8 +139,8 @@ impl Motion {
 
     /// The pair after the fraction `t` of the motion.
     pub fn at(&self, initial: &Pair<f64>, t: f64) -> Pair<f64> {
-        let common = turn(scale(self.common, t));
-        let spin = turn(scale(self.spin, t));
+        let common = exp(scale(self.common, t));
+        let spin = exp(scale(self.spin, t));
         let node = |from: &Node<f64>, end: usize, triad: Matrix<f64>| Node {
             displacement: add(from.displacement, scale(self.displacement[end], t)),
             triad,
@@ -513,7 +513,7 @@ fn special(
     let axis = if definition.planar { [0.0, 0.0, 1.0] } else { scale(spin, 1.0 / norm(spin)) };
     let relative = match n {
         0 => {
-            let common = turn(spin);
+            let common = exp(spin);
             after.a.triad = product(&common, &initial.a.triad);
             after.b.triad = product(&common, &initial.b.triad);
             None
@@ -531,7 +531,7 @@ fn special(
         _ => Some(match angle_beside(n) {
             Some(angle) => {
                 let cube = cube.unwrap_or_else(|| draw.below(cubes.len()));
-                product(cubes.get(cube)?, &turn(scale(axis, angle)))
+                product(cubes.get(cube)?, &exp(scale(axis, angle)))
             }
             // Those that are beside right angles come in between.
             None => *cubes.get(n - 4 - (n - 4).div_ceil(2).min(BESIDE.len()))?,
@@ -605,7 +605,7 @@ pub fn along_initial(
         let on_the_way = |i: usize| {
             let t = i as f64 / motion.steps as f64;
             let mut after = motion.at(&definition.initial, t);
-            let by = turn(scale(second, t));
+            let by = exp(scale(second, t));
             for node in [&mut after.a, &mut after.b] {
                 node.triad = product(&by, &node.triad);
             }
@@ -669,7 +669,7 @@ pub fn beside_half_turn(case: &Case, place: usize, distance: f64) -> Option<Case
         let mut before = step.state.pair;
         for part in 1..=parts as usize {
             let mut after = step.state.pair;
-            after.b.triad = product(&turn(scale(by, part as f64 / parts)), &after.b.triad);
+            after.b.triad = product(&exp(scale(by, part as f64 / parts)), &after.b.triad);
             let mut made = Step::between(&before, after);
             (made.state.velocity, made.state.acceleration) = (step.state.velocity, step.state.acceleration);
             landed.path.push(made);

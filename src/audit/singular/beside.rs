@@ -6,7 +6,7 @@ use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, SingularSet};
 use pintle_kinematics::so3;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, apply, product as matrix_product, scale};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -58,7 +58,7 @@ impl Way {
 }
 
 fn about_2(angle: f64) -> Matrix<f64> {
-    turn([0.0, angle, 0.0])
+    exp([0.0, angle, 0.0])
 }
 
 fn composed(first: &Matrix<f64>, middle: &Matrix<f64>, last: &Matrix<f64>) -> Matrix<f64> {
@@ -181,7 +181,7 @@ pub fn beside(
     let cubes = cube_orientations();
     let a0 = cubes[draw.below(cubes.len())];
     let axis = draw.direction();
-    let direction = apply(&turn([0.0, azimuth, 0.0]), axis);
+    let direction = apply(&exp([0.0, azimuth, 0.0]), axis);
     // With structure the nodes turn about one axis, and lie along one.
     let is_structured = draw.is_structured();
     let [alpha, gamma] =
@@ -191,7 +191,7 @@ pub fn beside(
     let mut reference = apply(&a0, offset);
     let mut flow = [0.0; 2];
     // Q at the start, which is regular, and at the end.
-    let still = if is_structured { vector::identity() } else { turn([0.2, -0.3, 0.1]) };
+    let still = if is_structured { vector::identity() } else { exp([0.2, -0.3, 0.1]) };
     let (start, end) = match way {
         Way::Distance => {
             reference = scale(direction, distance);
@@ -227,7 +227,7 @@ pub fn beside(
         }
         Way::Misalignment => {
             let spin = if angle > 0.0 { scale(axis, angle - distance) } else { scale(direction, distance) };
-            (vector::identity(), turn(spin))
+            (vector::identity(), exp(spin))
         }
         Way::Turn => {
             return Some(beside_a_turn(connection, site, [axis, direction], a0, distance, draw));
@@ -281,7 +281,7 @@ fn beside_a_turn(
         scale(direction, distance)
     } else if site.angle < TAU {
         let half = scale(axis, site.angle);
-        so3::continuous_log(&matrix_product(&turn(half), &turn(scale(direction, -distance))), half).phi
+        so3::continuous_log(&matrix_product(&exp(half), &exp(scale(direction, -distance))), half).phi
     } else {
         scale(direction, site.angle - distance)
     };

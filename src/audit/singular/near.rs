@@ -7,7 +7,7 @@ use pintle_kinematics::connector::Definition;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{
     Matrix, Vector, apply, apply_transposed, product, scale, sub, transpose, transposed_product,
 };
@@ -90,7 +90,7 @@ fn beside(
     let in_plane = |v: Vector<f64>| if definition.planar { [v[0], v[1], 0.0] } else { v };
     let about = |draw: &mut Draw, most: f64| {
         let spin = scale(draw.direction(), draw.between(0.0, most));
-        turn(if definition.planar { [0.0, 0.0, spin[2]] } else { spin })
+        exp(if definition.planar { [0.0, 0.0, spin[2]] } else { spin })
     };
     let q0 = transposed_product(&initial.a.triad, &initial.b.triad);
     let way = site.way()?;
@@ -176,7 +176,7 @@ fn relative(
             let [sweep, rest] = of_shafts.map(&mut beside);
             by_shafts([sweep, middle, rest])
         }
-        Way::Misalignment => product(&turn(scale(draw.direction(), middle)), q0),
-        Way::Turn => turn(scale(draw.direction(), distance)),
+        Way::Misalignment => product(&exp(scale(draw.direction(), middle)), q0),
+        Way::Turn => exp(scale(draw.direction(), distance)),
     })
 }

@@ -15,7 +15,7 @@ use pintle_kinematics::catalog::{COMPONENT, ConnectionType, TABLE};
 use pintle_kinematics::connector::Flag;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::SingularClass;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, product};
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ use rayon::prelude::*;
 fn turned(connection: &ConnectionType, i: usize, q: &Matrix<f64>, is_start: bool) -> Case {
     let (d, cubes) = ([2.0, -1.0, 0.5], cube_orientations());
     let a0 = cubes[(7 * i + 3) % 24];
-    let q0 = if is_start { *q } else { turn([0.2, -0.3, 0.1]) };
+    let q0 = if is_start { *q } else { exp([0.2, -0.3, 0.1]) };
     let definition = definition(connection, pair(d, a0, &q0), 2.0);
     let mut after = pair(d, a0, q);
     after.a.triad = cubes[(5 * i + 1) % 24];

@@ -7,7 +7,7 @@ use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::State;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::node::Pair;
-use pintle_kinematics::so3::turn;
+use pintle_kinematics::so3::exp;
 use pintle_kinematics::vector::{Matrix, add, apply, product, sub};
 
 pintle_kinematics::named! {
@@ -82,7 +82,7 @@ fn case_on(connection: &ConnectionType, site: &Site, stand: Stand) -> Option<Cas
         }
         Stand::Structured | Stand::Turned | Stand::Random => {}
     }
-    let turned = (stand == Stand::Turned).then(|| turn(Draw::new(&name).rotation(0.3, 1.2)));
+    let turned = (stand == Stand::Turned).then(|| exp(Draw::new(&name).rotation(0.3, 1.2)));
     let mut before = case.definition.initial;
     let last = case.path.len().saturating_sub(1);
     for (i, step) in case.path.iter_mut().enumerate() {

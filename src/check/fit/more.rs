@@ -35,7 +35,7 @@ fn moved(fit: &Fit, definition: &Definition, state: &State<f64>, place: usize, b
         0..=2 => node.displacement[of] += by,
         3..=5 => {
             let turn = apply(&fit.variations[end].jacobian(&turned[end]), unit(of - 3));
-            node.triad = product(&so3::turn(turn), &node.triad);
+            node.triad = product(&so3::exp(turn), &node.triad);
         }
         _ => node.flow += by,
     }

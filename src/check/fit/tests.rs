@@ -17,7 +17,7 @@ use pintle_kinematics::vector::{product, transpose};
 
 fn of_type(connection: &ConnectionType) -> Definition {
     let draw = &mut Draw::new("the connector of a fit");
-    let a = so3::turn([0.4, -0.3, 0.7]);
+    let a = so3::exp([0.4, -0.3, 0.7]);
     let relative = aligned(connection, draw);
     definition(connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2)
 }
@@ -405,7 +405,7 @@ fn variations_are_derivatives() {
         let turn = |n: usize| {
             let mut axis = [0.0; 3];
             axis[sequence[n]] = angles[n];
-            so3::turn(axis)
+            so3::exp(axis)
         };
         product(&product(&turn(0), &turn(1)), &turn(2))
     };

@@ -620,7 +620,7 @@ impl WithSimd for Triads<'_, '_> {
                     after(&so3::matrix(so3::normalize([w, x, y, z])), &initial, to);
                 }
                 Orientation::RotationVector(array, initial) => {
-                    after(&so3::turn(lanes_of(&array.four(states))), &initial, to);
+                    after(&so3::exp(lanes_of(&array.four(states))), &initial, to);
                 }
             }
         }

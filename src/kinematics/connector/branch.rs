@@ -220,7 +220,7 @@ impl<R: Duals> Follower<'_, R> {
     /// The one-form over the increment, at the midpoint direction: e3a(mid)·(Δθ_a − Δθ_b) − β_s ΔΨ_b.
     fn accumulation(&self, pair: &Pair<R>, increment: &Increment<R>) -> R {
         let [of_a, of_b] = increment.rotation;
-        let back = so3::matrix(so3::exp(scale(of_a, R::ratio(-1, 2))));
+        let back = so3::matrix(so3::exp_quaternion(scale(of_a, R::ratio(-1, 2))));
         let middle = vector::product(&back, &pair.a.triad);
         let form = Measure::FlowConversion.one_form(&middle, self.section);
         let mut change = [R::ZERO; DOFS];

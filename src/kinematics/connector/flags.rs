@@ -548,7 +548,7 @@ impl Connector<f64> {
         }
         flags.extend(self.out_of_plane(state));
         let turned = LazyCell::new(|| {
-            let [old, new] = [before, after].map(|branch| so3::exp(branch.rotation_vector));
+            let [old, new] = [before, after].map(|branch| so3::exp_quaternion(branch.rotation_vector));
             norm(so3::log_quaternion(so3::compose(new, so3::conjugate(old))))
         });
         for (k, _) in rows().filter(|(k, _)| is_vector(*k)) {
@@ -576,7 +576,7 @@ impl Connector<f64> {
         ];
         let mut sum = -self.kind.section.flow_scale * increment.flow[1];
         for (s, weight) in POINTS {
-            let back = so3::matrix(so3::exp(scale(of_a, -s)));
+            let back = so3::matrix(so3::exp_quaternion(scale(of_a, -s)));
             let direction = column(&vector::product(&back, &pair.a.triad), 2);
             sum += weight * dot(direction, sub(of_a, of_b));
         }

@@ -7,7 +7,7 @@ use crate::vector::{column, scale, sub};
 use num_dual::Dual2SVec64;
 
 fn pair(seed: f64) -> Pair<f64> {
-    let triad = |a: f64, b: f64, c: f64| so3::matrix(so3::exp([a, b, c]));
+    let triad = |a: f64, b: f64, c: f64| so3::matrix(so3::exp_quaternion([a, b, c]));
     Pair {
         reference: [1.0 + seed, 0.3, -0.7],
         a: node::Node { displacement: [0.1, 0.2 * seed, 0.3], triad: triad(0.3, -0.5, seed), flow: 0.1 },
@@ -111,16 +111,16 @@ fn linearized_is_evaluated() {
 /// A node b that turns, from the initial state, by `angle` about a global axis, whole turns included.
 fn turned(name: &str, of_b: [f64; 3], axis: [f64; 3], angle: f64) -> (Evaluation<f64>, Vec<Flag>) {
     let still = |triad| node::Node { displacement: [0.0; 3], triad, flow: 0.0 };
-    let triad = so3::matrix(so3::exp(of_b));
+    let triad = so3::matrix(so3::exp_quaternion(of_b));
     let initial = Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(triad) };
     let connection = ConnectionType::named(name, None).unwrap();
     let connector = Connector::<f64>::new(&Definition::new(connection, initial));
     let turn = scale(axis, angle);
-    let principal = so3::log_quaternion(so3::exp(turn));
+    let principal = so3::log_quaternion(so3::exp_quaternion(turn));
     let zero = [0.0; 3];
     let increment =
         Increment { rotation: [zero, turn], whole_turns: [zero, sub(turn, principal)], flow: [0.0; 2] };
-    let b = still(vector::product(&so3::matrix(so3::exp(turn)), &triad));
+    let b = still(vector::product(&so3::matrix(so3::exp_quaternion(turn)), &triad));
     let state = State { pair: Pair { b, ..initial }, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
     let branch = connector.initial_branch();
     let request = Request::everything(0);
@@ -156,7 +156,7 @@ fn whole_turns_go_to_the_angle_they_are_about() {
             assert!(third.unwrap().abs() < 1e-9, "{name} {tilt}: {third:?}");
             assert_eq!(flags, []);
             // About e3b, carried by b itself.
-            let own = column(&so3::matrix(so3::exp(of_b)), 2);
+            let own = column(&so3::matrix(so3::exp_quaternion(of_b)), 2);
             let (evaluation, _) = turned(name, of_b, own, angle);
             let [_, _, _, first, _, third] = evaluation.displacement;
             assert!((third.unwrap() - angle).abs() < 1e-9, "{name} {tilt}: {third:?}");
@@ -190,7 +190,7 @@ fn drum(of_a: Vector<f64>, of_b: Vector<f64>) -> (f64, Vec<Flag>) {
     let initial = Pair { reference: [0.0; 3], a: still(vector::identity()), b: still(vector::identity()) };
     let connection = ConnectionType::named("FLOW-CONVERTER", None).unwrap();
     let connector = Connector::<f64>::new(&Definition::new(connection, initial));
-    let turn = |by| still(so3::matrix(so3::exp(by)));
+    let turn = |by| still(so3::matrix(so3::exp_quaternion(by)));
     let pair = Pair { a: turn(of_a), b: turn(of_b), ..initial };
     let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
     let increment = Increment { rotation: [of_a, of_b], ..Increment::none() };
@@ -224,7 +224,11 @@ fn a_tipping_drum_is_path_dependent() {
 /// A two-dimensional connector tells when its nodes leave the plane.
 #[test]
 fn leaving_the_plane_is_told() {
-    let still = |displacement, by| node::Node { displacement, triad: so3::matrix(so3::exp(by)), flow: 0.0 };
+    let still = |displacement, by| node::Node {
+        displacement,
+        triad: so3::matrix(so3::exp_quaternion(by)),
+        flow: 0.0,
+    };
     let initial =
         Pair { reference: [1.0, 0.0, 0.0], a: still([0.0; 3], [0.0; 3]), b: still([0.0; 3], [0.0; 3]) };
     let connection = ConnectionType::named("SLOT", None).unwrap();
@@ -268,7 +272,7 @@ fn lengths_are_flagged_alike_in_every_unit() {
 #[test]
 fn angles_pass_the_lock() {
     let product = |p: [f64; 3], q: [f64; 3], r: [f64; 3]| {
-        let [p, q, r] = [p, q, r].map(|v| so3::matrix(so3::exp(v)));
+        let [p, q, r] = [p, q, r].map(|v| so3::matrix(so3::exp_quaternion(v)));
         vector::product(&vector::product(&p, &q), &r)
     };
     let cardan = |[a, b, c]: [f64; 3]| product([a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]);

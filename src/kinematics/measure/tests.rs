@@ -25,7 +25,7 @@ fn section() -> Section<f64> {
 fn a_first_attempt_knows_whether_it_holds() {
     let continued = |angle: f64, reference: f64, asks: bool| {
         let axis = [0.0, 0.6, 0.8];
-        let q = so3::matrix(so3::exp(vector::scale(axis, angle)));
+        let q = so3::matrix(so3::exp_quaternion(vector::scale(axis, angle)));
         let relative = Relative { d: [0.0; 3], q, flow: [0.0; 2], spin: None };
         let history =
             History { rotation_vector: vector::scale(axis, reference), euler_sign: 1.0, torsion_turns: 0.0 };
@@ -83,7 +83,7 @@ fn removable_points_are_known() {
 /// Rates that are the nodal ones resolved in b: v_b − v_a and ω_b − ω_a, and likewise accelerations.
 #[test]
 fn rates_resolved_in_b_are_nodal() {
-    let turned = so3::matrix(so3::exp([0.0, 0.0, FRAC_PI_2]));
+    let turned = so3::matrix(so3::exp_quaternion([0.0, 0.0, FRAC_PI_2]));
     let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
     let pair = Pair { reference: [1.0, 0.0, 0.0], a: node(vector::identity()), b: node(turned) };
     let mut velocity = [0.0; DOFS];
@@ -113,7 +113,7 @@ fn whole_turns_are_the_margin_of_rotation_vectors() {
     let section = section();
     let distance = |turned: f64, before: f64| {
         let along = |angle: f64| vector::scale([0.0, 0.6, 0.8], angle);
-        let q = so3::matrix(so3::exp(along(turned)));
+        let q = so3::matrix(so3::exp_quaternion(along(turned)));
         let relative = Relative { d: [0.0; 3], q, flow: [0.0; 2], spin: None };
         let history = History { rotation_vector: along(before), euler_sign: 1.0, torsion_turns: 0.0 };
         RotationVector(1).margin(&relative, &section, &history).unwrap().distance
@@ -163,7 +163,7 @@ fn exchanged_measures_are_what_they_are_said_to_be() {
     let states =
         [([0.4, -0.7, 0.5], [0.3, 0.8, -0.2], [0.1, 0.7]), ([-0.2, 0.5, 0.9], [-0.5, 0.4, 0.6], [-0.3, 0.2])];
     let states = states.map(|(d, phi, flow)| {
-        let q = so3::matrix(so3::exp(phi));
+        let q = so3::matrix(so3::exp_quaternion(phi));
         let back = vector::scale(vector::apply_transposed(&q, d), -1.0);
         let there = Relative { d: back, q: vector::transpose(&q), flow: [flow[1], flow[0]], spin: None };
         [Relative { d, q, flow, spin: None }, there]
@@ -203,7 +203,7 @@ fn straight_measures_have_no_curvature() {
     let section = section();
     let phi = [0.3, 0.8, -0.2];
     let value = |measure: Measure, d: [f64; 3]| {
-        let relative = Relative { d, q: so3::matrix(so3::exp(phi)), flow: [0.1, 0.4], spin: None };
+        let relative = Relative { d, q: so3::matrix(so3::exp_quaternion(phi)), flow: [0.1, 0.4], spin: None };
         let history = History { rotation_vector: phi, euler_sign: 1.0, torsion_turns: 0.0 };
         measure.evaluate(&mut Shared::new(&relative, &vector::identity(), &section, &history))
     };

@@ -132,7 +132,7 @@ mod tests {
     fn flags(kind: Kind, of_slave: Vector<f64>, displacement: Vector<f64>) -> Vec<Flag> {
         let hinges = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
         let constraint = Constraint::<f64>::new(kind, [3.0, 0.0, 0.0], [0.0; 3], hinges);
-        let slave = Body { rotation: so3::matrix(so3::exp(of_slave)), displacement, flow: 0.0 };
+        let slave = Body { rotation: so3::matrix(so3::exp_quaternion(of_slave)), displacement, flow: 0.0 };
         let state = State { slave, ..State::at_rest() };
         let turning = Turning::none();
         let evaluation =

@@ -217,7 +217,7 @@ impl<R: Duals> Constraint<R> {
         let carried = |axis| vector::apply(&state.master.rotation, axis);
         let first = (hinges > 0).then(|| carried(self.axes[0]));
         let second = (hinges > 1).then(|| {
-            let turn = so3::matrix(so3::exp(scale(self.axes[0], angles[0])));
+            let turn = so3::matrix(so3::exp_quaternion(scale(self.axes[0], angles[0])));
             carried(vector::apply(&turn, self.axes[1]))
         });
         [first, second]

@@ -31,7 +31,7 @@
 //!
 //! // A universal joint with the axes 3 and 1, bent by 0.4 rad about the first and 0.3 rad about the second.
 //! let joint = Constraint::<f64>::new(Kind::Universal, [0.0; 3], [0.0; 3], [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
-//! let [first, second] = [[0.0, 0.0, 0.4], [0.3, 0.0, 0.0]].map(|turn| so3::matrix(so3::exp(turn)));
+//! let [first, second] = [[0.0, 0.0, 0.4], [0.3, 0.0, 0.0]].map(|turn| so3::matrix(so3::exp_quaternion(turn)));
 //! let slave = Body { rotation: vector::product(&first, &second), ..Body::at_rest() };
 //! let state = State { slave, ..State::at_rest() };
 //! let start = [Turns { turns: 0.0, principal: 0.0 }; 2];

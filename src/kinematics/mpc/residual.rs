@@ -10,7 +10,7 @@ use crate::vector::{Matrix, Vector, add, constant, cross, dot_real, sub};
 /// C with a nilpotent rotation: exp(θ^) C.
 pub(crate) fn turned<S: Scalar>(rotation: &Matrix<S::Real>, theta: Vector<S>) -> Matrix<S> {
     let constant = [constant(rotation[0]), constant(rotation[1]), constant(rotation[2])];
-    vector::product(&so3::matrix(so3::exp(theta)), &constant)
+    vector::product(&so3::matrix(so3::exp_quaternion(theta)), &constant)
 }
 
 impl<R: Duals> Constraint<R> {
@@ -38,7 +38,7 @@ impl<R: Duals> Constraint<R> {
     /// −C_M (X_S − X_M), for M turned by a nilpotent θ.
     pub(super) fn carried<S: Scalar<Real = R>>(&self, state: &State<R>, theta: Vector<S>) -> Vector<S> {
         let arm = vector::apply(&state.master.rotation, self.arm);
-        let arm = vector::apply(&so3::matrix(so3::exp(theta)), constant(arm));
+        let arm = vector::apply(&so3::matrix(so3::exp_quaternion(theta)), constant(arm));
         [-arm[0], -arm[1], -arm[2]]
     }
 
@@ -55,7 +55,7 @@ impl<R: Duals> Constraint<R> {
         for (i, change) in hinges.into_iter().enumerate().take(self.hinges()) {
             let angle = S::from_real(angles[i]) + change;
             let turn = self.axes[i].map(|component| angle.scale(component));
-            expected = vector::product(&expected, &so3::matrix(so3::exp(turn)));
+            expected = vector::product(&expected, &so3::matrix(so3::exp_quaternion(turn)));
         }
         so3::log(&vector::product(&slave, &vector::transpose(&expected)))
     }

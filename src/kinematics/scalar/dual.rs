@@ -112,6 +112,12 @@ dual_scalar!(DualSVec, order 1, [eps], N);
 dual_scalar!(Dual2SVec, order 2, [v1, v2], N);
 
 /// A dual number in N directions at once, built from and taken apart into plain arrays.
+///
+/// | type | N | carries |
+/// |---|---|---|
+/// | `DualSVec`, `Dual2SVec` | any | first, and second derivatives |
+/// | `Dual`, `Dual2`, `Dual3` | 1 | first; second; a third as well, which begins at zero |
+/// | `HyperDual` | 2 | first, and the mixed second one |
 pub trait Seeded<const N: usize>: Scalar {
     /// value + ε_index.
     fn seed(value: Self::Real, index: usize) -> Self;
@@ -175,6 +181,63 @@ impl<R: Real + DualNumCopy, const N: usize> Seeded<N> for Dual2SVec<R, N> {
             }
         }
         entries
+    }
+}
+
+macro_rules! seeded_along_one {
+    ($dual:ident, $first:ident $(, $second:ident)?) => {
+        impl<R: Real + DualNumCopy> Seeded<1> for $dual<R> {
+            #[inline(always)]
+            fn seed(value: R, index: usize) -> Self {
+                let mut seeded = Self::from_re(value);
+                seeded.$first = if index == 0 { R::integer(1) } else { R::ZERO };
+                seeded
+            }
+
+            #[inline(always)]
+            fn assemble(value: R, first: [R; 1], _second: [[R; 1]; 1]) -> Self {
+                let mut assembled = Self::from_re(value);
+                assembled.$first = first[0];
+                $(assembled.$second = _second[0][0];)?
+                assembled
+            }
+
+            #[inline(always)]
+            fn gradient(self) -> [R; 1] {
+                [self.$first]
+            }
+
+            fn hessian(self) -> [[R; 1]; 1] {
+                let second = [R::ZERO $(, self.$second)?];
+                [[second[second.len() - 1]]]
+            }
+        }
+    };
+}
+seeded_along_one!(Dual, eps);
+seeded_along_one!(Dual2, v1, v2);
+seeded_along_one!(Dual3, v1, v2);
+
+/// Of two directions: the mixed second derivative alone is there, and those twice along one are zero.
+impl<R: Real + DualNumCopy> Seeded<2> for HyperDual<R> {
+    #[inline(always)]
+    fn seed(value: R, index: usize) -> Self {
+        let along = |direction: usize| if index == direction { R::integer(1) } else { R::ZERO };
+        Self::new(value, along(0), along(1), R::ZERO)
+    }
+
+    #[inline(always)]
+    fn assemble(value: R, first: [R; 2], second: [[R; 2]; 2]) -> Self {
+        Self::new(value, first[0], first[1], second[1][0])
+    }
+
+    #[inline(always)]
+    fn gradient(self) -> [R; 2] {
+        [self.eps1, self.eps2]
+    }
+
+    fn hessian(self) -> [[R; 2]; 2] {
+        [[R::ZERO, self.eps1eps2], [self.eps1eps2, R::ZERO]]
     }
 }
 
@@ -254,5 +317,46 @@ impl<const FUSED: bool> Duals for Lanes<FUSED> {
     #[inline(always)]
     fn rates(moving: Self::Time) -> (Self, Self) {
         (moving.first[0], moving.second[0][0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Seeded;
+    use crate::so3;
+    use num_dual::{Dual, Dual2, Dual2SVec, Dual3, HyperDual};
+
+    /// φ1 of a rotation, which has no derivative that is zero.
+    fn angle<S: Seeded<N>, const N: usize>() -> ([f64; N], [[f64; N]; N])
+    where
+        S: crate::scalar::Scalar<Real = f64>,
+    {
+        let at = [0.4, -0.7];
+        let [x, y] = [0, 1].map(|i| if i < N { S::seed(at[i], i) } else { S::from_real(at[i]) });
+        let first = so3::log(&so3::exp([x * y, x, y * y]))[0];
+        let second = so3::log(&so3::exp([x, x * y, y + x]))[2];
+        let product = first * second;
+        (product.gradient(), product.hessian())
+    }
+
+    #[test]
+    fn one_direction_and_two_are_those_of_many() {
+        let (gradient, hessian) = angle::<Dual2SVec<f64, 2>, 2>();
+        let is_near = |x: f64, y: f64| (x - y).abs() < 1e-14;
+        let ones = [angle::<Dual2<f64>, 1>(), angle::<Dual3<f64>, 1>()];
+        assert!(ones.iter().all(|(g, h)| is_near(g[0], gradient[0]) && is_near(h[0][0], hessian[0][0])));
+        let (g, h) = angle::<Dual<f64>, 1>();
+        assert!(is_near(g[0], gradient[0]) && h == [[0.0]]);
+        let (g, h) = angle::<HyperDual<f64>, 2>();
+        assert!(is_near(g[0], gradient[0]) && is_near(g[1], gradient[1]));
+        assert!(is_near(h[0][1], hessian[0][1]) && h[1][0] == h[0][1] && h[0][0] == 0.0);
+        assert!(gradient.iter().chain(hessian.as_flattened()).all(|x| x.abs() > 0.05));
+        let whole: HyperDual<f64> = Seeded::<2>::assemble(2.0, [3.0, 4.0], [[0.0, 5.0], [5.0, 0.0]]);
+        assert_eq!(
+            (whole.re, whole.gradient(), whole.hessian()),
+            (2.0, [3.0, 4.0], [[0.0, 5.0], [5.0, 0.0]])
+        );
+        let whole: Dual3<f64> = Seeded::<1>::assemble(2.0, [3.0], [[4.0]]);
+        assert_eq!((whole.re, whole.gradient(), whole.hessian()), (2.0, [3.0], [[4.0]]));
     }
 }

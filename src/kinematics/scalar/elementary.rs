@@ -3,7 +3,7 @@
 //! Each is written in the frame of its real part, where the rest is nilpotent, so that no derivative is ever taken
 //! through a division, a square root or an arctangent. Errors are stated in units u = 2⁻⁵³ of the conditioned scale
 //! |f| + Σ|x_i||∂f/∂x_i| (value / first / second derivative; `verify/numbers/numerics.rs` measures them).
-//! They hold on doubles, and on lanes but for [`norm`] (1 / 3 / 4 u) and [`direction`] (3 / 4 / 5 u).
+//! They hold on doubles with any type that carries up to two orders, and on lanes but for [`norm`] (1 / 3 / 4 u) and [`direction`] (3 / 4 / 5 u).
 
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 

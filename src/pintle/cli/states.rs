@@ -198,7 +198,7 @@ fn rotation_of(motion: &NodeMotion, is_vector: bool) -> Vec<f64> {
     match motion.rotation {
         Rotation::Quaternion(quaternion) => quaternion.to_vec(),
         Rotation::Vector(vector) if is_vector => vector.to_vec(),
-        Rotation::Vector(vector) => so3::exp(vector).to_vec(),
+        Rotation::Vector(vector) => so3::exp_quaternion(vector).to_vec(),
     }
 }
 

@@ -64,7 +64,7 @@ pub(crate) fn drawn_aligned(word: &str) -> Option<String> {
 /// The connector of a TYPE: both triads are oblique, and satisfy what the type constrains.
 fn of_type(connection: &ConnectionType) -> Definition {
     let draw = &mut Draw::new("the connector of a check");
-    let a = so3::turn([0.4, -0.3, 0.7]);
+    let a = so3::exp([0.4, -0.3, 0.7]);
     let relative = aligned(connection, draw);
     definition(connection, pair([0.7, -0.4, 0.9], a, &relative), 1.2)
 }

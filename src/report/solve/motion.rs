@@ -145,7 +145,7 @@ fn drawn<R: Number>(
             let each = points.iter().map(|point| {
                 let Some(of) = point.node.map(|node| &frame.nodes[node]) else { return (point.place, None) };
                 let at = add(point.place, three(&of.displacement));
-                let arm = point.arm.map(|arm| column(&so3::turn(three(&of.rotation)), arm));
+                let arm = point.arm.map(|arm| column(&so3::exp(three(&of.rotation)), arm));
                 (at, arm)
             });
             each.collect()

@@ -21,7 +21,7 @@ impl Rotation {
     #[must_use]
     pub fn matrix(&self) -> Matrix<f64> {
         match *self {
-            Self::Vector(vector) => so3::turn(vector),
+            Self::Vector(vector) => so3::exp(vector),
             Self::Quaternion(quaternion) => so3::matrix(so3::normalize(quaternion)),
         }
     }

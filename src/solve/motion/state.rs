@@ -43,8 +43,8 @@ impl<R: Number> Pose<R> {
         }
         let told = add(self.vector, turn);
         let rotation = match has(Fault::RotationAdded) {
-            true => so3::turn(told),
-            false => vector::product(&so3::turn(turn), &self.rotation),
+            true => so3::exp(told),
+            false => vector::product(&so3::exp(turn), &self.rotation),
         };
         let vector = match turns.iter().filter(|turns| **turns).count() {
             1 => told,
@@ -67,7 +67,7 @@ impl<R: Number> Pose<R> {
             let turns = (length / TAU).round().max(1.0);
             done += ((length - TAU * turns).abs() * part).clamp(shortest, longest);
             let reached = if done < whole { scale(turn, R::from_f64(done / whole)) } else { turn };
-            let rotation = vector::product(&so3::turn(reached), &self.rotation);
+            let rotation = vector::product(&so3::exp(reached), &self.rotation);
             let log = so3::continuous_log(&rotation, vector);
             vector = if log.is_reference() { log.phi } else { add(vector, sub(reached, before)) };
             before = reached;

@@ -345,7 +345,7 @@ impl<'a, R: Number> Run<'a, R> {
                 *pose = Pose {
                     displacement: motion.displacement.map(R::from_f64),
                     vector: vector.map(R::from_f64),
-                    rotation: pintle_kinematics::so3::turn(vector.map(R::from_f64)),
+                    rotation: pintle_kinematics::so3::exp(vector.map(R::from_f64)),
                     flow: R::from_f64(motion.flow),
                 };
                 let all =

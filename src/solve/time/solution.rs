@@ -223,7 +223,7 @@ fn apart<R: Number>(one: &[R; 3], two: &[R; 3]) -> f64 {
     if of_vectors < 1.0 {
         return of_vectors;
     }
-    let between = product(&transpose(&so3::turn(*one)), &so3::turn(*two));
+    let between = product(&transpose(&so3::exp(*one)), &so3::exp(*two));
     so3::log(&between).iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max)
 }
 

@@ -21,7 +21,7 @@ use pintle_kinematics::connector::{Components, Definition, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{Node, Pair, THETA_A, THETA_B};
-use pintle_kinematics::so3::{self, turn};
+use pintle_kinematics::so3::{self, exp};
 use pintle_kinematics::vector::{self, Matrix, Vector, cross, scale, sub};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -170,8 +170,8 @@ pub(crate) fn one(
 pub(crate) fn general(name: &str) -> Definition {
     let connection = super::named(name);
     let node = |triad| Node { displacement: [0.0; 3], triad, flow: 0.0 };
-    let a = turn([0.4, -0.7, 0.5]);
-    let b = vector::product(&a, &turn([0.31, 0.23, -0.17]));
+    let a = exp([0.4, -0.7, 0.5]);
+    let b = vector::product(&a, &exp([0.31, 0.23, -0.17]));
     definition(connection, Pair { reference: [0.7, -0.4, 0.9], a: node(a), b: node(b) }, 1.2)
 }
 
@@ -418,7 +418,7 @@ fn composed_triads_raise_no_alarm() {
                 let back = vector::transpose(&first.triad);
                 let phi = so3::log(&vector::product(&node.triad, &back));
                 // Three turns for one.
-                let third = turn(phi.map(|x| x / 3.0));
+                let third = exp(phi.map(|x| x / 3.0));
                 let whole = vector::product(&third, &vector::product(&third, &third));
                 node.triad = vector::product(&whole, &first.triad);
             }

@@ -3,7 +3,7 @@
 use super::{ACC, DDF, DF, F, RATE, Right, Wrong, continued, each, one, put, relative, row};
 use pintle_kinematics::node::{DOFS, Node, Pair, THETA_A, THETA_B, XB};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3::{self, turn};
+use pintle_kinematics::so3::{self, exp};
 use pintle_kinematics::vector::{
     Matrix, Vector, apply, apply_transposed, column, cross, dot, product, scale, skew, sub, transpose,
 };
@@ -133,7 +133,7 @@ pub(super) const ALL: &[Wrong] = &[
         &[F],
         |right, numbers| {
             *numbers = read_as(right, |phi| {
-                let about = |i: usize| turn([0, 1, 2].map(|j| if i == j { phi[j] } else { 0.0 }));
+                let about = |i: usize| exp([0, 1, 2].map(|j| if i == j { phi[j] } else { 0.0 }));
                 product(&about(2), &product(&about(1), &about(0)))
             });
         },
@@ -417,7 +417,7 @@ pub(super) const ALL: &[Wrong] = &[
         &[F],
         |right, numbers| {
             let other = read_as(right, |phi| {
-                let mut quaternion = so3::quaternion(&turn(phi));
+                let mut quaternion = so3::quaternion(&exp(phi));
                 quaternion.rotate_left(3);
                 so3::matrix(quaternion)
             });

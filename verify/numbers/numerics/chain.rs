@@ -35,8 +35,8 @@ fn relative<S: Scalar<Real = f64>>(
     rho: Vector<S>,
     reference: Vector<f64>,
 ) -> Vector<S> {
-    let qa = so3::exp(a);
-    let qb = so3::compose(qa, so3::exp(rho));
+    let qa = so3::exp_quaternion(a);
+    let qb = so3::compose(qa, so3::exp_quaternion(rho));
     match route {
         Route::Quaternion => {
             so3::continuous_log_quaternion(so3::compose(so3::conjugate(qa), qb), reference).phi
@@ -111,8 +111,8 @@ fn connector_rates(of_a: Taylor<3>, rho: Taylor<3>) -> [Vector<f64>; 3] {
     let moving = |x: Taylor<3>| -> Vector<Dual2<Wide>> {
         std::array::from_fn(|i| Dual2::new(x[0][i].into(), x[1][i].into(), x[2][i].into()))
     };
-    let qa = so3::exp(moving(of_a));
-    let nodes = [node_state(qa), node_state(so3::compose(qa, so3::exp(moving(rho))))];
+    let qa = so3::exp_quaternion(moving(of_a));
+    let nodes = [node_state(qa), node_state(so3::compose(qa, so3::exp_quaternion(moving(rho))))];
     let at = |triad: vector::Matrix<f64>| Node { displacement: [0.0; 3], triad, flow: 0.0 };
     let pair = |a, b| Pair { reference: [0.0; 3], a: at(a), b: at(b) };
     // Nodal rates are in the order x (3), θ (3), Ψ of a, then of b.

@@ -119,8 +119,8 @@ impl Function {
             Norm2 => jets::<R, 2>([elementary::norm(seeded([x[0], x[1]]))]),
             Norm3 => jets::<R, 3>([elementary::norm(seeded(three(x)))]),
             Direction3 => jets::<R, 3>(elementary::direction(seeded(three(x)))),
-            ExpQuaternion => jets::<R, 3>(so3::exp(seeded(three(x)))),
-            ExpMatrix => jets::<R, 3>(so3::matrix(so3::exp(seeded(three(x)))).concat()),
+            ExpQuaternion => jets::<R, 3>(so3::exp_quaternion(seeded(three(x)))),
+            ExpMatrix => jets::<R, 3>(so3::matrix(so3::exp_quaternion(seeded(three(x)))).concat()),
             LogQuaternion => jets::<R, 3>(so3::log_quaternion(turned::<R, R::Hessian<3>>(four(x)))),
             LogMatrix => jets::<R, 3>(so3::log(&turned_matrix::<R, R::Hessian<3>>(&nine(x)))),
             ContinuousLog => {

@@ -117,7 +117,7 @@ fn continued(as_matrix: bool) -> Vec<Vec<f64>> {
     let mut inputs = Vec::new();
     for angle in angles {
         for direction in directions() {
-            let q = so3::exp(vector::scale(direction, angle));
+            let q = so3::exp_quaternion(vector::scale(direction, angle));
             let mut input = if as_matrix { rounded(so3::matrix(q).concat()) } else { rounded(q) };
             // Outside the zone where the sheet is kept, but on it.
             let reference = angle + stream.signed(1.0 / 3.0);
@@ -148,7 +148,7 @@ fn near_lock(axes: [usize; 3], locks: &[Wide]) -> Vec<Vec<f64>> {
                     [(axes[0], wide(alpha)), (axes[1], beta), (axes[2], wide(gamma))].map(|(axis, angle)| {
                         let mut phi = [wide(0.0); 3];
                         phi[axis] = angle;
-                        so3::matrix(so3::exp(phi))
+                        so3::matrix(so3::exp_quaternion(phi))
                     });
                 let r: Matrix<Wide> = vector::product(&vector::product(&parts[0], &parts[1]), &parts[2]);
                 inputs.push(rounded(r.concat()));
@@ -208,12 +208,13 @@ fn inputs(function: Function) -> Vec<Vec<f64>> {
             angles.extend(decades(1, 6, 6).map(wide));
             rotation_vectors(&angles).into_iter().map(|phi| phi.map(Wide::to_f64).to_vec()).collect()
         }
-        Function::LogQuaternion => {
-            rotation_vectors(&angles_to_pi()).into_iter().map(|phi| rounded(so3::exp(phi))).collect()
-        }
+        Function::LogQuaternion => rotation_vectors(&angles_to_pi())
+            .into_iter()
+            .map(|phi| rounded(so3::exp_quaternion(phi)))
+            .collect(),
         Function::LogMatrix => rotation_vectors(&angles_to_pi())
             .into_iter()
-            .map(|phi| rounded(so3::matrix(so3::exp(phi)).concat()))
+            .map(|phi| rounded(so3::matrix(so3::exp_quaternion(phi)).concat()))
             .collect(),
         Function::ContinuousLog => continued(false),
         Function::ContinuousLogMatrix => continued(true),

@@ -77,7 +77,7 @@ fn exp_has_the_generators_at_zero() {
 
 /// φ → R → φ and φ → q → φ at φ = 0, moving.
 fn there_and_back<S: Scalar<Real = f64>>(phi: [S; 3]) -> [[S; 3]; 4] {
-    let q = so3::exp(phi);
+    let q = so3::exp_quaternion(phi);
     let r = so3::matrix(q);
     [
         so3::log(&r),

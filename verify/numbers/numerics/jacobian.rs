@@ -14,7 +14,8 @@ fn column(phi: Vector<f64>, axis: usize) -> Vector<Wide> {
     let mut step = [Wide::from_f64(0.0); 3];
     step[axis] = h;
     let [up, down] = [add(phi, step), add(phi, scale(step, Wide::from_f64(-1.0)))];
-    let turned = so3::log_quaternion(so3::compose(so3::exp(up), so3::conjugate(so3::exp(down))));
+    let turned =
+        so3::log_quaternion(so3::compose(so3::exp_quaternion(up), so3::conjugate(so3::exp_quaternion(down))));
     turned.map(|x| x / (h + h))
 }
 

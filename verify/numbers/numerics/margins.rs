@@ -25,7 +25,8 @@ fn margins_of_turns_and_of_belts() {
         (20.0, 20.0 - 3.0 * tau),
     ] {
         let vector = axis.map(|e| e * angle);
-        let relative = Relative { d: [0.0; 3], q: so3::matrix(so3::exp(vector)), flow: [0.0; 2], spin: None };
+        let relative =
+            Relative { d: [0.0; 3], q: so3::matrix(so3::exp_quaternion(vector)), flow: [0.0; 2], spin: None };
         let history = History { rotation_vector: vector, euler_sign: 1.0, torsion_turns: 0.0 };
         let margin = Measure::RotationVector(1).margin(&relative, &section, &history).unwrap();
         assert!((margin.distance - distance).abs() < 1e-14, "{angle}: {}", margin.distance);

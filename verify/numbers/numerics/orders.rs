@@ -109,7 +109,7 @@ fn the_continuous_log_of_a_turn_about_one_axis_is_its_angle() {
             // The quaternion is rounded, and each order divides its roundings by the distance to the whole turn.
             let lateral: f64 = (0.5 * angle).sin().abs();
             let roundings = [0, 1, 2, 3, 4].map(|order| 4.0 * (1.0 + x.abs()) / lateral.powi(order));
-            let found = so3::continuous_log_quaternion(so3::exp(phi), e.map(|e| x * e)).phi;
+            let found = so3::continuous_log_quaternion(so3::exp_quaternion(phi), e.map(|e| x * e)).phi;
             for i in 0..3 {
                 let name = format!("log, {turns} turns, component {}", i + 1);
                 agree_to(&name, x, derivatives(found[i]), [x * e[i], e[i], 0.0, 0.0, 0.0], roundings);

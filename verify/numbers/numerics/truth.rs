@@ -73,7 +73,7 @@ fn of_rotation(function: Function, x: &[Wide]) -> (Numbers, Vec<Numbers>) {
         let about = |angle: Wide| {
             let mut phi = [Wide::ZERO; 3];
             phi[axis] = angle;
-            let turn = so3::exp(phi);
+            let turn = so3::exp_quaternion(phi);
             if n == 4 {
                 at(&so3::compose(turn, [exact[0], exact[1], exact[2], exact[3]]))
             } else {

@@ -61,8 +61,8 @@ fn turns_are_kept_where_a_path_passes_near_whole_turns() {
                 let mut lost = None;
                 for (i, s) in path(step).into_iter().enumerate() {
                     let q = so3::compose(
-                        so3::exp(vector::scale(sideways, miss)),
-                        so3::exp(vector::scale(axis, s)),
+                        so3::exp_quaternion(vector::scale(sideways, miss)),
+                        so3::exp_quaternion(vector::scale(axis, s)),
                     );
                     let log = if from_matrix {
                         so3::continuous_log(&so3::matrix(q), reference)
@@ -75,7 +75,7 @@ fn turns_are_kept_where_a_path_passes_near_whole_turns() {
                     }
                     // Beyond 32 rad the rounding of φ itself counts.
                     if i % 5 == 0 {
-                        let back = so3::exp::<Wide>(vector::exact(log.phi)).map(Wide::to_f64);
+                        let back = so3::exp_quaternion::<Wide>(vector::exact(log.phi)).map(Wide::to_f64);
                         let sign = (0..4).map(|i| back[i] * q[i]).sum::<f64>().signum();
                         let error = (0..4).map(|i| (sign * back[i] - q[i]).abs()).fold(0.0, f64::max);
                         assert!(
@@ -103,7 +103,7 @@ fn there_and_back_leaves_no_trace() {
     let samples = path(0.37);
     let mut reference = [0.0; 3];
     let mut visit = |s: f64| {
-        let log = so3::continuous_log(&so3::matrix(so3::exp(vector::scale(axis, s))), reference);
+        let log = so3::continuous_log(&so3::matrix(so3::exp_quaternion(vector::scale(axis, s))), reference);
         if log.is_reference() {
             reference = log.phi;
         }
@@ -127,7 +127,8 @@ fn a_billion_turns() {
         // 40 steps of 1.5 rad forwards, then backwards.
         for i in (0..=40).chain((0..40).rev()) {
             let moved = 0.5 + 1.5 * f64::from(i);
-            let log = so3::continuous_log_quaternion(so3::exp(vector::scale(axis, moved)), reference);
+            let log =
+                so3::continuous_log_quaternion(so3::exp_quaternion(vector::scale(axis, moved)), reference);
             let angle = Wide::with_turns(Wide::from_f64(moved), Wide::from_f64(turns));
             let error = (Wide::from_f64(vector::dot(log.phi, axis)) - angle).abs() / angle;
             worst = worst.max((error / U).to_f64());
@@ -148,7 +149,7 @@ fn a_saved_branch_of_a_billion_turns() {
     let pair = |angle: f64| Pair {
         reference: [0.0; 3],
         a: at(vector::identity()),
-        b: at(so3::matrix(so3::exp([angle, 0.0, 0.0]))),
+        b: at(so3::matrix(so3::exp_quaternion([angle, 0.0, 0.0]))),
     };
     let revolute = ConnectionType::named("REVOLUTE", None).unwrap();
     let connector = Connector::<f64>::new(&Definition::new(revolute, pair(0.0)));
@@ -193,7 +194,10 @@ fn half_a_turn_continues_either_way() {
         for s in [PI - 1e-3, PI - 1e-9, PI, PI + 1e-9, PI + 1e-3] {
             for sign in [1.0, -1.0] {
                 let phi = vector::scale(axis, sign * s);
-                let log = so3::continuous_log(&so3::matrix(so3::exp(phi)), vector::scale(axis, sign * 3.0));
+                let log = so3::continuous_log(
+                    &so3::matrix(so3::exp_quaternion(phi)),
+                    vector::scale(axis, sign * 3.0),
+                );
                 for i in 0..3 {
                     assert!((log.phi[i] - phi[i]).abs() < 16.0 * U * PI, "{phi:?}: {:?}", log.phi);
                 }

@@ -8,7 +8,7 @@ use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces as product;
 use pintle_kinematics::connector::State;
 use pintle_kinematics::node::{DOFS, Node, PSI_A, Pair, XB};
-use pintle_kinematics::so3::{self, turn};
+use pintle_kinematics::so3::{self, exp};
 use pintle_kinematics::vector::{self, Matrix, identity, product as times, skew, transpose};
 use std::f64::consts::TAU;
 
@@ -42,7 +42,7 @@ fn exchanged(case: &Case) -> Case {
 fn about_axis(axis: usize, angle: f64) -> Matrix<f64> {
     let mut phi = [0.0; 3];
     phi[axis] = angle;
-    turn(phi)
+    exp(phi)
 }
 
 fn product_of([x, y, z]: [Matrix<f64>; 3]) -> Matrix<f64> {
@@ -198,10 +198,10 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
         type Continued<'a> = &'a dyn Fn(usize) -> Matrix<f64>;
         let continued: [(Cause, &str, Continued<'_>); 3] = [
             (Cause::OtherParameters, "found by adding rotation vectors", &|n| {
-                times(&turn(vector::add(so3::log(&since(n)), increment[n])), &first[n].triad)
+                times(&exp(vector::add(so3::log(&since(n)), increment[n])), &first[n].triad)
             }),
             (Cause::OtherParameters, "continued with the increment on the other side", &|n| {
-                times(&since(n), &times(&turn(increment[n]), &first[n].triad))
+                times(&since(n), &times(&exp(increment[n]), &first[n].triad))
             }),
             (Cause::StateBefore, "of the state before", &|n| old[n].triad),
         ];

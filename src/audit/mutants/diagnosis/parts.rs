@@ -93,13 +93,13 @@ pub(super) fn parts(
 mod tests {
     use super::{parts, put};
     use pintle_kinematics::node::{DOFS, THETA_A, THETA_B, XB};
-    use pintle_kinematics::so3::turn;
+    use pintle_kinematics::so3::exp;
     use pintle_kinematics::vector::{add, column, cross, scale};
 
     /// A plus in one product of e1a × e2b, and a sum of two directions with a term left out, are among what is tried.
     #[test]
     fn products_and_sums_of_directions_are_tried() {
-        let (a, b) = (turn([0.3, -0.8, 0.5]), turn([-1.1, 0.2, 0.7]));
+        let (a, b) = (exp([0.3, -0.8, 0.5]), exp([-1.1, 0.2, 0.7]));
         let [p, q] = [column(&a, 0), column(&b, 1)];
         let row = |k: usize, gradient: [f64; 3]| {
             let mut row = [0.0; DOFS];

@@ -62,7 +62,7 @@ impl Turning {
 
 /// exp(−Δθ^) C: the triad before an increment.
 fn before(triad: &Matrix<f64>, by: Vector<f64>) -> Matrix<f64> {
-    times(&so3::matrix(so3::exp(scale(by, -1.0))), triad)
+    times(&so3::matrix(so3::exp_quaternion(scale(by, -1.0))), triad)
 }
 
 fn is_near(a: &Matrix<f64>, b: &Matrix<f64>) -> bool {

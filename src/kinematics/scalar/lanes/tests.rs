@@ -371,8 +371,8 @@ fn rotations_are_those_of_doubles<const FUSED: bool>() {
     let mut rotations: Vec<Matrix<f64>> = Vec::new();
     for axis in axes {
         for angle in angles {
-            rotations.push(so3::matrix(so3::exp(axis.map(|e| e * angle))));
-            rotations.push(so3::matrix(so3::exp(axis.map(|e| -e * angle))));
+            rotations.push(so3::matrix(so3::exp_quaternion(axis.map(|e| e * angle))));
+            rotations.push(so3::matrix(so3::exp_quaternion(axis.map(|e| -e * angle))));
         }
     }
     for (i, j) in [(1, 2), (2, 0), (0, 1)] {
@@ -445,7 +445,7 @@ fn logs_continue_as_those_of_doubles<const FUSED: bool>() {
                 let whole = angle + turns * std::f64::consts::TAU;
                 // The reference lags behind, and points a little elsewhere.
                 let reference = [0, 1, 2].map(|i| axis[i] * (whole - 0.2) + [0.01, -0.02, 0.015][i]);
-                points.push((so3::matrix(so3::exp(axis.map(|e| e * angle))), reference));
+                points.push((so3::matrix(so3::exp_quaternion(axis.map(|e| e * angle))), reference));
             }
         }
     }

@@ -107,7 +107,7 @@ impl Moved {
             return;
         }
         let quaternion = match motion.rotation {
-            Rotation::Vector(phi) => so3::exp(phi),
+            Rotation::Vector(phi) => so3::exp_quaternion(phi),
             Rotation::Quaternion(q) => so3::normalize(q),
         };
         self.rotation = match motion.rotation {
@@ -183,7 +183,7 @@ fn increment(
     let is_beyond = length.max(told_length) > TAU + ROUNDED || is_home;
     // Along the straight path the quaternion changes without a jump: it ends as ±relative, and w < 0 is the long way.
     let is_negative = !before.is_of_vector && {
-        let ([w, x, y, z], [a, b, c, d]) = (so3::exp(old), before.quaternion);
+        let ([w, x, y, z], [a, b, c, d]) = (so3::exp_quaternion(old), before.quaternion);
         w * a + x * b + y * c + z * d < 0.0
     };
     let is_long = is_negative != (relative[0] < 0.0);
@@ -253,7 +253,7 @@ mod tests {
     /// Turns survive a change from quaternions to rotation vectors.
     #[test]
     fn quaternions_and_vectors_mix() {
-        let quaternion = |angle: f64| Rotation::Quaternion(so3::exp([angle, 0.0, 0.0]));
+        let quaternion = |angle: f64| Rotation::Quaternion(so3::exp_quaternion([angle, 0.0, 0.0]));
         let mut before = UNTURNED;
         let mut sum = 0.0;
         for rotation in
@@ -277,7 +277,7 @@ mod tests {
                 for form in forms.bytes() {
                     angle += step;
                     let rotation = match form {
-                        b'q' => Rotation::Quaternion(so3::exp([0.0, angle, 0.0])),
+                        b'q' => Rotation::Quaternion(so3::exp_quaternion([0.0, angle, 0.0])),
                         b'r' => Rotation::Vector([0.0, angle - TAU * (angle / TAU).round(), 0.0]),
                         _ => Rotation::Vector([0.0, angle, 0.0]),
                     };
@@ -342,14 +342,17 @@ mod tests {
                 let mut continued = numbers.vector(start);
                 let first = motion(Rotation::Vector(continued));
                 let mut before = [follow(&first, &UNTURNED, true).1; 5];
-                let mut q = so3::exp(continued);
+                let mut q = so3::exp_quaternion(continued);
                 for step in 0..400 {
                     let length = largest * (0.55 + 0.45 * numbers.next());
                     let true_increment = numbers.vector(length);
                     // The vector is continued in pieces, as a program does that takes small steps.
                     let old = continued;
                     for _ in 0..64 {
-                        q = so3::normalize(so3::compose(so3::exp(scale(true_increment, 1.0 / 64.0)), q));
+                        q = so3::normalize(so3::compose(
+                            so3::exp_quaternion(scale(true_increment, 1.0 / 64.0)),
+                            q,
+                        ));
                         continued = so3::continuous_log_quaternion(q, continued).phi;
                     }
                     swung += usize::from(norm(sub(continued, old)) > PI);
