@@ -195,6 +195,11 @@ const fn at_once(count: usize) -> usize {
 type Dense = [f64; 12];
 /// The place of a column that is none of them.
 const NONE: usize = 12;
+/// The columns and it.
+const PLACES: usize = NONE + 1;
+const TWELVE: [usize; 12] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+/// Those of fourteen columns: of material flow there is none.
+const FOURTEEN: [usize; 14] = [0, 1, 2, 3, 4, 5, NONE, 6, 7, 8, 9, 10, 11, NONE];
 
 impl Batch {
     /// The columns (of twelve) that may differ from zero, row by row.
@@ -206,17 +211,6 @@ impl Batch {
             (0..12).filter(|j| is_there[j / 3]).collect()
         };
         self.measures().iter().map(|(_, measure)| of(measure)).collect()
-    }
-
-    /// The places among the twelve of the columns of each row; [`NONE`] of those of material flow, which are zero.
-    fn places(&self, columns: Columns<'_>) -> Vec<Vec<usize>> {
-        let each = match columns {
-            Columns::Sparse => return self.pattern(),
-            Columns::Twelve => (0..12).collect(),
-            Columns::Fourteen => (0..6).chain([NONE]).chain(6..12).chain([NONE]).collect(),
-            Columns::Chosen(places) => places.to_vec(),
-        };
-        vec![each; self.rows()]
     }
 
     /// How many numbers of rows a state has.
@@ -291,34 +285,31 @@ impl Batch {
         let width = self.width(columns);
         same_length("values", values.len(), count.saturating_mul(each))?;
         same_length("rows", rows.len(), count.saturating_mul(width))?;
-        let is_dense = matches!(columns, Columns::Twelve);
-        let places = if is_dense { Vec::new() } else { self.places_of_state(columns) };
+        let sources = if matches!(columns, Columns::Twelve) { Vec::new() } else { self.sources(columns) };
+        let write = |found: &[CompactRow], values: &mut [f64], rows: &mut [f64]| match columns {
+            Columns::Twelve => {
+                let rows = rows.as_chunks_mut::<12>().0;
+                on_unit(self.arch, Spread { found, each, values, rows });
+            }
+            _ => on_unit(self.arch, Gather { found, each, sources: &sources, values, rows }),
+        };
         let mut found = vec![CompactRow::default(); count.div_ceil(LANES).min(TILES) * each];
         let (mut own_values, mut own_rows) = (Vec::new(), Vec::new());
         self.in_blocks(states, |these, slices| {
-            let found = part(&mut found, slices.tiles.len() * each);
+            let tiles = slices.tiles.len();
+            let found = part(&mut found, tiles * each);
             CompactRow::fill(self, slices, found);
             let value = values.get_mut(these.start * each..these.end * each).unwrap_or_default();
             let row = rows.get_mut(these.start * width..these.end * width).unwrap_or_default();
-            if is_dense && these.len().is_multiple_of(LANES) {
-                return spread(self, found, value, row.as_chunks_mut::<12>().0);
+            if these.len().is_multiple_of(LANES) {
+                return write(found, value, row);
             }
-            // Those of the last tile may be too many, and other columns are taken from twelve.
-            own_values.resize(found.len() * LANES, 0.0);
-            own_rows.resize(found.len() * LANES, [0.0; 12]);
-            spread(self, found, &mut own_values, &mut own_rows);
-            let dense = own_rows.as_flattened();
+            // Those of the last tile are too many.
+            own_values.resize(tiles * LANES * each, 0.0);
+            own_rows.resize(tiles * LANES * width, 0.0);
+            write(found, &mut own_values, &mut own_rows);
             copy(&own_values, value);
-            if is_dense {
-                return copy(dense, row);
-            }
-            // None may be chosen.
-            let states = row.chunks_exact_mut(places.len().max(1)).zip(dense.chunks_exact(12 * each));
-            for (to, from) in states {
-                for i in 0..to.len().min(places.len()) {
-                    to[i] = from.get(places[i]).copied().unwrap_or(0.0);
-                }
-            }
+            copy(&own_rows, row);
         });
         Ok(())
     }
@@ -340,12 +331,17 @@ impl Batch {
         }
     }
 
-    /// The places of the numbers of a state among its rows of twelve columns; beyond them are those that are zero.
-    fn places_of_state(&self, columns: Columns<'_>) -> Vec<usize> {
-        let of = |(row, places): (usize, Vec<usize>)| {
-            places.into_iter().map(move |j| if j < NONE { 12 * row + j } else { usize::MAX })
-        };
-        self.places(columns).into_iter().enumerate().flat_map(of).collect()
+    /// Where the numbers of a state stand among the places of [`Gather`].
+    fn sources(&self, columns: Columns<'_>) -> Vec<usize> {
+        let mut sources = Vec::with_capacity(self.width(columns));
+        let mut add = |row: usize, places: &[usize]| sources.extend(places.iter().map(|j| PLACES * row + j));
+        match columns {
+            Columns::Sparse => self.pattern().iter().enumerate().for_each(|(row, places)| add(row, places)),
+            Columns::Twelve => (0..self.rows()).for_each(|row| add(row, &TWELVE)),
+            Columns::Fourteen => (0..self.rows()).for_each(|row| add(row, &FOURTEEN)),
+            Columns::Chosen(places) => (0..self.rows()).for_each(|row| add(row, places)),
+        }
+        sources
     }
 }
 
@@ -353,11 +349,6 @@ impl Batch {
 fn copy(from: &[f64], to: &mut [f64]) {
     let count = from.len().min(to.len());
     to[..count].copy_from_slice(&from[..count]);
-}
-
-/// Values and rows that were found, state by state.
-fn spread(batch: &Batch, found: &[CompactRow], values: &mut [f64], rows: &mut [Dense]) {
-    on_unit(batch.arch, Spread { found, each: batch.rows(), values, rows });
 }
 
 const ZERO: Four = [0.0; LANES];
@@ -554,6 +545,60 @@ impl Moves for Spread<'_> {
                     ],
                     to,
                 );
+            }
+        }
+    }
+}
+
+/// Values, and chosen columns of rows, state by state.
+struct Gather<'l> {
+    found: &'l [CompactRow],
+    each: usize,
+    /// Of each number of a state the place among the twelve columns of each row, and zero behind them.
+    sources: &'l [usize],
+    values: &'l mut [f64],
+    rows: &'l mut [f64],
+}
+
+impl Moves for Gather<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn on<U: Unit>(self, unit: U) {
+        let Self { found, each, sources, values, rows } = self;
+        let width = sources.len();
+        let mut places = vec![[ZERO; PLACES]; each];
+        for first in (0..found.len() / each * each).step_by(each) {
+            let tile = &found[first..first + each];
+            let here = first / each * LANES;
+            let (Some(values), Some(rows)) = (
+                values.get_mut(here * each..(here + LANES) * each),
+                rows.get_mut(here * width..(here + LANES) * width),
+            ) else {
+                return;
+            };
+            let [v0, v1, v2, v3] = quarters(values, each);
+            for i in 0..each {
+                let row = &tile[i];
+                (v0[i], v1[i], v2[i], v3[i]) = (row.value[0], row.value[1], row.value[2], row.value[3]);
+                let Some(to) = places.get_mut(i) else { return };
+                for k in 0..3 {
+                    to[k] = unit.opposite(row.moving_b[k]);
+                    to[3 + k] = row.turning_a[k];
+                    to[6 + k] = row.moving_b[k];
+                    to[9 + k] = row.turning_b[k];
+                }
+            }
+            let room = places.as_flattened();
+            let [r0, r1, r2, r3] = quarters(rows, width);
+            let (fours, rest) = sources.as_chunks::<LANES>();
+            let ((r0, e0), (r1, e1)) = (r0.as_chunks_mut::<LANES>(), r1.as_chunks_mut::<LANES>());
+            let ((r2, e2), (r3, e3)) = (r2.as_chunks_mut::<LANES>(), r3.as_chunks_mut::<LANES>());
+            let count = fours.len().min(r0.len()).min(r1.len()).min(r2.len()).min(r3.len());
+            for i in 0..count {
+                let [a, b, c, d] = fours[i];
+                [r0[i], r1[i], r2[i], r3[i]] = unit.transposed([room[a], room[b], room[c], room[d]]);
+            }
+            for i in 0..rest.len() {
+                [e0[i], e1[i], e2[i], e3[i]] = room[rest[i]];
             }
         }
     }
