@@ -125,6 +125,8 @@ class Sweep:
     def states(self) -> int: ...
     @property
     def wrong(self) -> int: ...
+    @property
+    def compared(self) -> int: ...
     def picture(self) -> str: ...
     def _repr_svg_(self) -> str: ...
 
@@ -139,5 +141,10 @@ def sweep(
     oracle_share: float = 1e-3,
     generator: Literal["philox", "sobol"] = "philox",
     seed: str = "pintle",
+    python: str | None = None,
+    library: str | PathLike[str] | None = None,
+    with_: str | None = None,
+    convention: str | PathLike[str] | Mapping[str, Any] | None = None,
+    timeout: float = 10.0,
     progress: Callable[[int, int], object] | None = None,
 ) -> Sweep: ...

@@ -2,12 +2,15 @@
 
 import contextlib
 import importlib.util
+import json
 import os
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -55,11 +58,93 @@ def test_any_chunks_and_threads_give_the_same_digest(alone):
 
 
 def test_what_an_engine_carries_is_small_and_pickles():
-    plan = pintle._pintle.sweep_plan([], "philox", "pintle", 1e-3)
-    task = pickle.dumps((_sweep.chunk, plan, (0, 10**6), None, 1))
-    assert len(task) < 8000, len(task)
-    function, *arguments = pickle.loads(task)
-    assert function is _sweep.chunk and arguments[0] == plan
+    of_routine = {"python": "routines:cartesian", "convention": {"length": 0.001}}
+    for plan in (_sweep.sweep_plan(), _sweep.sweep_plan("CARTESIAN", **of_routine)):
+        task = pickle.dumps((_sweep.chunk, plan, (0, 10**6), {"out": None, "threads": 1, "timeout": 10.0}))
+        assert len(task) < 8000, len(task)
+        function, *arguments = pickle.loads(task)
+        assert function is _sweep.chunk and arguments[0] == plan
+
+
+HERE = Path(__file__).parent
+OF_ROUTINE = {"states": 3000, "chunk_states": 1000, "oracle_share": 0.002}
+
+
+def digest_of_command(words, folder):
+    """By the command of the package, as it begins where a routine lies."""
+    command = [Path(sys.executable).parent / "pintle", "sweep", "CARTESIAN", "--states", "3000", "--oracle-share", "0.002"]
+    told = subprocess.run([*command, "--format", "json", *words], cwd=folder, capture_output=True, text=True)
+    return json.loads(told.stdout)["digest"]
+
+
+def swept_in(folder, **how):
+    """The digest of a sweep by a Python that begins there, and at how many states it is wrong."""
+    program = f"import pintle; found = pintle.sweep('CARTESIAN', **{({**OF_ROUTINE, **how})!r}); print(found.digest, found.wrong, found.compared)"
+    ran = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    digest, *counts = ran.stdout.split()
+    return digest, *map(int, counts)
+
+
+@pytest.fixture(scope="module")
+def of_command():
+    return digest_of_command(["--python", "routines:cartesian"], HERE)
+
+
+@pytest.mark.parametrize("engine", [None, "joblib", "dask", "ray"])
+def test_a_routine_is_swept_by_every_engine_as_by_the_command(of_command, engine):
+    if engine is not None:
+        needs(engine)
+    assert swept_in(HERE, python="routines:cartesian", engine=engine, workers=2) == (of_command, 0, 3000)
+
+
+def test_a_wrong_routine_and_one_of_another_convention(of_command, tmp_path):
+    assert swept_in(HERE, python="routines:without_arm")[1:] == (3000, 3000)
+    (tmp_path / "body.toml").write_text("rotations = \"body\" # not so\n")
+    of_file = swept_in(HERE, python="routines:cartesian", convention=str(tmp_path / "body.toml"))
+    of_words = swept_in(HERE, python="routines:cartesian", convention={"rotations": "body"})
+    words = ["--python", "routines:cartesian", "--convention", tmp_path / "body.toml"]
+    assert of_file == of_words and of_file[0] == digest_of_command(words, HERE) != of_command
+    assert of_file[1] > 2900
+    (tmp_path / "none.py").write_text("def here(state, connector):\n    return {'out_of_domain': 'not here'}\n")
+    assert swept_in(tmp_path, python="none:here")[1:] == (0, 0)
+
+
+def test_a_library_and_a_command_are_swept(of_command, tmp_path):
+    driver = "import sys; sys.argv[1:] = ['routines', 'cartesian']; from pintle import _check; _check._driver.main()"
+    command = f'exec {sys.executable} -c "{driver}"'
+    found = swept_in(HERE, with_=command)
+    assert found[1:] == (0, 3000) and found[0] == digest_of_command(["--with", command], HERE) != of_command
+    if shutil.which("cc") is None:
+        pytest.skip("there is no C compiler")
+    elements = HERE.parents[1] / "examples" / "elements"
+    header = subprocess.run([Path(sys.executable).parent / "pintle", "check", "--header"], capture_output=True, check=True)
+    (tmp_path / "pintle_element.h").write_bytes(header.stdout)
+    build = ["cc", "-O2", "-shared", "-fPIC", "-I", tmp_path, elements / "cartesian.c", "-o", tmp_path / "cartesian.so", "-lm"]
+    subprocess.run(build, check=True)
+    found = swept_in(tmp_path, library="./cartesian.so", engine="joblib", workers=2)
+    assert found == (digest_of_command(["--library", "./cartesian.so"], tmp_path), 0, 3000)
+
+
+def test_routines_that_cannot_be_swept(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    few = {"states": 40, "oracle_share": 0}
+    for of, how, says in (
+        (("CARTESIAN",), {"python": "a:b", "library": "c.so"}, "python, library or with_ name one"),
+        (("CARTESIAN",), {"convention": {"length": 2}}, "a convention is that of a routine"),
+        ((), {"python": "a:b"}, "name a connection type, or a scene"),
+        (("CARTESIAN",), {"python": "a"}, "is not MODULE:FUNCTION"),
+        (("CARTESIAN",), {"python": "a:b", "convention": {"lenght": 2}}, "unknown field `lenght`"),
+        (("CARTESIAN",), {"python": "none_such:b"}, "the process"),
+        (("CARTESIAN",), {"python": "a:b", "timeout": 0}, "timeout is 0"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            pintle.sweep(*of, **few, **how)
+    plan = _sweep.sweep_plan("CARTESIAN", python="a:b")
+    kept = _sweep.sweep_left(plan, states=40, out=tmp_path / "kept")
+    assert kept == [(0, 40)]
+    with pytest.raises(ValueError, match="the numbers of another routine"):
+        pintle.sweep("CARTESIAN", states=40, python="a:c", out=tmp_path / "kept")
 
 
 def test_a_killed_sweep_goes_on_where_it_was(alone, tmp_path):
