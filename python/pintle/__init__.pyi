@@ -98,6 +98,7 @@ def rows(
     triad_b: _Array,
     *,
     columns: Literal[14, 12, 9, "sparse"] | Sequence[int] | None = None,
+    components: Sequence[int] | None = None,
     out: tuple[_Array, _Array] | None = None,
 ) -> tuple[_Array, _Array]: ...
 def bias(
@@ -110,11 +111,22 @@ def bias(
     w_a: _Array,
     v_b: _Array,
     w_b: _Array,
+    *,
+    components: Sequence[int] | None = None,
+    out: _Array | None = None,
 ) -> _Array: ...
 def geometric_stiffness(
-    of: str, x_a: _Array, triad_a: _Array, x_b: _Array, triad_b: _Array, forces: _Array | Sequence[float]
+    of: str,
+    x_a: _Array,
+    triad_a: _Array,
+    x_b: _Array,
+    triad_b: _Array,
+    forces: _Array | Sequence[float],
+    *,
+    components: Sequence[int] | None = None,
+    out: _Array | None = None,
 ) -> _Array: ...
-def pattern(of: str) -> tuple[_Array, _Array]: ...
+def pattern(of: str, *, components: Sequence[int] | None = None) -> tuple[_Array, _Array]: ...
 def initial(of: str) -> tuple[_Array, _Array, _Array]: ...
 
 class Sweep:
