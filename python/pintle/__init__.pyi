@@ -158,5 +158,5 @@ def sweep(
     with_: str | None = None,
     convention: str | PathLike[str] | Mapping[str, Any] | None = None,
     timeout: float = 10.0,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Callable[[int, int], object] | Literal[True] | None = None,
 ) -> Sweep: ...

@@ -1,8 +1,11 @@
 """Very many states, by any engine: a chunk is a text and two numbers, and its result a summary that merges exactly."""
 
+import datetime
 import itertools
 import json
 import os
+import sys
+import time
 import tomllib
 from pathlib import Path
 
@@ -11,6 +14,9 @@ from . import _command, _pintle
 # How many chunks wait at an engine at a time, and how many summaries are held before they are merged.
 WAITING = 1000
 HELD = 64
+
+# Where a line cannot be written over, one is written so often, in s.
+OFTEN = 10
 
 
 class Sweep:
@@ -104,6 +110,21 @@ def sweep_merged(plan, texts=(), *, out=None):
     return Sweep(*_pintle.sweep_merged(plan, list(texts), _folder(out)))
 
 
+class _Left:
+    """Tells on stderr how many chunks are done, and how long the others take if they go on like these."""
+
+    def __init__(self):
+        self.begun = self.said = time.monotonic()
+
+    def __call__(self, done, all):
+        now, is_over = time.monotonic(), sys.stderr.isatty()
+        if is_over or now - self.said >= OFTEN:
+            self.said = now
+            left = datetime.timedelta(seconds=round((now - self.begun) / done * (all - done)))
+            end = "\n" if done == all or not is_over else "\r"
+            print(f"{done} of {all} chunks, about {left} left", end=end, file=sys.stderr, flush=True)
+
+
 def chunk(plan, part, how):
     """What an engine calls."""
     return sweep_chunk(plan, part, **how)
@@ -192,7 +213,8 @@ def sweep(
     `generator` is "philox" for random states, or "sobol" for states that lie more evenly.
 
     With `out` each chunk is kept in that folder, which all workers must see. The same call again computes what is
-    not there: whatever is killed, nothing that was written is lost. `progress(done, all)` is told of each chunk.
+    not there: whatever is killed, nothing that was written is lost. `progress(done, all)` is told of each chunk;
+    True writes that and the time left to stderr.
 
     `python="module:function"`, `library=file` or `with_=command` name a routine whose numbers are swept, and `convention` what
     differs from pintle's conventions: a TOML file, or a dictionary. Each worker starts the routine by itself, for each chunk,
@@ -205,12 +227,13 @@ def sweep(
     routine = {"python": python, "library": library, "with_": with_, "convention": convention}
     plan = sweep_plan(*of, oracle_share=oracle_share, generator=generator, seed=seed, **routine)
     parts = sweep_left(plan, states=states, chunk_states=chunk_states, out=out)
+    tell = _Left() if progress is True else progress
     texts = []
     for done, text in enumerate(ENGINES[engine](plan, parts, how, workers), 1):
         if text is not None:
             texts.append(text)
         if len(texts) >= HELD:
             texts = [sweep_merged(plan, texts).text]
-        if progress is not None:
-            progress(done, len(parts))
+        if tell is not None:
+            tell(done, len(parts))
     return sweep_merged(plan, texts, out=out)

@@ -147,6 +147,19 @@ def test_routines_that_cannot_be_swept(tmp_path, monkeypatch):
         pintle.sweep("CARTESIAN", states=40, python="a:c", out=tmp_path / "kept")
 
 
+def test_the_time_left_is_told(monkeypatch, capsys):
+    told = _sweep._Left()
+    monkeypatch.setattr(_sweep.time, "monotonic", lambda: told.begun + 20)
+    told(2, 8)
+    told(3, 8)
+    assert capsys.readouterr().err == "2 of 8 chunks, about 0:01:00 left\n"
+    monkeypatch.undo()
+    monkeypatch.setattr(_sweep, "OFTEN", 0)
+    pintle.sweep("HINGE", states=200, chunk_states=100, progress=True)
+    first, last = capsys.readouterr().err.splitlines()
+    assert first.startswith("1 of 2 chunks, about 0:") and last == "2 of 2 chunks, about 0:00:00 left"
+
+
 def test_a_killed_sweep_goes_on_where_it_was(alone, tmp_path):
     program = f"import pintle; pintle.sweep(**{SMALL!r}, out={str(tmp_path)!r})"
     killed = subprocess.Popen([sys.executable, "-c", program])
