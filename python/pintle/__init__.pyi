@@ -160,3 +160,25 @@ def sweep(
     timeout: float = 10.0,
     progress: Callable[[int, int], object] | Literal[True] | None = None,
 ) -> Sweep: ...
+def sweep_plan(
+    *of: str | PathLike[str],
+    oracle_share: float = 1e-3,
+    generator: Literal["philox", "sobol"] = "philox",
+    seed: str = "pintle",
+    python: str | None = None,
+    library: str | PathLike[str] | None = None,
+    with_: str | None = None,
+    convention: str | PathLike[str] | Mapping[str, Any] | None = None,
+) -> str: ...
+def sweep_left(
+    plan: str, *, states: int | float = 1_000_000, chunk_states: int | float = 1_000_000, out: str | PathLike[str] | None = None
+) -> list[tuple[int, int]]: ...
+def sweep_chunk(
+    plan: str,
+    part: tuple[int, int],
+    *,
+    out: str | PathLike[str] | None = None,
+    threads: int = 1,
+    timeout: float = 10.0,
+) -> str | None: ...
+def sweep_merged(plan: str, texts: Iterable[str] = (), *, out: str | PathLike[str] | None = None) -> Sweep: ...

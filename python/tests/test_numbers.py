@@ -481,4 +481,4 @@ def test_stubs_name_what_there_is():
             names = [one.arg for one in every if one is not None]
             assert names == list(inspect.signature(getattr(module, item.name)).parameters), item.name
             compared += 1
-    assert compared == 11 and all(hasattr(pintle, name) for name in pintle.__all__)
+    assert compared == 15 and all(hasattr(pintle, name) for name in pintle.__all__)

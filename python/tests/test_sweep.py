@@ -5,6 +5,7 @@ import importlib.util
 import json
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
@@ -59,7 +60,7 @@ def test_any_chunks_and_threads_give_the_same_digest(alone):
 
 def test_what_an_engine_carries_is_small_and_pickles():
     of_routine = {"python": "routines:cartesian", "convention": {"length": 0.001}}
-    for plan in (_sweep.sweep_plan(), _sweep.sweep_plan("CARTESIAN", **of_routine)):
+    for plan in (pintle.sweep_plan(), pintle.sweep_plan("CARTESIAN", **of_routine)):
         task = pickle.dumps((_sweep.chunk, plan, (0, 10**6), {"out": None, "threads": 1, "timeout": 10.0}))
         assert len(task) < 8000, len(task)
         function, *arguments = pickle.loads(task)
@@ -140,8 +141,8 @@ def test_routines_that_cannot_be_swept(tmp_path, monkeypatch):
     ):
         with pytest.raises(ValueError, match=says):
             pintle.sweep(*of, **few, **how)
-    plan = _sweep.sweep_plan("CARTESIAN", python="a:b")
-    kept = _sweep.sweep_left(plan, states=40, out=tmp_path / "kept")
+    plan = pintle.sweep_plan("CARTESIAN", python="a:b")
+    kept = pintle.sweep_left(plan, states=40, out=tmp_path / "kept")
     assert kept == [(0, 40)]
     with pytest.raises(ValueError, match="the numbers of another routine"):
         pintle.sweep("CARTESIAN", states=40, python="a:c", out=tmp_path / "kept")
@@ -158,6 +159,68 @@ def test_the_time_left_is_told(monkeypatch, capsys):
     pintle.sweep("HINGE", states=200, chunk_states=100, progress=True)
     first, last = capsys.readouterr().err.splitlines()
     assert first.startswith("1 of 2 chunks, about 0:") and last == "2 of 2 chunks, about 0:00:00 left"
+
+
+class Column(list):
+    """A column of a batch of records, as Arrow has it."""
+
+    to_pylist = list.copy
+
+
+def batch_of_lists(first, count):
+    return {"first": Column([first]), "count": Column([count])}
+
+
+def batch_of_arrow(first, count):
+    arrow = pytest.importorskip("pyarrow")
+    return arrow.record_batch({"first": [first], "count": [count]})
+
+
+class Spark:
+    """So much of Spark as the recipe of the page calls: each row goes to a worker by itself."""
+
+    def __init__(self, batch):
+        self.batch = batch
+
+    def createDataFrame(self, rows, schema):
+        self.rows, self.schema = rows, schema
+        return self
+
+    def repartition(self, count):
+        assert count == len(self.rows)
+        return self
+
+    def mapInArrow(self, work, schema):
+        # What Spark sends to a worker.
+        cloudpickle = pytest.importorskip("cloudpickle")
+        work = cloudpickle.loads(cloudpickle.dumps(work))
+        self.done = list(work(self.batch(*row) for row in self.rows))
+        return self
+
+    def count(self):
+        assert len(self.done) == len(self.rows)
+
+
+@pytest.mark.parametrize("batch", [batch_of_lists, batch_of_arrow])
+def test_the_recipe_for_spark_sweeps(batch, tmp_path):
+    page = (HERE.parents[1] / "docs" / "how-to" / "sweep.md").read_text()
+    (recipe,) = re.findall(r"```python\n(import pintle\n\nplan.*?)```", page, re.DOTALL)
+    assert "_pintle" not in recipe and "_sweep" not in recipe
+    small = recipe.replace("/shared/all", str(tmp_path)).replace("states=1e9", "states=4000, chunk_states=1000")
+    exec(small, {"spark": Spark(batch), "__name__": "recipe"})
+    assert len(list(tmp_path.glob("chunk-*.json"))) == 4
+    merged = pintle.sweep_merged(pintle.sweep_plan(), out=tmp_path)
+    assert merged.states == 4000 and merged.digest == pintle.sweep(states=4000).digest
+
+
+def test_what_workers_give_is_merged():
+    plan = pintle.sweep_plan("HINGE", oracle_share=0.01)
+    parts = pintle.sweep_left(plan, states=1000, chunk_states=400)
+    assert parts == [(0, 400), (400, 400), (800, 200)]
+    texts = [pintle.sweep_chunk(plan, part) for part in reversed(parts)]
+    assert pintle.sweep_merged(plan, texts).digest == pintle.sweep("HINGE", states=1000, oracle_share=0.01).digest
+    with pytest.raises(ValueError):
+        pintle.sweep_merged(plan, texts[:1] * 2)
 
 
 def test_a_killed_sweep_goes_on_where_it_was(alone, tmp_path):
