@@ -105,8 +105,8 @@ fn main() {
         format!("exec {program} element ./{name}")
     };
     let doors = [
-        ("Python, bytes", python_command("mine:axial").expect("a name")),
-        ("Python, text (with a memory)", python_command("remembers:axial").expect("a name")),
+        ("Python, bytes", python_command("python3", "mine:axial").expect("a name")),
+        ("Python, text (with a memory)", python_command("python3", "remembers:axial").expect("a name")),
         ("C, bytes", library("bytes.so", &[])),
         ("C, text (with svars)", library("text.so", &["-DTEXT"])),
     ];

@@ -10,10 +10,10 @@ from ._check import Report, RoutineError, check
 from ._pintle import Entry, __version__
 from ._rows import bias, geometric_stiffness, initial, pattern, rows
 from ._scene import Scene, audit, catalog
-from ._sweep import Sweep, sweep
+from ._sweep import Sweep, sweep, sweep_chunk, sweep_left, sweep_merged, sweep_plan
 
 __all__ = [
     "Entry", "Report", "RoutineError", "Scene", "Sweep", "__version__", "audit", "bias", "catalog", "check",
     "geometric_stiffness", "initial", "pattern", "rows",
-    "sweep",
+    "sweep", "sweep_chunk", "sweep_left", "sweep_merged", "sweep_plan",
 ]

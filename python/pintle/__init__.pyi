@@ -98,6 +98,7 @@ def rows(
     triad_b: _Array,
     *,
     columns: Literal[14, 12, 9, "sparse"] | Sequence[int] | None = None,
+    components: Sequence[int] | None = None,
     out: tuple[_Array, _Array] | None = None,
 ) -> tuple[_Array, _Array]: ...
 def bias(
@@ -110,11 +111,22 @@ def bias(
     w_a: _Array,
     v_b: _Array,
     w_b: _Array,
+    *,
+    components: Sequence[int] | None = None,
+    out: _Array | None = None,
 ) -> _Array: ...
 def geometric_stiffness(
-    of: str, x_a: _Array, triad_a: _Array, x_b: _Array, triad_b: _Array, forces: _Array | Sequence[float]
+    of: str,
+    x_a: _Array,
+    triad_a: _Array,
+    x_b: _Array,
+    triad_b: _Array,
+    forces: _Array | Sequence[float],
+    *,
+    components: Sequence[int] | None = None,
+    out: _Array | None = None,
 ) -> _Array: ...
-def pattern(of: str) -> tuple[_Array, _Array]: ...
+def pattern(of: str, *, components: Sequence[int] | None = None) -> tuple[_Array, _Array]: ...
 def initial(of: str) -> tuple[_Array, _Array, _Array]: ...
 
 class Sweep:
@@ -125,6 +137,8 @@ class Sweep:
     def states(self) -> int: ...
     @property
     def wrong(self) -> int: ...
+    @property
+    def compared(self) -> int: ...
     def picture(self) -> str: ...
     def _repr_svg_(self) -> str: ...
 
@@ -139,5 +153,32 @@ def sweep(
     oracle_share: float = 1e-3,
     generator: Literal["philox", "sobol"] = "philox",
     seed: str = "pintle",
-    progress: Callable[[int, int], object] | None = None,
+    python: str | None = None,
+    library: str | PathLike[str] | None = None,
+    with_: str | None = None,
+    convention: str | PathLike[str] | Mapping[str, Any] | None = None,
+    timeout: float = 10.0,
+    progress: Callable[[int, int], object] | Literal[True] | None = None,
 ) -> Sweep: ...
+def sweep_plan(
+    *of: str | PathLike[str],
+    oracle_share: float = 1e-3,
+    generator: Literal["philox", "sobol"] = "philox",
+    seed: str = "pintle",
+    python: str | None = None,
+    library: str | PathLike[str] | None = None,
+    with_: str | None = None,
+    convention: str | PathLike[str] | Mapping[str, Any] | None = None,
+) -> str: ...
+def sweep_left(
+    plan: str, *, states: int | float = 1_000_000, chunk_states: int | float = 1_000_000, out: str | PathLike[str] | None = None
+) -> list[tuple[int, int]]: ...
+def sweep_chunk(
+    plan: str,
+    part: tuple[int, int],
+    *,
+    out: str | PathLike[str] | None = None,
+    threads: int = 1,
+    timeout: float = 10.0,
+) -> str | None: ...
+def sweep_merged(plan: str, texts: Iterable[str] = (), *, out: str | PathLike[str] | None = None) -> Sweep: ...

@@ -7,6 +7,10 @@ import sys
 
 from ._pintle import command_line
 
+# What a shell starts as Python, and as this command.
+PYTHON = shlex.quote(sys.executable or "python3")
+COMMAND = f"{PYTHON} -c 'import pintle._command as it; it.main()'"
+
 
 def main() -> int:
     """Runs the command line with the words of this process, and gives its exit code."""
@@ -15,5 +19,5 @@ def main() -> int:
     # `--python` asks the Python of this environment, activated or not.
     os.environ["PATH"] = os.pathsep.join((os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)))
     # `--library` starts this command again, which is Python.
-    os.environ["PINTLE_COMMAND"] = f"{shlex.quote(sys.executable)} -c 'import pintle._command as it; it.main()'"
+    os.environ["PINTLE_COMMAND"] = COMMAND
     return command_line(["pintle", *sys.argv[1:]])

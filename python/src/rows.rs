@@ -1,15 +1,16 @@
 //! Rows of one connection type, many states at a time.
 
 use crate::work;
-use numpy::ndarray::{Array2, ArrayViewD, Axis, Slice};
+use numpy::ndarray::{ArrayViewD, Axis, Slice};
 use numpy::{
-    IntoPyArray, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray2,
-    PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods,
 };
 use pintle::batch::{
     Array, Batch, BatchError, COMPACT, Columns, Fours, History, Nodes, Orientation, Section, States,
     Velocities,
 };
+use pintle::catalog::COMPONENT;
 use pintle::connector::{Connector, Increment, Tally};
 use pintle::node::Pair;
 use pintle_kinematics::batch::{LANES, Tile};
@@ -215,17 +216,41 @@ fn unwritable(error: &dyn std::fmt::Display) -> PyErr {
     PyValueError::new_err(format!("out cannot be written: {error}"))
 }
 
+/// Which components are wanted: all that there are, or those of the numbers 1 to 6 in ascending order.
+fn wanted(of: &str, connector: &Connector<f64>, chosen: Option<Vec<i64>>) -> PyResult<[bool; 6]> {
+    let Some(chosen) = chosen else { return Ok([true; 6]) };
+    let there = |k: &usize| connector.differentiated(*k).is_some();
+    let told = |k: usize| format!("{} ({})", k + 1, COMPONENT.get(k).unwrap_or(&"?"));
+    let refused = |what: String| {
+        let all: Vec<String> = (0..6).filter(there).map(told).collect();
+        Err(PyValueError::new_err(format!("components {chosen:?}: {what}; {of} has {}", all.join(", "))))
+    };
+    if chosen.is_empty() {
+        return refused("none is chosen".into());
+    }
+    let is_there = |number: &i64| (0..6).filter(there).any(|k| k as i64 + 1 == *number);
+    if let Some(number) = chosen.iter().find(|number| !is_there(number)) {
+        return refused(format!("there is no {number}"));
+    }
+    if !chosen.is_sorted_by(|one, next| one < next) {
+        return refused("each comes once, in ascending order".into());
+    }
+    Ok(std::array::from_fn(|k| chosen.contains(&(k as i64 + 1))))
+}
+
 #[pymethods]
 impl Rows {
     #[new]
-    fn new(of: &str) -> PyResult<Self> {
+    #[pyo3(signature = (of, components=None))]
+    fn new(of: &str, components: Option<Vec<i64>>) -> PyResult<Self> {
         let subject = pintle::check::subject(of, None).map_err(PyValueError::new_err)?;
         let pintle::check::Subject::Connector(definition, _) = subject else {
             return Err(PyValueError::new_err(format!("{of} is no connector: rows are those of one")));
         };
         let connector = Connector::new(&definition);
+        let wanted = wanted(of, &connector, components)?;
         let batch =
-            Batch::new(&connector, [true; 6]).map_err(|error| PyValueError::new_err(error.to_string()))?;
+            Batch::new(&connector, wanted).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let fours = Box::new(Fours::new(&[&connector; LANES]));
         Ok(Self { connector, batch, fours, initial: definition.initial })
     }
@@ -243,7 +268,7 @@ impl Rows {
         self.batch.pattern()
     }
 
-    /// The components that the type has, by their places, 0 to 5.
+    /// The components of the rows, by their places, 0 to 5.
     #[getter]
     fn components(&self) -> Vec<usize> {
         self.batch.measures().iter().map(|(k, _)| *k).collect()
@@ -254,13 +279,19 @@ impl Rows {
         Ok(self.batch.width(Wanted::new(columns)?.columns()))
     }
 
-    /// How many states arrays hold.
+    /// How many states arrays hold, and velocities where there are any.
     #[staticmethod]
-    fn count(arrays: Vec<Bound<'_, PyAny>>) -> PyResult<usize> {
-        count(&NAMES, &given(&readonly(&NAMES, &arrays)?)?)
+    #[pyo3(signature = (arrays, velocities=None))]
+    fn count(arrays: Vec<Bound<'_, PyAny>>, velocities: Option<Vec<Bound<'_, PyAny>>>) -> PyResult<usize> {
+        let read = readonly(&NAMES, &arrays)?;
+        let states = given(&read)?;
+        let Some(velocities) = velocities else { return count_of(&states) };
+        let read = readonly(&VELOCITIES, &velocities)?;
+        let moving = of_forms(&VELOCITIES, [VECTOR; 4], &read)?;
+        count_of_both(&states, &moving)
     }
 
-    /// Writes values (n, m) and rows (n, width) of n states, of the m components that the type has, into arrays in C order.
+    /// Writes values (n, m) and rows (n, width) of n states and m components into arrays in C order.
     fn fill_into(
         &self,
         py: Python<'_>,
@@ -276,7 +307,7 @@ impl Rows {
         let mut rows = rows.try_readwrite().map_err(|error| unwritable(&error))?;
         let values = values.as_slice_mut().map_err(|error| unwritable(&error))?;
         let rows = rows.as_slice_mut().map_err(|error| unwritable(&error))?;
-        let count = count(&NAMES, &given)?;
+        let count = count_of(&given)?;
         let (each, width) = (self.batch.rows(), self.batch.width(wanted.columns()));
         if values.len() != count * each || rows.len() != count * width {
             let (v, r) = (values.len(), rows.len());
@@ -295,71 +326,83 @@ impl Rows {
         })
     }
 
-    /// J̇v (n, m) of n states that move with v_a, w_a, v_b, w_b.
-    fn bias<'py>(
+    /// Writes J̇v (n, m) of n states that move with v_a, w_a, v_b, w_b into an array in C order.
+    fn bias_into(
         &self,
-        py: Python<'py>,
-        arrays: Vec<Bound<'py, PyAny>>,
-        velocities: Vec<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        py: Python<'_>,
+        arrays: Vec<Bound<'_, PyAny>>,
+        velocities: Vec<Bound<'_, PyAny>>,
+        out: &Bound<'_, PyArrayDyn<f64>>,
+    ) -> PyResult<()> {
         let read = readonly(&NAMES, &arrays)?;
         let mut given = given(&read)?;
         let read = readonly(&VELOCITIES, &velocities)?;
         let mut moving = of_forms(&VELOCITIES, [VECTOR; 4], &read)?;
-        let all = given.iter().chain(&moving);
-        let names: Vec<&str> = NAMES.into_iter().chain(VELOCITIES).collect();
-        let (count, each) = (count(&names, all)?, self.batch.rows());
-        let mut out = vec![0.0; count * each];
+        let (count, each) = (count_of_both(&given, &moving)?, self.batch.rows());
+        let mut out = out.try_readwrite().map_err(|error| unwritable(&error))?;
+        let out = sized(out.as_slice_mut().map_err(|error| unwritable(&error))?, (count, each))?;
         detached(py, || {
             for range in parts(count) {
                 let [v_a, w_a, v_b, w_b] = moving.each_mut().map(|of| of.array(&range));
                 let velocities = [(v_a, w_a), (v_b, w_b)]
                     .map(|(velocity, angular_velocity)| Velocities { velocity, angular_velocity });
-                let out = own(&mut out, &range, each);
+                let out = own(out, &range, each);
                 self.at(&mut given, &range, |states| self.batch.bias_of_states(states, velocities, out))?;
             }
             Ok(())
-        })?;
-        shaped(py, out, (count, each))
+        })
     }
 
-    /// Σ λ ∂²c (n, 144) of n states with multipliers (n, m).
-    fn geometric_stiffness<'py>(
+    /// Writes Σ λ ∂²c (n, 12, 12) of n states with multipliers (n, m) into an array in C order.
+    fn geometric_stiffness_into(
         &self,
-        py: Python<'py>,
-        arrays: Vec<Bound<'py, PyAny>>,
-        multipliers: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        py: Python<'_>,
+        arrays: Vec<Bound<'_, PyAny>>,
+        multipliers: PyReadonlyArray2<'_, f64>,
+        out: &Bound<'_, PyArrayDyn<f64>>,
+    ) -> PyResult<()> {
         let read = readonly(&NAMES, &arrays)?;
         let mut given = given(&read)?;
-        let (count, each) = (count(&NAMES, &given)?, self.batch.rows());
+        let (count, each) = (count_of(&given)?, self.batch.rows());
         let multipliers = multipliers.as_slice().map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let mut out = vec![0.0; count * 144];
+        let mut out = out.try_readwrite().map_err(|error| unwritable(&error))?;
+        let out = sized(out.as_slice_mut().map_err(|error| unwritable(&error))?, (count, 144))?;
         detached(py, || {
             for range in parts(count) {
                 let own_multipliers =
                     multipliers.get(range.start * each..range.end * each).unwrap_or_default();
-                let out = own(&mut out, &range, 144);
+                let out = own(out, &range, 144);
                 self.at(&mut given, &range, |states| {
                     self.batch.geometric_stiffness_of_states(states, own_multipliers, out)
                 })?;
             }
             Ok(())
-        })?;
-        shaped(py, out, (count, 144))
+        })
     }
 }
 
-/// Numbers as an array.
-fn shaped(py: Python<'_>, of: Vec<f64>, shape: (usize, usize)) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let array =
-        Array2::from_shape_vec(shape, of).map_err(|error| PyValueError::new_err(error.to_string()))?;
-    Ok(array.into_pyarray(py))
+/// An array that takes so many numbers of each state.
+fn sized(out: &mut [f64], (count, each): (usize, usize)) -> PyResult<&mut [f64]> {
+    if out.len() == count * each {
+        return Ok(out);
+    }
+    Err(PyValueError::new_err(format!("out has {} numbers, not {count} × {each}", out.len())))
+}
+
+/// How many states there are.
+fn count_of(states: &[Given<'_>; 4]) -> PyResult<usize> {
+    count(&NAMES, &states.each_ref().map(|one| one.count))
+}
+
+/// How many states there are that move.
+fn count_of_both(states: &[Given<'_>; 4], velocities: &[Given<'_>; 4]) -> PyResult<usize> {
+    let names: Vec<&str> = NAMES.into_iter().chain(VELOCITIES).collect();
+    let of = |given: &[Given<'_>; 4]| given.each_ref().map(|one| one.count);
+    count(&names, &[of(states), of(velocities)].concat())
 }
 
 /// How many states there are: one of an array holds for all.
-fn count<'g, 'a: 'g>(names: &[&str], given: impl IntoIterator<Item = &'g Given<'a>>) -> PyResult<usize> {
-    let counts: Vec<usize> = given.into_iter().map(|one| one.count).collect();
+fn count(names: &[&str], counts: &[usize]) -> PyResult<usize> {
     let count = counts.iter().copied().find(|count| *count != 1).unwrap_or(1);
     if counts.iter().all(|one| *one == count || *one == 1) {
         return Ok(count);

@@ -1,10 +1,12 @@
 //! Chunks of a sweep: texts and numbers in, texts out, so that any engine can carry them.
 
-use pintle::sweep::{Folder, Generator, Ranges, Summary, Sweep, SweepError};
+use pintle::sweep::{Folder, Generator, Own, Programs, Ranges, Summary, Sweep, SweepError};
 use pintle_sweep::ranges::checked;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pythonize::depythonize;
 use std::path::PathBuf;
+use std::time::Duration;
 
 fn raised(error: SweepError) -> PyErr {
     match error {
@@ -13,10 +15,10 @@ fn raised(error: SweepError) -> PyErr {
     }
 }
 
-/// The plan of a sweep, as text.
+/// The plan of a sweep, as text: of a routine, where one is given as the plan names it.
 ///
 /// # Errors
-/// ValueError, where there is nothing of that name.
+/// ValueError, where there is nothing of that name, or no such routine or convention.
 #[pyfunction]
 pub(crate) fn sweep_plan(
     py: Python<'_>,
@@ -24,12 +26,18 @@ pub(crate) fn sweep_plan(
     generator: &str,
     seed: &str,
     share: f64,
+    routine: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
     let generator = Generator::named(generator).ok_or_else(|| {
         let known = Generator::ALL.map(|one| format!("'{}'", one.name())).join(", ");
         PyValueError::new_err(format!("there is no generator '{generator}': choose {known}"))
     })?;
-    py.detach(|| pintle::sweep::plan(&of, generator, seed, share)).map_err(PyValueError::new_err)
+    let routine: Option<Own> = routine
+        .map(depythonize)
+        .transpose()
+        .map_err(|error| PyValueError::new_err(format!("the routine or its convention: {error}")))?;
+    py.detach(|| pintle::sweep::plan(&of, generator, seed, share, routine.as_ref()))
+        .map_err(PyValueError::new_err)
 }
 
 /// The chunks that are left of `states`, as first index and count: of all where there is no folder.
@@ -63,10 +71,11 @@ pub(crate) fn sweep_left(
     Ok(chunks)
 }
 
-/// Computes a chunk on threads of its own, and gives its summary as text; with a folder it is kept there instead.
+/// Computes a chunk on threads of its own, and gives its summary as text; with a folder it is kept there instead. A routine of the plan is
+/// started by these words for a shell, Python and the command of this package, and has so many seconds for an answer.
 ///
 /// # Errors
-/// ValueError, where the plan is none; OSError, where the folder cannot be written.
+/// ValueError, where the plan is none, or its routine does not answer; OSError, where the folder cannot be written.
 #[pyfunction]
 pub(crate) fn sweep_chunk(
     py: Python<'_>,
@@ -74,13 +83,21 @@ pub(crate) fn sweep_chunk(
     part: (u64, u64),
     out: Option<PathBuf>,
     threads: usize,
+    started: (String, String, f64),
 ) -> PyResult<Option<String>> {
+    let (python, pintle, seconds) = started;
+    let programs = Programs { python, pintle };
+    let answer = Duration::try_from_secs_f64(seconds)
+        .map_err(|error| PyValueError::new_err(format!("timeout is {seconds}: {error}")))?;
     let pool = rayon::ThreadPoolBuilder::new().stack_size(pintle::STACK).num_threads(threads).build();
     let pool =
         pool.map_err(|error| PyRuntimeError::new_err(format!("no thread could be started: {error}")))?;
     let computed = || {
         let sweep = Sweep::new(plan)?;
-        let summary = sweep.run(part.0, part.1, &|_| {})?;
+        let summary = match pintle::sweep::routines(&sweep, Some(&programs), answer)? {
+            Some(routines) => routines.run(part.0, part.1, &|_| {}),
+            None => sweep.run(part.0, part.1, &|_| {}),
+        }?;
         match out {
             Some(out) => Folder::open(&out, plan)?.keep(&summary).map(|()| None),
             None => summary.text().map(Some),

@@ -1,10 +1,12 @@
 """Scenes and rows: against closed form, against the check, in every kind of array."""
 
+import itertools
 import json
 import os
 import pickle
 import subprocess
 import sys
+import tracemalloc
 
 import jax
 import jax.numpy as jnp
@@ -279,6 +281,114 @@ def test_products_with_second_derivatives_are_rates_of_rows(name):
         pintle.bias(name, x_a, triad_a, x_b, triad_b, v[0], v[1], v[2][1:], v[3])
 
 
+@pytest.mark.parametrize("name", ["REVOLUTE", "CARTESIAN CARDAN", "ROTATION", "EULER", "SLIDE-PLANE", "BUSHING", "TRANSLATOR", "LINK"])
+def test_chosen_components_are_those_of_all_bit_for_bit(name):
+    n, compared = 21, 0
+    x_a, triad_a, x_b, triad_b = given = some(n)
+    random = numpy.random.default_rng(13)
+    v, forces = random.normal(size=(4, n, 3)), random.normal(size=(n, 6))
+    values, rows = pintle.rows(name, *given)
+    bias = pintle.bias(name, *given, *v)
+    has = [int(k) + 1 for k in numpy.flatnonzero(numpy.isfinite(values[0]))]
+    indptr, indices = pintle.pattern(name)
+    sparse = pintle.rows(name, *given, columns="sparse")[1]
+    for count in range(1, len(has) + 1):
+        for chosen in itertools.combinations(has, count):
+            at = [k - 1 for k in chosen]
+            places = [has.index(k) for k in chosen]
+            ranges = [numpy.r_[indptr[i] : indptr[i + 1]] for i in places]
+            stiffness = numpy.zeros((n, 6))
+            stiffness[:, at] = forces[:, at]
+            stiffness = pintle.geometric_stiffness(name, *given, stiffness)
+            found_pattern = pintle.pattern(name, components=chosen)
+            pairs = [
+                (pintle.rows(name, *given, components=list(chosen))[0], values[:, at]),
+                (pintle.rows(name, *given, components=list(chosen))[1], rows[:, at]),
+                (pintle.rows(name, *given, components=chosen, columns=9)[1], rows[:, at][:, :, [3, 4, 5, 7, 8, 9, 10, 11, 12]]),
+                (pintle.rows(name, *given, components=chosen, columns="sparse")[1], sparse[:, numpy.concatenate(ranges)]),
+                (found_pattern[0], numpy.cumsum([0, *map(len, ranges)])),
+                (found_pattern[1], numpy.concatenate([indices[of] for of in ranges])),
+                (pintle.bias(name, *given, *v, components=chosen), bias[:, at]),
+                # A zero times λ may be −0.
+                (pintle.geometric_stiffness(name, *given, forces[:, at], components=chosen) + 0.0, stiffness + 0.0),
+            ]
+            for i, (ours, theirs) in enumerate(pairs):
+                assert ours.shape == theirs.shape and ours.tobytes() == theirs.tobytes(), (chosen, i)
+                compared += ours.size
+    assert compared > 3000, compared
+
+
+def test_components_that_there_are_not():
+    given = some(3)
+    there = r"; REVOLUTE has 4 \(ur1\), 5 \(ur2\), 6 \(ur3\)"
+    for chosen, says in (
+        ([1], r"components \[1\]: there is no 1" + there),
+        ([4, 7], "there is no 7" + there),
+        ([0], "there is no 0" + there),
+        ([-1], "there is no -1" + there),
+        ([], "none is chosen" + there),
+        ([6, 4], "each comes once, in ascending order" + there),
+        ([5, 5], "each comes once, in ascending order" + there),
+    ):
+        for call in (pintle.rows, pintle.bias, pintle.geometric_stiffness):
+            more = {pintle.rows: (), pintle.bias: [numpy.zeros((1, 3))] * 4, pintle.geometric_stiffness: [numpy.zeros(3)]}[call]
+            with pytest.raises(ValueError, match=says):
+                call("REVOLUTE", *given, *more, components=chosen)
+        with pytest.raises(ValueError, match=says):
+            pintle.pattern("REVOLUTE", components=chosen)
+    with pytest.raises(TypeError, match="'str' object"):
+        pintle.rows("REVOLUTE", *given, components=["ur1"])
+    with pytest.raises(ValueError, match=r"forces has shape \(6,\), not \(3, 2\) or \(2,\)"):
+        pintle.geometric_stiffness("REVOLUTE", *given, numpy.zeros(6), components=[4, 5])
+    # The others of a type with material flow.
+    ours, theirs = pintle.rows("RETRACTOR", *given, components=[1, 2, 3]), pintle.rows("JOIN", *given, components=[1, 2, 3])
+    assert ours[1].tobytes() == theirs[1].tobytes() and ours[1].shape == (3, 3, 14)
+
+
+def test_products_are_written_where_they_are_wanted():
+    n = 3000
+    given, v = some(n), numpy.random.default_rng(17).normal(size=(4, n, 3))
+    forces = numpy.linspace(-1.0, 1.0, 6)
+    for name, shape in (("REVOLUTE", (n, 6)), ("CARTESIAN CARDAN", (n, 6))):
+        known, matrices = pintle.bias(name, *given, *v), pintle.geometric_stiffness(name, *given, forces)
+        for out in (numpy.full(shape, 7.0), numpy.full((2 * n, 6), 7.0)[::2], numpy.full(shape, 7.0, order="F")):
+            assert pintle.bias(name, *given, *v, out=out) is out and out.tobytes() == known.tobytes()
+        out = numpy.full((n, 12, 12), 7.0)
+        assert pintle.geometric_stiffness(name, *given, forces, out=out) is out and out.tobytes() == matrices.tobytes()
+    # Nothing of that size is made besides.
+    few = numpy.empty((n, 6))
+    for call, whole in (
+        (lambda: pintle.bias("CARTESIAN CARDAN", *given, *v, out=few), few),
+        (lambda: pintle.bias("CARTESIAN CARDAN", *given, *v, components=[1, 5], out=few.reshape(-1)[: 2 * n].reshape(n, 2)), few[: n // 3]),
+        (lambda: pintle.geometric_stiffness("CARTESIAN CARDAN", *given, forces, out=out), out),
+    ):
+        tracemalloc.start()
+        call()
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < whole.nbytes // 2, peak
+    locked, half = numpy.zeros((n, 12, 12)), numpy.zeros((n, 12, 12), numpy.float32)
+    locked.flags.writeable = False
+    for wrong, error, says in (
+        (half, TypeError, "out has dtype float32, and float64 is needed"),
+        (locked, ValueError, "out cannot be written: out is read-only"),
+        (numpy.zeros((n, 144)), ValueError, rf"out has shape \({n}, 144\), not \({n}, 12, 12\) in C order"),
+        (numpy.zeros((n, 12, 12), order="F"), ValueError, "in C order"),
+        ([0.0], TypeError, "out is no NumPy array"),
+    ):
+        with pytest.raises(error, match=says):
+            pintle.geometric_stiffness("REVOLUTE", *given, forces, out=wrong)
+    for wrong, more, says in (
+        (numpy.zeros((n, 5)), {}, rf"out has shape \({n}, 5\), not \({n}, 6\)"),
+        (numpy.zeros((n, 2), order="F"), {"components": [4, 6]}, rf"not \({n}, 2\) in C order"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            pintle.bias("REVOLUTE", *given, *v, **more, out=wrong)
+    both = numpy.zeros((n, 6))
+    with pytest.raises(ValueError, match="out cannot be written"):
+        pintle.bias("CARTESIAN CARDAN", both[:, :3], *given[1:], *v, out=both)
+
+
 def test_what_is_no_such_array():
     x_a, triad_a, x_b, triad_b = some(4)
     cases = [
@@ -371,4 +481,4 @@ def test_stubs_name_what_there_is():
             names = [one.arg for one in every if one is not None]
             assert names == list(inspect.signature(getattr(module, item.name)).parameters), item.name
             compared += 1
-    assert compared == 11 and all(hasattr(pintle, name) for name in pintle.__all__)
+    assert compared == 15 and all(hasattr(pintle, name) for name in pintle.__all__)

@@ -3,11 +3,11 @@
 /// The driver, which imports nothing but the standard library, and NumPy where it is there. As a module it has the class `Routine`.
 pub const DRIVER: &str = include_str!("driver.py");
 
-/// The command that asks a function `module:function` of the Python on the path, in the current folder.
+/// The command that asks a function `module:function` by a Python, given as words for a shell, in the current folder.
 ///
 /// # Errors
 /// In words, where the name is none.
-pub fn command(routine: &str) -> Result<String, String> {
+pub fn command(python: &str, routine: &str) -> Result<String, String> {
     let is_name = |name: &str| {
         !name.is_empty()
             && name
@@ -16,7 +16,7 @@ pub fn command(routine: &str) -> Result<String, String> {
     };
     match routine.split_once(':') {
         Some((module, function)) if is_name(module) && is_name(function) => {
-            Ok(format!("exec python3 -c '{DRIVER}' {module} {function}"))
+            Ok(format!("exec {python} -c '{DRIVER}' {module} {function}"))
         }
         _ => Err(format!("{routine:?} is not MODULE:FUNCTION, as my_elements.revolute:evaluate")),
     }

@@ -156,7 +156,7 @@ pub mod check {
 /// Many states, in any partition.
 #[cfg(feature = "cli")]
 pub mod sweep {
-    pub use crate::cli::sweep::plan;
+    pub use crate::cli::sweep::{Own, Programs, Start, plan, routines};
     pub use pintle_sweep::{Folder, Generator, Plan, Ranges, Subject, Summary, Sweep, SweepError};
 }
 

@@ -36,7 +36,7 @@ pub struct Plan {
     pub share: f64,
     /// The SHA-256 of all that defines the connectors: those of types are drawn by sines, cosines and powers, which a machine may round otherwise.
     pub definitions: String,
-    /// Whose numbers are swept: the command of a routine; none for pintle's own.
+    /// Whose numbers are swept: a routine, in a text by which workers start it; none for pintle's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub routine: Option<String>,
     /// What is summed up by itself.
@@ -103,7 +103,7 @@ impl Subject {
 }
 
 impl Plan {
-    /// Of such subjects, and of somebody's routine where its command is given.
+    /// Of such subjects, and of somebody's routine where one is named.
     ///
     /// # Errors
     /// A type that there is not.

@@ -201,7 +201,7 @@ impl Sweep {
     /// The summary of `count` states from `first` on, by all threads of the pool that this runs in. `progress` is told how many more are done.
     ///
     /// # Errors
-    /// As [`checked`].
+    /// As [`checked`]; a plan that names a routine, which [`crate::Routines::run`] asks.
     pub fn run(
         &self,
         first: u64,
@@ -219,6 +219,9 @@ impl Sweep {
         progress: &(dyn Fn(u64) + Sync),
         routines: Option<&Routines<'_>>,
     ) -> Result<Summary, SweepError> {
+        if self.plan.routine.is_some() && routines.is_none() {
+            return Err(SweepError::Routine("the plan is of a routine, and none was started".into()));
+        }
         let end = checked(first, count)?;
         let pieces = first / PIECE..end.div_ceil(PIECE);
         let done = |mut summary: Summary, piece: u64| {

@@ -424,6 +424,15 @@ impl Routine for Mine<'_> {
     }
 }
 
+/// What a plan says is a routine's is never computed by ourselves.
+#[test]
+fn the_numbers_of_a_routine_are_not_our_own() {
+    let subject = vec![Subject::catalogue().swap_remove(0)];
+    let plan = Plan::new(Generator::Philox, "pintle", 0.0, subject, Some("mine".into())).unwrap();
+    let refused = Sweep::new(&plan.text().unwrap()).unwrap().run(0, 32, &|_| {}).unwrap_err();
+    assert!(refused.to_string().contains("none was started"), "{refused}");
+}
+
 /// A right routine of every type is right at every state, with principal angles too; and a few wrong entries are found without any share.
 #[test]
 fn routines_are_judged() {

@@ -220,6 +220,14 @@ fn a_routine_is_swept() {
     // The same numbers in chunks, on one thread.
     let parts = sweep("cartesian", &["--oracle-share", "0.01", "--chunk", "700"]);
     assert_eq!(line(&parts, "digest"), line(&right, "digest"));
+    // The plan says the convention, and so a folder does.
+    fs::write(path.join("body.toml"), "rotations = \"body\"\n").expect("a convention");
+    let kept = sweep("cartesian", &["--out", "kept"]);
+    assert!(kept.status.success(), "{}", String::from_utf8_lossy(&kept.stderr));
+    let other = sweep("cartesian", &["--out", "kept", "--convention", "body.toml"]);
+    let said = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert_eq!(other.status.code(), Some(6), "{said}");
+    assert!(said.contains("the numbers of another routine"), "{said}");
     let wrong = sweep("without_arm", &["--oracle-share", "0"]);
     assert_eq!(wrong.status.code(), Some(1));
     assert!(line(&wrong, "CARTESIAN").trim_end().ends_with(" 6,000"), "{}", line(&wrong, "CARTESIAN"));

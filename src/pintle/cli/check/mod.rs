@@ -5,6 +5,7 @@ mod fit;
 use super::audit::{AuditFormat, verdict, write};
 use super::eval::{read, source};
 use super::subject::{At, drawn_aligned, found, named, of_scene};
+use super::sweep::Programs;
 use super::tell::complain;
 use super::{Failure, page_width};
 use clap::{ArgGroup, Args};
@@ -173,15 +174,20 @@ pub(super) fn convention(file: &Path) -> Result<Convention, Failure> {
     Convention::from_toml(&text).map_err(named)
 }
 
-/// The command that starts a routine: a Python function, a shared library, or what is given for a shell.
+/// The command that starts a routine: a Python function, a shared library, or what is given for a shell. What asks it are these programs, or
+/// the Python of the path and this one.
 pub(super) fn command(
     (python, library, with): (Option<&str>, Option<&Path>, Option<&str>),
     (properties, svars): (&[f64], usize),
     convention: Option<&Convention>,
+    programs: Option<&Programs>,
 ) -> Result<String, Failure> {
     match (python, library) {
-        (Some(routine), _) => pintle_check::python_command(routine).map_err(Failure::Usage),
-        (None, Some(library)) => library_command(library, (properties, svars), convention),
+        (Some(routine), _) => {
+            let program = programs.map_or("python3", |programs| programs.python.as_str());
+            pintle_check::python_command(program, routine).map_err(Failure::Usage)
+        }
+        (None, Some(library)) => library_command(library, (properties, svars), convention, programs),
         (None, None) => Ok(with.unwrap_or_default().to_string()),
     }
 }
@@ -191,12 +197,16 @@ fn library_command(
     library: &Path,
     (properties, svars): (&[f64], usize),
     convention: Option<&Convention>,
+    programs: Option<&Programs>,
 ) -> Result<String, Failure> {
     let quoted = |path: &Path| format!("'{}'", path.display().to_string().replace('\'', r"'\''"));
     // The Python package says how it is started: its program is Python.
-    let program = match std::env::var("PINTLE_COMMAND") {
-        Ok(command) => command,
-        Err(_) => quoted(&std::env::current_exe().map_err(|error| Failure::Usage(error.to_string()))?),
+    let program = match (programs, std::env::var("PINTLE_COMMAND")) {
+        (Some(programs), _) => programs.pintle.clone(),
+        (None, Ok(command)) => command,
+        (None, Err(_)) => {
+            quoted(&std::env::current_exe().map_err(|error| Failure::Usage(error.to_string()))?)
+        }
     };
     let mut command = format!("exec {program} element {} --svars {}", quoted(library), svars);
     if !properties.is_empty() {
@@ -337,7 +347,7 @@ fn one(
     }
     let mut convention = arguments.convention.as_deref().map(convention).transpose()?;
     let door = (arguments.python.as_deref(), arguments.library.as_deref(), arguments.with.as_deref());
-    let command = command(door, (&arguments.properties, arguments.svars), convention.as_ref())?;
+    let command = command(door, (&arguments.properties, arguments.svars), convention.as_ref(), None)?;
     let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
     if arguments.fit_convention {
         let about = match subject {

@@ -1,19 +1,20 @@
 //! `pintle sweep`.
 
+mod own;
+
+pub use own::{Own, Programs, Start, routines};
+
 use super::audit::Bar;
 use super::subject::{drawn_aligned, in_scene, model_of_scene, named, type_of};
 use super::tell::complain;
 use super::{Failure, Files, one_of, page_width};
 use clap::{Args, ValueEnum};
-use pintle_audit::{Against, CounterExample, Given, Oracle, Quantity, Question};
-use pintle_check::{Convention, Misbehaviour, Patience, Process, Session};
+use pintle_audit::{Against, CounterExample, Oracle};
 use pintle_kinematics::connector::Definition;
 use pintle_report::sweep as report;
 use pintle_sweep::ranges::checked;
 use pintle_sweep::sweep::Planted;
-use pintle_sweep::{
-    Folder, Generator, OfSubject, Plan, Ranges, Routine, Routines, Subject, Summary, Sweep, SweepError,
-};
+use pintle_sweep::{Folder, Generator, OfSubject, Plan, Ranges, Subject, Summary, Sweep, SweepError};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -224,20 +225,30 @@ fn subject(definition: Definition, label: &str) -> Subject {
     Subject::of(format!("{} {label}", definition.connection.name), definition)
 }
 
-/// The plan of a sweep over what words name, as text.
+/// The plan of a sweep over what words name, as text: of pintle's own numbers, or of those of a routine.
 ///
 /// # Errors
-/// In words, where there is nothing of that name.
-pub fn plan(words: &[String], generator: Generator, seed: &str, share: f64) -> Result<String, String> {
-    planned(words, (generator, seed), share, None).map_err(|failure| failure.to_string())
+/// In words, where there is nothing of that name, or no such routine can be started.
+pub fn plan(
+    words: &[String],
+    generator: Generator,
+    seed: &str,
+    share: f64,
+    routine: Option<&Own>,
+) -> Result<String, String> {
+    planned(words, (generator, seed), share, routine).map_err(|failure| failure.to_string())
 }
 
 fn planned(
     words: &[String],
     (generator, seed): (Generator, &str),
     share: f64,
-    routine: Option<String>,
+    routine: Option<&Own>,
 ) -> Result<String, Failure> {
+    if let Some(own) = routine {
+        own.command(None)?;
+    }
+    let routine = routine.map(Own::text).transpose()?;
     Ok(Plan::new(generator, seed, share, subjects(words)?, routine)?.text()?)
 }
 
@@ -251,9 +262,8 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
         return tell(arguments, files, &summary, wanted);
     }
     let routine = routine(arguments)?;
-    let named = routine.as_ref().map(|(command, _)| command.clone());
     let drawn = (Generator::from(arguments.generator), arguments.seed.as_str());
-    let text = planned(&arguments.of, drawn, arguments.oracle_share, named)?;
+    let text = planned(&arguments.of, drawn, arguments.oracle_share, routine.as_ref())?;
     let sweep = Sweep::new(&text)?.planting(arguments.plant);
     if let Some(index) = arguments.state {
         return state(&sweep, index);
@@ -264,13 +274,10 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         left = left.without(&folder.done()?);
     }
-    let patience = Patience { answer: Duration::from_secs_f64(arguments.timeout), ..Patience::default() };
     if routine.is_some() {
         arguments.of.iter().filter_map(|of| drawn_aligned(of)).for_each(|note| complain("note", &note));
     }
-    let routines = routine
-        .as_ref()
-        .map(|routine| Routines::new(&sweep, move |definition| opened(routine, patience, definition)));
+    let routines = routines(&sweep, None, Duration::from_secs_f64(arguments.timeout))?;
     let bar = Bar::new();
     bar.expect(usize::try_from(left.count()).unwrap_or(usize::MAX));
     let progress = |more: u64| bar.advance(more as usize, "states");
@@ -291,59 +298,17 @@ pub(crate) fn run(arguments: &SweepOf, files: Files) -> Result<(), Failure> {
     tell(arguments, files, &summary, arguments.states)
 }
 
-/// The command of the routine that is swept, and what replaces the conventions of its greeting.
-fn routine(arguments: &SweepOf) -> Result<Option<(String, Option<Convention>)>, Failure> {
-    let door = (arguments.python.as_deref(), arguments.library.as_deref(), arguments.with.as_deref());
-    if matches!(door, (None, None, None)) {
-        return Ok(None);
-    }
+/// The routine that is swept.
+fn routine(arguments: &SweepOf) -> Result<Option<Own>, Failure> {
+    let SweepOf { python, library, with, .. } = arguments;
+    let start = match (python, library, with) {
+        (Some(function), _, _) => Start::Python(function.clone()),
+        (_, Some(file), _) => Start::Library(file.clone()),
+        (_, _, Some(command)) => Start::With(command.clone()),
+        (None, None, None) => return Ok(None),
+    };
     let convention = arguments.convention.as_deref().map(super::check::convention).transpose()?;
-    let command = super::check::command(door, (&[], 0), convention.as_ref())?;
-    Ok(Some((command, convention)))
-}
-
-/// How many states may end a process before the sweep ends with it.
-const ENDS: usize = 20;
-
-/// A routine in a process of its own.
-struct Opened<'a>(Session<'a, Process>);
-
-impl Routine for Opened<'_> {
-    fn ask(&mut self, asked: &[Question<'_>]) -> Result<Vec<Option<Given>>, String> {
-        let (before, _) = self.0.failures();
-        let given = self.0.ask(asked);
-        // Once for each process.
-        if let ((1.., Some((number, why))), 0) = (self.0.failures(), before) {
-            complain("note", &format!("the routine has no numbers at state {number}: {why}"));
-        }
-        given.map_err(|misbehaviour| match misbehaviour {
-            Misbehaviour::AtState { number, .. } => {
-                format!("{misbehaviour}; the same command with --state {number} prints it")
-            }
-            Misbehaviour::Among { .. } => {
-                format!("{misbehaviour}; the same command with --state INDEX prints one")
-            }
-            other => other.to_string(),
-        })
-    }
-
-    fn offers(&self) -> &[Quantity] {
-        self.0.offers()
-    }
-
-    fn components(&self) -> [bool; 6] {
-        self.0.components()
-    }
-}
-
-fn opened<'a>(
-    (command, convention): &(String, Option<Convention>),
-    patience: Patience,
-    definition: &'a Definition,
-) -> Result<Box<dyn Routine + 'a>, String> {
-    let process = Process::start(command, patience).map_err(|why| why.to_string())?;
-    let session = Session::open(process, definition, convention.as_ref(), &[None; 6]);
-    Ok(Box::new(Opened(session.map_err(|why| why.to_string())?.starting_again(ENDS))))
+    Ok(Some(Own { start, convention }))
 }
 
 /// The states of a part: whole chunks.
