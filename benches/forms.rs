@@ -54,10 +54,10 @@ struct Drawn {
 impl Drawn {
     fn new() -> Self {
         let draw = &mut Draw::new("forms");
-        let vectors: [Vec<Vector<f64>>; 2] =
-            [(); 2].map(|()| (0..COUNT).map(|_| draw.vector(1.0)).collect());
+        let vectors: [Vec<Vector<f64>>; 2] = [(); 2].map(|()| (0..COUNT).map(|_| draw.vector(1.0)).collect());
         let mut positions = || (0..COUNT).flat_map(|_| draw.vector(1.0)).collect::<Vec<f64>>();
-        let flat = |of: fn(&Vector<f64>) -> Vec<f64>| [0, 1].map(|end| vectors[end].iter().flat_map(of).collect());
+        let flat =
+            |of: fn(&Vector<f64>) -> Vec<f64>| [0, 1].map(|end| vectors[end].iter().flat_map(of).collect());
         Self {
             reference: positions(),
             displacement: [positions(), positions()],
@@ -69,10 +69,11 @@ impl Drawn {
 
     /// A node in all states, or a in the first one for all of them.
     fn node(&self, end: usize, given: Given) -> Nodes<'_> {
-        let of = |numbers: &'_ [f64]| match given {
-            Given::Shared if end == 0 => Array::shared(numbers),
-            _ => Array::new(numbers, numbers.len() / COUNT),
+        let stride = |numbers: &[f64]| {
+            let is_one = given == Given::Shared && end == 0;
+            if is_one { 0 } else { numbers.len() / COUNT }
         };
+        let of = |numbers| Array::new(numbers, stride(numbers));
         Nodes {
             displacement: of(&self.displacement[end]),
             orientation: match given {
@@ -99,7 +100,8 @@ impl Case {
         let definition = Definition::new(ConnectionType::named(name, None).unwrap(), initial);
         let connector = Connector::<f64>::new(&definition);
         let batch = Batch::new(&connector, [true; 6]).unwrap();
-        let (values, rows) = (vec![0.0; COUNT * batch.rows()], vec![0.0; COUNT * batch.width(Columns::Fourteen)]);
+        let (values, rows) =
+            (vec![0.0; COUNT * batch.rows()], vec![0.0; COUNT * batch.width(Columns::Fourteen)]);
         Self { connector, batch, values, rows }
     }
 
@@ -116,7 +118,9 @@ impl Case {
         };
         let rows = &mut self.rows[..COUNT * self.batch.width(columns)];
         for _ in 0..times {
-            self.batch.rows_of_states(black_box(&states), columns, &mut self.values, black_box(rows)).unwrap();
+            self.batch
+                .rows_of_states(black_box(&states), columns, &mut self.values, black_box(rows))
+                .unwrap();
         }
         rows
     }
@@ -180,7 +184,9 @@ fn main() {
             }
         }
     }
-    println!("{COUNT} states, ns for a state; at last the geometric mean of the time over that of dense rows of triads");
+    println!(
+        "{COUNT} states, ns for a state; at last the geometric mean of the time over that of dense rows of triads"
+    );
     println!("{:22} {}", "", TYPES.map(|name| format!("{name:>12}")).join(" "));
     for (times, (name, ..)) in least.iter().zip(FORMS) {
         let logs: f64 = times.iter().zip(&least[0]).map(|(time, dense)| (time / dense).ln()).sum();

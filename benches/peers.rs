@@ -27,6 +27,7 @@ use pintle_kinematics::draw::Draw;
 use pintle_kinematics::node::{DOFS, Node, Pair};
 use pintle_kinematics::scalar::Wide;
 use pintle_kinematics::vector;
+use pulp::{Arch, Simd, WithSimd};
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
 
@@ -191,22 +192,45 @@ impl Arrays {
     /// A loop that reads what is read, and writes as much as is written.
     fn moved(&mut self) {
         let Self { reference, displacement: [x_a, x_b], triad: [a, b], values, rows, .. } = black_box(self);
-        let sum: f64 = [&*reference, x_a, x_b, a, b].into_iter().map(|all| total(all)).sum();
-        values.fill(sum);
-        rows.fill(sum);
+        let read = [&*reference, x_a, x_b, a, b].map(|all| &all[..]);
+        Arch::new().dispatch(Move { read, written: [values, rows] });
         black_box(rows);
     }
 }
 
-/// A sum by eight, which vectors add.
-fn total(of: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    for eight in of.as_chunks::<8>().0 {
-        for (sum, x) in sums.iter_mut().zip(eight) {
-            *sum += x;
+/// Sums all that is read, by sixteen, and writes the sum everywhere, on the vector unit that there is.
+struct Move<'l> {
+    read: [&'l [f64]; 5],
+    written: [&'l mut [f64]; 2],
+}
+
+impl WithSimd for Move<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<V: Simd>(self, _: V) {
+        let mut sums = [0.0; 16];
+        for all in self.read {
+            let (parts, rest) = all.as_chunks::<16>();
+            for part in parts {
+                for k in 0..16 {
+                    sums[k] += part[k];
+                }
+            }
+            for x in rest {
+                sums[0] += x;
+            }
+        }
+        let mut sum = 0.0;
+        for x in sums {
+            sum += x;
+        }
+        for all in self.written {
+            for x in all {
+                *x = sum;
+            }
         }
     }
-    sums.iter().sum()
 }
 
 /// The variants, in the order in which they are measured.

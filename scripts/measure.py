@@ -45,11 +45,11 @@ OURS = "pintle"
 # For those who keep their states in tiles; and a loop that only reads and writes as many bytes as OURS.
 TILES, MOVED = "pintle, tiles", "the same bytes, moved"
 # The least speed over each peer that pintle aims at, and with a hundred thousand states, which stay in no cache.
-AIMS = {"JAX": (45, 45), "JAX, relative": (8, 8), "CasADi C": (2.8, 1.5), "num-dual": (15, 9)}
+AIMS = {"JAX": (45, 45), "JAX, relative": (8, 8), "CasADi C": (2.8, 1.5), "num-dual": (15, 9), MOVED: (0.77, 0.77)}
 WHAT = {
     OURS: "`Batch::rows_of_states`: arrays of states to dense rows, four elements at a time, three relative derivatives",
     TILES: "`Batch::rows_of`: the same from tiles of four states to tiles of four rows",
-    MOVED: "sums what is read, and writes one number everywhere",
+    MOVED: "sums what is read, and writes one number everywhere, on the same vector unit",
     "num-dual": "`DualSVec<f64, 12>`, a seed for each nodal degree of freedom; one unit of compilation, `target-cpu=native`",
     "CasADi C": "generated C, twelve derivatives, `gcc -O3 -march=native`",
     "JAX": "`jit(vmap(jacfwd))` by twelve degrees of freedom",
@@ -623,6 +623,7 @@ MEASUREMENTS = {
     work_precision: ("work-precision",),
     printed("single"): ("single",),
     lanes: ("lanes", "lanes-summary"),
+    printed("forms"): ("forms",),
     instructions: ("instructions",),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
