@@ -85,6 +85,7 @@ impl Subject {
 
 /// A report, and what it rests on.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Checked {
     /// What the audit found.
     pub report: Report,

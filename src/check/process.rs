@@ -78,6 +78,7 @@ const WAITING: usize = 16;
 
 /// What a process did that the protocol does not allow.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Misbehaviour {
     /// There is no such program.
     #[error("the command cannot be started: {0}")]

@@ -42,6 +42,7 @@ pub use sweep::Sweep;
 
 /// Why there is no sweep.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SweepError {
     /// A text that is no plan.
     #[error("this is no plan of a sweep: {0}")]

@@ -269,6 +269,7 @@ impl OfSubject {
 
 /// What is known of all states.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Summary {
     /// [`SCHEMA`].
     pub schema: String,

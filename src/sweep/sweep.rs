@@ -694,7 +694,7 @@ impl Ready {
             None => {
                 let mut linear = [Linear::default(); 6];
                 let count = self.connector.linearize(&drawn.pair, branch, [true; 6], &mut linear);
-                for Linear { component, value, row } in linear.into_iter().take(count) {
+                for Linear { component, value, row, .. } in linear.into_iter().take(count) {
                     values.0[component] = Some(vec![self.counted(component, value, branch)]);
                     first.0[component] = Some(row.to_vec());
                 }

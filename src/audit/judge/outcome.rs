@@ -587,6 +587,7 @@ impl Subject {
 /// An audit.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Report {
     /// The version of this program.
     pub version: &'static str,

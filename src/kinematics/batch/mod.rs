@@ -76,6 +76,7 @@ pub use tile::{Four, History, Poses, Section, Tile, Triads};
 
 /// Why connectors cannot be evaluated as a batch.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BatchError {
     /// A component has no function of the two nodes, or one that depends on material flow.
     #[error("the row of {0} has columns that a batch does not: evaluate it by itself")]

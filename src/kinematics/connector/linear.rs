@@ -12,6 +12,7 @@ use crate::vector::{self, Vector};
 
 /// A value with its derivatives by the nodal degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Linear<R> {
     /// The component (0-based): u1, u2, u3, ur1, ur2, ur3.
     pub component: usize,

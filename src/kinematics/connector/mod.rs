@@ -239,6 +239,7 @@ const ALIGNED: f64 = 1e-12;
 
 /// What an evaluation gives; each part is present where it was asked for and exists.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Evaluation<R> {
     /// CP.
     pub position: Components<R>,

@@ -12,6 +12,7 @@ use crate::vector::{Vector, add, dot, scale};
 
 /// What an evaluation gives. Rows and rates are present as asked for.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Evaluation<R> {
     /// What the constraint requires to vanish: δ or δl (length), ρ (rad), δΨ (length).
     pub residual: Rows<R>,
