@@ -82,6 +82,10 @@ for witness in $(grep --files-with-matches -- '"--check"' scripts/*.py scripts/*
     .venv/bin/python "$witness" --check
     passed=$((passed + 1))
 done
+if [ "$passed" = 0 ]; then
+    echo "scripts/test.sh: no script takes --check: nothing witnesses the reference values" >&2
+    exit 1
+fi
 if [ "${1:-}" = --all ]; then
     ended "$testing" "pytest python/tests" package
     ended "$proving" "$proofs --check" proofs

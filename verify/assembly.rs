@@ -399,6 +399,9 @@ fn a_tower_of_four_bars() {
     let mobility = count;
     let assembly = deck.analyse();
     assert_eq!(assembly.positions[0].mobility, Some(mobility));
+    // A four-bar in the plane repeats three constraints.
+    assert_eq!(assembly.positions[0].redundant, Some(3 * count));
+    assert_eq!(assembly.redundant.len(), 3 * count);
     assert!(
         assembly.redundant.iter().all(|one| one.holds == Holds::Throughout),
         "{:?}",

@@ -243,7 +243,8 @@ fn digits_that_are_not_given_decide_nothing() {
     };
     let all = exact(None);
     assert_eq!((all.positions[0].mobility, all.positions[0].decided), (Some(1), true));
-    assert!(all.redundant.iter().all(|one| one.holds == Holds::Throughout));
+    let held: Vec<Holds> = all.redundant.iter().map(|one| one.holds).collect();
+    assert_eq!(held, [Holds::Throughout; 3]);
     // What twelve decimals leave out is no more than rounding is taken for.
     for decimals in 3..13 {
         let some = exact(Some(decimals));

@@ -295,6 +295,7 @@ pub(crate) fn judged(case: &Case) -> (Numbers<f64>, Bound, f64) {
 /// At well-conditioned states every mistake of δ ≥ 1e-9 exceeds the tolerance, in every quantity of every type.
 #[test]
 fn mistakes_are_beyond_the_tolerance() {
+    let mut compared = 0;
     for connection in TABLE {
         let draw = &mut Draw::new(&connection.name);
         for region in [Region::Aligned, Region::Misaligned] {
@@ -326,11 +327,13 @@ fn mistakes_are_beyond_the_tolerance() {
                             quantity.entry_name(k, i),
                             x - was
                         );
+                        compared += 1;
                     }
                 }
             }
         }
     }
+    assert!(compared > 150_000, "{compared}");
 }
 
 /// At lengths from 1e-300 to 1e300, and where they overflow doubles, nothing is wrong or invalid in any type, and no mutant survives: what

@@ -255,6 +255,7 @@ fn run(command: &mut Command, purpose: &str) -> Option<String> {
     let output = match command.output() {
         Ok(output) => output,
         Err(error) => {
+            assert!(env::var_os("CI").is_none(), "CI has no {:?}", command.get_program());
             eprintln!(
                 "SKIPPED: {:?} cannot be run ({error}), so {purpose} is not tested",
                 command.get_program()
@@ -410,6 +411,7 @@ pub(crate) fn python() -> PathBuf {
 fn run_python(target: Target, name: &str, frame: Frame, most: usize) -> Option<f64> {
     let has = Command::new(python()).args(["-c", &format!("import {name}")]).output();
     if !has.is_ok_and(|output| output.status.success()) {
+        assert!(env::var_os("CI").is_none(), "CI has no {name}");
         eprintln!(
             "SKIPPED: {} has no {name}, so programs for it are not tested; scripts/test.sh sets one up",
             python().display()

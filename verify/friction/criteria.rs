@@ -68,6 +68,7 @@ fn context(position: [f64; 6]) -> Context<'static, f64> {
 #[test]
 fn formulas_are_the_manuals() {
     let mut draw = Draw::new("friction formulas");
+    let mut compared = 0;
     for planar in [false, true] {
         for (name, i, numbers, criterion) in predefined(&mut draw, planar) {
             if planar && !["SLOT", "TRANSLATOR"].contains(&name.as_str()) {
@@ -91,9 +92,11 @@ fn formulas_are_the_manuals() {
                 assert!((point.criterion - phi).abs() <= bound, "{name} {i} Φ");
                 let without_contact = contact == 0.0;
                 assert!(flags.is_empty() || without_contact, "{name} {i} {flags:?}");
+                compared += usize::from(tangential != 0.0);
             }
         }
     }
+    assert!(compared > 800, "{compared}");
 }
 
 /// Parameters that no force depends on drop out; those that make no sense are refused.
@@ -197,6 +200,7 @@ fn derivatives_are_those_of_differences() {
 #[test]
 fn forces_of_any_size_are_alike() {
     let mut draw = Draw::new("friction range");
+    let mut compared = 0;
     let mut all: Vec<(String, Criterion)> =
         predefined(&mut draw, false).into_iter().map(|(name, i, _, c)| (format!("{name} {i}"), c)).collect();
     all.extend(
@@ -222,6 +226,7 @@ fn forces_of_any_size_are_alike() {
                     );
                 };
                 close(what, a.value, b.value / factor);
+                compared += usize::from(a.value != 0.0);
                 for j in 0..6 {
                     close(what, a.gradient[j], b.gradient[j]);
                     for k in 0..6 {
@@ -231,6 +236,7 @@ fn forces_of_any_size_are_alike() {
             }
         }
     }
+    assert!(compared > 300, "{compared}");
 }
 
 /// At zeros the value is exact, derivatives are zero, and the place is named.

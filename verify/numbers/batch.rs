@@ -116,11 +116,7 @@ fn greatest_common_divisor(a: usize, b: usize) -> usize {
 }
 
 fn check(group: &[One], name: &str, tolerance: [f64; 3], worst: &mut Worst) {
-    let batch = match Batch::new(&group[0].connector, [true; 6]) {
-        Ok(batch) => batch,
-        Err(BatchError::NotBatched(_)) => return,
-        Err(error) => panic!("{name}: {error}"),
-    };
+    let Some(batch) = batched(&group[0].connector, name) else { return };
     // A stride without a common factor with the number of cases: neighbours come from different regions, and every case comes.
     let count = group.len();
     let stride = (8..).find(|&stride| greatest_common_divisor(stride, count) == 1).unwrap();
@@ -197,14 +193,17 @@ fn lanes_equal_one_at_a_time() {
 /// Beside singular points, where measures take other branches than elsewhere, of all types in one test.
 #[test]
 fn lanes_equal_one_at_a_time_beside_singular_points() {
+    let mut checked = 0;
     for connection in TABLE {
         let draw = &mut Draw::new("batch, near");
         let mut worst = Worst::default();
         for group in sharing((0..60).filter_map(|_| random_near(connection, draw))) {
             check(&group, &connection.name, tolerance::BATCH_NEAR, &mut worst);
         }
+        checked += usize::from(worst.0[1] > 0.0);
         println!("{}: {:.1?} units", connection.name, worst.0);
     }
+    assert!(checked > 20, "only {checked} types differ at all");
 }
 
 /// The same connector in another unit of length, 2^k of the old one.
@@ -224,6 +223,7 @@ fn in_units(mut case: Case, power: i32) -> Case {
 /// In units of length from 1e−300 to 1e300.
 #[test]
 fn lanes_equal_one_at_a_time_at_every_scale() {
+    let mut checked = 0;
     for connection in TABLE {
         for power in [-990, -500, 500, 990] {
             let mut worst = Worst::default();
@@ -231,17 +231,29 @@ fn lanes_equal_one_at_a_time_at_every_scale() {
             for group in sharing(cases.filter(|case| case.length == 1.0).map(|case| in_units(case, power))) {
                 check(&group, &connection.name, tolerance::BATCH, &mut worst);
             }
+            checked += usize::from(worst.0[1] > 0.0);
             println!("{} in units of 2^{power}: {:.1?} units", connection.name, worst.0);
         }
+    }
+    assert!(checked > 100, "only {checked} types and units differ at all");
+}
+
+/// The batch of a connector; none where it has material flow, and no other failure.
+fn batched(connector: &Connector<f64>, name: &str) -> Option<Batch> {
+    match Batch::new(connector, [true; 6]) {
+        Ok(batch) => Some(batch),
+        Err(BatchError::NotBatched(_)) => None,
+        Err(error) => panic!("{name}: {error}"),
     }
 }
 
 /// A state that is no number stays in its lane.
 #[test]
 fn what_is_no_number_stays_in_its_lane() {
+    let mut compared = 0;
     for connection in TABLE {
         for group in groups(connection, crate::states::extent(connection)) {
-            let Ok(batch) = Batch::new(&group[0].connector, [true; 6]) else { continue };
+            let Some(batch) = batched(&group[0].connector, &connection.name) else { continue };
             for ones in group.chunks_exact(4) {
                 let sections = [Section::new(&four(|i| &ones[i].connector))];
                 let histories = [History::new(&four(|i| ones[i].found.branch))];
@@ -269,12 +281,14 @@ fn what_is_no_number_stays_in_its_lane() {
                                     .collect::<Vec<f64>>()
                             };
                             assert_eq!(numbers(row), numbers(known), "{name}: lane {lane} beside {with}");
+                            compared += 1;
                         }
                     }
                 }
             }
         }
     }
+    assert!(compared > 5_000, "{compared}");
 }
 
 /// A tile by poses from initial triads that are the global axes: the one that the pairs make.
@@ -296,6 +310,7 @@ fn placed(pairs: &[Pair<f64>; 4]) -> Tile {
 /// Branches from lanes: turns are the same integers, principal angles the same to rounding.
 #[test]
 fn turns_are_counted_by_the_same_rule() {
+    let mut turned = 0;
     for connection in TABLE {
         for group in groups(connection, crate::states::extent(connection)) {
             for ones in group.chunks(4) {
@@ -318,6 +333,7 @@ fn turns_are_counted_by_the_same_rule() {
                             (whole(*turns) - whole(known)).abs() < 1e-12 * (1.0 + whole(known).abs()),
                             "{name} component {k}: {turns:?} where one at a time gives {known:?}"
                         );
+                        turned += usize::from(known.turns != 0.0);
                     }
                     assert_eq!(after.euler_sign, single.euler_sign, "{}", one.case.name);
                     let [x, y] = [&after, single].map(|of| of.accumulated + of.accumulated_rest);
@@ -330,17 +346,18 @@ fn turns_are_counted_by_the_same_rule() {
             }
         }
     }
+    assert!(turned > 60, "{turned}");
 }
 
 /// Rows of some components are those that all of them have, whichever formula they share.
 #[test]
 fn some_rows_are_rows_of_all() {
+    let mut compared = 0;
     for connection in TABLE {
-        let Some(group) = groups(connection, crate::states::Extent::Brief).into_iter().next() else {
-            continue;
-        };
+        let group = groups(connection, crate::states::Extent::Brief).into_iter().next();
+        let group = group.unwrap_or_else(|| panic!("{} has no states", connection.name));
         let one = &group[0];
-        let Ok(whole) = Batch::new(&one.connector, [true; 6]) else { continue };
+        let Some(whole) = batched(&one.connector, &connection.name) else { continue };
         let input = (
             [Tile::new(&[one.state().pair; 4])],
             [Section::new(&[&one.connector; 4])],
@@ -357,9 +374,11 @@ fn some_rows_are_rows_of_all() {
             for (row, of) in rows(&batch).iter().zip(batch.measures()) {
                 let same = whole.measures().iter().position(|one| one == of).unwrap();
                 assert_eq!(*row, all[same], "{}: {of:?} of {mask:b}", connection.name);
+                compared += 1;
             }
         }
     }
+    assert!(compared > 3_000, "{compared}");
 }
 
 /// Of many tiles each gets the rows that it has by itself, though passes go over some of them before the next.

@@ -455,6 +455,17 @@ pub(crate) fn pages() -> impl Iterator<Item = (&'static str, &'static str)> {
     MANUAL.iter().map(|row| (row.name, row.page))
 }
 
+/// Types whose pages permit an orientation that gives their nodes no rotations.
+const WITHOUT_ROTATIONS: [&str; 2] = ["AXIAL", "JOIN"];
+
+/// The nodes that each type gives rotations: where its page permits an orientation.
+pub(crate) fn rotating() -> impl Iterator<Item = (&'static str, [bool; 2])> {
+    MANUAL.iter().map(|row| {
+        let is_given = !WITHOUT_ROTATIONS.contains(&row.name);
+        (row.name, row.orientation.map(|rule| is_given && !rule.starts_with("ignored")))
+    })
+}
+
 /// Multi-point constraints, as their pages have them: the type, its number of nodes, its equations without material flow, the
 /// angles that are degrees of freedom of further nodes, whether it is for Standard only, and the page.
 const MPCS: [(&str, usize, usize, usize, bool, &str); 6] = [

@@ -133,6 +133,7 @@ fn revolute_keeps_its_axis_along_every_admissible_motion() {
 #[test]
 fn the_angle_of_revolute_unwraps_through_n_pi() {
     let steps = prop::collection::vec((-3.0..3.0_f64, vector(1.0)), 1..40);
+    let (passed, most) = (Cell::new(0), Cell::new(0.0_f64));
     ask((vector(1.8), steps), 2_000, |(initial, steps), compared| {
         let mut revolute = Moving::new(named("REVOLUTE"), [0.0; 3], [exp(initial); 2]);
         let mut total = 0.0_f64;
@@ -140,11 +141,16 @@ fn the_angle_of_revolute_unwraps_through_n_pi() {
             revolute.step([common; 2], [[0.0; 3]; 2]);
             let result =
                 revolute.step([[0.0; 3], scale(column(&revolute.pair.a.triad, 0), angle)], [[0.0; 3]; 2]);
+            let turns = |angle: f64| ((angle + PI) / (2.0 * PI)).floor();
+            passed.set(passed.get() + usize::from(turns(total) != turns(total + angle)));
             total += angle;
+            most.set(most.get().max(turns(total).abs()));
             agree(result.displacement[3].unwrap(), total, 200.0, 10.0, compared, "ur1")?;
         }
         Ok(())
     });
+    let (passed, most) = (passed.get(), most.get());
+    assert!(passed > 800 && most > 2.0, "±π was passed {passed} times, {most} turns at most");
 }
 
 /// b turns about an axis fixed in a, any number of times: the rotation vector is the whole angle along that axis.
