@@ -632,6 +632,11 @@ fn forces_from_files_and_scenes() {
 
 #[test]
 fn usage_errors() {
+    let several = folder("several-decks").to_str().unwrap().to_string();
+    let none = folder("no-deck").to_str().unwrap().to_string();
+    for name in ["a.inp", "b.inp"] {
+        fs::write(Path::new(&several).join(name), "*NODE\n1, 0., 0., 0.\n").unwrap();
+    }
     for (arguments, code, part) in [
         (&["explain", "revolut"][..], 2, "did you mean REVOLUTE?"),
         (&["explain", "nonsense"], 2, "pintle list"),
@@ -681,7 +686,8 @@ fn usage_errors() {
         (&["explain", "MPC REVOLUTE", "TIE"], 2, "one type"),
         (&["eval", "-"], 2, "not read from standard input"),
         (&["eval", "no/such/deck.inp"], 6, "× no/such/deck.inp: cannot be opened: "),
-        (&["eval", env!("CARGO_TARGET_TMPDIR")], 6, ": a directory, not a deck"),
+        (&["eval", &several], 6, "name one of its decks: "),
+        (&["eval", &none], 6, "name a deck (.inp); there is none in it"),
         (&["eval", "gallery:slider_crank", "--states", "no/such.csv"], 6, "× no/such.csv: cannot be read: "),
         (&["eval", "gallery:slider_crank", "--resume", "no/such.json"], 6, "no/such.json"),
     ] {

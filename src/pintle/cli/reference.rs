@@ -3,15 +3,27 @@
 use super::Failure;
 use pintle_scene::{GALLERY, Scene};
 use pintle_solve::{Difference, Method, Options, REFERENCES, Refusal, Solution, estimate, solve};
+use std::fs;
+use std::path::Path;
 
-/// The scene of `references/NAME`, and of `gallery:NAME` where the gallery has none of that name.
+/// The scene of `references/NAME`, and of `gallery:NAME` where the gallery has none of that name; of a directory NAME, too, whose deck is
+/// that of the reference.
 pub(super) fn reference(name: &str) -> Option<Result<Scene, Failure>> {
     let of_gallery = name.strip_prefix("gallery:");
     let of_gallery = of_gallery.filter(|name| !GALLERY.iter().any(|example| example.name == *name));
-    let name =
-        of_gallery.or_else(|| name.strip_prefix("references/").map(|name| name.trim_end_matches('/')))?;
-    let (name, deck) = REFERENCES.iter().find(|(known, _)| *known == name)?;
+    let named =
+        of_gallery.or_else(|| name.strip_prefix("references/").map(|name| name.trim_end_matches('/')));
+    let known = named.and_then(|name| REFERENCES.iter().find(|(known, _)| *known == name));
+    let (name, deck) = known.or_else(|| of_directory(Path::new(name)))?;
     Some(Scene::parse(&format!("{name}.inp"), deck).map_err(Failure::from))
+}
+
+/// The reference of which a directory has the name and the deck.
+fn of_directory(directory: &Path) -> Option<&'static (&'static str, &'static str)> {
+    let whole = directory.canonicalize().ok().filter(|path| path.is_dir())?;
+    let found = REFERENCES.iter().find(|(name, _)| whole.file_name().is_some_and(|last| last == *name))?;
+    let deck = fs::read_to_string(whole.join("deck.inp")).ok()?;
+    Some(found).filter(|(_, known)| *known == deck)
 }
 
 /// A solution at some times on doubles, and how far its witness is from it.

@@ -39,14 +39,36 @@ use keywords::beginnings::{Begun, begun};
 use keywords::{Family, Rule, Stage, Strange};
 use sets::SetBuilder;
 use std::collections::HashMap;
+use std::fs;
 use std::io::BufRead;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use sets::MAX_MEMBERS;
 
+/// The decks in a directory, in the order of their names.
+fn decks_of(directory: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
+    let mut decks: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    decks.retain(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("inp")));
+    decks.sort();
+    decks
+}
+
+/// What to type in the place of a directory that has these decks.
+fn some_of(decks: &[PathBuf]) -> String {
+    const SHOWN: usize = 4;
+    let names =
+        decks.iter().take(SHOWN).map(|deck| deck.display().to_string()).collect::<Vec<_>>().join(", ");
+    match decks.len() {
+        0 => "name a deck (.inp); there is none in it".to_string(),
+        1..=SHOWN => format!("name one of its decks: {names}"),
+        all => format!("name one of its {all} decks: {names} …"),
+    }
+}
+
 impl Scene {
     /// Reads a scene from a file: TOML or JSON if its name ends in `.toml` or `.json`, otherwise a deck, with the files that
-    /// it includes, each relative to the one that includes it.
+    /// it includes, each relative to the one that includes it. A directory with one deck stands for it.
     ///
     /// # Errors
     /// What is wrong with it, with places and remedies: the first error, which carries the others ([`Diagnostic::further`]).
@@ -65,7 +87,13 @@ impl Scene {
         let format = Format::of_path(path);
         let nothing = |error| (Self::default(), Some(error));
         if path.is_dir() {
-            return nothing(unreadable("a directory, not a deck".to_string(), "name a deck (.inp) in it"));
+            return match decks_of(path).as_slice() {
+                [deck] => Self::examine(deck),
+                decks => {
+                    let remedy = some_of(decks);
+                    nothing(unreadable("a directory, not a deck".to_string(), &remedy))
+                }
+            };
         }
         if format != Format::Deck {
             return document::read(path, format).map_or_else(nothing, |scene| (scene, None));

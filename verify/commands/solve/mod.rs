@@ -3,7 +3,7 @@
 mod kept;
 mod references;
 
-use crate::commands::cli::{pintle, stderr, stdout};
+use crate::commands::cli::{folder, pintle, stderr, stdout};
 use std::fs;
 use std::path::Path;
 
@@ -215,4 +215,31 @@ fn references_are_solved_by_name() {
     assert!(stdout(&done).contains("rigid stick differs by"), "{}", stdout(&done));
     let done = pintle(&["solve", "gallery:no_such_thing"]).assert().failure();
     assert!(stderr(&done).contains("no_such_thing"), "{}", stderr(&done));
+}
+
+/// A directory stands for its one deck, by whichever path; that of a reference is the reference.
+#[test]
+fn a_directory_stands_for_its_deck() {
+    let whole = Path::new(env!("CARGO_MANIFEST_DIR")).join("references/drawer");
+    let whole = whole.to_str().unwrap();
+    let by_name = stdout(&pintle(&["solve", "references/drawer"]).assert().success());
+    let at = |path: &str| {
+        let mut command = pintle(&["solve", path]);
+        stdout(&command.current_dir(env!("CARGO_MANIFEST_DIR")).assert().success())
+    };
+    for path in [whole, "./references/drawer", "./references/../references/drawer/"] {
+        assert_eq!(at(path), by_name, "{path}");
+    }
+    // A deck that is another one is solved as it is.
+    let mine = folder("solve-directory").join("drawer");
+    fs::create_dir_all(&mine).unwrap();
+    let deck = fs::read_to_string(Path::new(whole).join("deck.inp")).unwrap();
+    fs::write(mine.join("deck.inp"), format!("** mine\n{deck}")).unwrap();
+    let found = at(mine.to_str().unwrap());
+    let (title, rest) = found.split_once('\n').unwrap();
+    assert!(title.contains("deck.inp: solved from 0 to 4"), "{title}");
+    assert_eq!(Some(rest), by_name.split_once('\n').map(|(_, rest)| rest));
+    // Other commands take it, too.
+    let page = stdout(&pintle(&["audit", whole, "--model-only"]).assert().success());
+    assert!(page.contains("Rank"), "{page}");
 }
