@@ -260,7 +260,7 @@ fn of_events<R: Number>(solution: &Solution<R>, given: &[Given]) -> Events {
     for event in &solution.events {
         let label =
             solution.connectors.get(event.connector).map(|(label, _)| label.to_string().to_ascii_uppercase());
-        let word = event.what.in_words();
+        let word = event.what.name();
         let is_same = |given: &&Given| {
             let title = label.as_ref().is_some_and(|label| {
                 given.connector == *label || given.connector.ends_with(&format!(" {label}"))

@@ -1,53 +1,77 @@
 //! `pintle explain WORD`: what a word of a report, an output, a flag or a key of JSON means. The reference pages are the one list; of keys of a
 //! scene it is the schema of scenes.
 
-use crate::layout::{self, BOLD, styled};
+use crate::layout::{self, BOLD, DIM, styled};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::io::{self, Write};
+use std::iter;
 
 /// The pages: tables whose first column is the word, or words, and whose second is the meaning, or what a field holds.
-const PAGES: [&str; 4] = [
+const PAGES: [&str; 10] = [
+    include_str!("../../docs/reference/words.md"),
     include_str!("../../docs/reference/verdicts.md"),
     include_str!("../../docs/reference/outputs.md"),
+    include_str!("../../docs/reference/conventions.md"),
+    include_str!("../../docs/reference/solution.md"),
+    include_str!("../../docs/explanation/audit.md"),
+    include_str!("../../docs/how-to/sweep.md"),
     include_str!("../../docs/reference/json.md"),
+    include_str!("../../docs/reference/protocol.md"),
     include_str!("../../docs/reference/keywords.md"),
 ];
 
-/// The first column of tables of keywords, whose others have titles of their own.
-const KEYWORD: &str = "keyword";
+/// The titles of a second column that has meanings.
+const MEANINGS: [&str; 6] = ["meaning", "holds", "says", "sign", "convention", "of"];
+
+/// The first columns of tables whose others have titles of their own.
+const TITLED: [&str; 2] = ["keyword", "oracle"];
 
 /// A word and what it means.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Meaning {
     /// The word, or several of one meaning, as the page has them.
     pub word: Cow<'static, str>,
+    /// Where it stands: the page and its section, or the scene.
+    pub place: Cow<'static, str>,
     /// The meaning.
     pub meaning: Cow<'static, str>,
 }
 
 /// Every word of the pages that has a meaning, in their order.
 pub fn meanings() -> impl Iterator<Item = Meaning> {
-    // The titles of the columns after the first, of a table that is read.
-    let mut titles: Option<Vec<&str>> = None;
+    // Of a table: the titles of its columns after the first, if it is read.
+    let mut table: Option<Option<Vec<&str>>> = None;
+    let (mut page, mut section) = ("", "");
     PAGES.iter().flat_map(|page| page.lines()).filter_map(move |line| {
         let Some(cells) = line.strip_prefix('|') else {
-            titles = None;
+            table = None;
+            if let Some(title) = line.strip_prefix("# ") {
+                (page, section) = (title, "");
+            }
+            section = line.strip_prefix("## ").unwrap_or(section);
             return None;
         };
         let cells: Vec<&str> = cells.trim_end().trim_end_matches('|').split('|').map(str::trim).collect();
         let (word, rest) = cells.split_first()?;
-        if *word == KEYWORD || matches!(rest.first(), Some(&("meaning" | "holds"))) {
-            titles = Some(if *word == KEYWORD { rest.to_vec() } else { vec![""] });
+        let Some(titles) = &table else {
+            let is_titled = TITLED.contains(word);
+            let is_read = is_titled || rest.first().is_some_and(|title| MEANINGS.contains(title));
+            table = Some(is_read.then(|| if is_titled { rest.to_vec() } else { vec![""] }));
             return None;
-        }
+        };
         let titles = titles.as_ref().filter(|_| !word.starts_with("---"))?;
         let told = titles.iter().zip(rest).filter(|(_, cell)| !cell.is_empty());
         let told: Vec<String> = told
             .map(|(title, cell)| if title.is_empty() { (*cell).into() } else { format!("{title}: {cell}") })
             .collect();
         let told = if told.is_empty() { "read".to_owned() } else { told.join("; ") };
-        Some(Meaning { word: (*word).into(), meaning: without_links(&told).into() })
+        let place = if section.is_empty() { page.to_owned() } else { format!("{page}: {section}") };
+        Some(Meaning {
+            word: (*word).into(),
+            place: place.replace('`', "").into(),
+            meaning: without_links(&told).into(),
+        })
     })
 }
 
@@ -65,47 +89,75 @@ fn without_links(text: &str) -> String {
     plain
 }
 
-/// The meanings of a word, in any case: of rows that list it, or of which it is the beginning.
+/// Whether a row lists a word, or what `is_it` asks of its words: as a whole, and each of several.
+fn lists(row: &Meaning, is_it: &dyn Fn(&str) -> bool) -> bool {
+    let several = row.word.split(", ").flat_map(|one| one.split(" with "));
+    iter::once(&*row.word).chain(several).any(|one| {
+        let plain = one.replace(['`', '…', '*'], "").replace("[]", "").to_lowercase();
+        // A path of JSON is known by its last key.
+        let last = plain.rsplit_once('.').map(|(_, last)| last).filter(|_| one.contains('`'));
+        is_it(&plain) || last.is_some_and(is_it)
+    })
+}
+
+/// The meanings of a word, in any case: of rows that list it, or of which it is the beginning. A heading is known without its unit, a derivative
+/// by what it is of, and by what.
 pub fn of(word: &str) -> Vec<Meaning> {
+    let found = exactly(word);
+    if !found.is_empty() {
+        return found;
+    }
+    let plain = word.split_once(" [").map_or(word, |(plain, _)| plain).trim_end_matches([':', '/']);
+    match plain.strip_prefix("∂²").or_else(|| plain.strip_prefix('∂')) {
+        Some(derivative) => derivative.split("/∂").flat_map(as_written).collect(),
+        None => as_written(plain),
+    }
+}
+
+/// The meanings of rows that list a word, in any case.
+pub fn exactly(word: &str) -> Vec<Meaning> {
     let asked = word.to_lowercase();
-    let lists = |row: &Meaning, is_it: &dyn Fn(&str) -> bool| {
-        row.word.split(", ").flat_map(|one| one.split(" with ")).any(|one| {
-            // A path of JSON is known by its last key.
-            let plain = one.replace(['`', '…', '*'], "").replace("[]", "").to_lowercase();
-            is_it(&plain) || plain.rsplit_once('.').is_some_and(|(_, last)| is_it(last))
-        })
-    };
-    let mut exact: Vec<Meaning> = meanings().filter(|row| lists(row, &|one| one == asked)).collect();
-    exact.extend(of_scenes(&asked));
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    let listed = meanings().filter(|row| lists(row, &|one| one == asked));
+    listed.chain(of_scenes(&asked)).collect()
+}
+
+/// The meanings of a word, or of those of which it is the beginning.
+fn as_written(word: &str) -> Vec<Meaning> {
+    let exact = exactly(word);
+    let asked = word.to_lowercase();
     if !exact.is_empty() || asked.chars().count() < 3 {
         return exact;
     }
     let begun: Vec<Meaning> = meanings().filter(|row| lists(row, &|one| one.starts_with(&asked))).collect();
-    // An output of one component goes by the name of all: CRF2 and CRM2 are of CRF.
+    // One component goes by the name of all: CRF2 and CRM2 are of CRF, CUR1 of CU, vr1 of vr.
     let of_component = asked.strip_suffix(['1', '2', '3', '4', '5', '6']).filter(|_| begun.is_empty());
     of_component.map_or(begun, |all| {
-        let all = all.strip_suffix('r').unwrap_or(all);
-        let forces = all.strip_suffix('m').map_or_else(|| all.to_owned(), |start| format!("{start}f"));
-        meanings().filter(|row| lists(row, &|one| one == forces)).collect()
+        let of_rotations = all.strip_suffix('r').unwrap_or(all);
+        let of_moments = all.strip_suffix('m').map_or_else(|| all.to_owned(), |start| format!("{start}f"));
+        let names = [all, of_rotations, &of_moments];
+        meanings().filter(|row| lists(row, &|one| names.contains(&one))).collect()
     })
-}
-
-/// What is read of a keyword of decks.
-pub fn of_keyword(name: &str) -> Vec<Meaning> {
-    of(name).into_iter().filter(|row| row.word.contains("`*")).collect()
 }
 
 /// What a key of a scene means, in each object that has it.
 fn of_scenes(key: &str) -> Vec<Meaning> {
-    let mut found = Vec::new();
+    let mut found: Vec<Meaning> = Vec::new();
     if let Ok(schema) = serde_json::from_str(pintle_scene::SCHEMA_TEXT) {
         properties("scene", &schema, &mut |object, name, property| {
             let meaning = property.get("description").and_then(Value::as_str);
             if let Some(meaning) = meaning.filter(|_| name.eq_ignore_ascii_case(key)) {
-                let word = format!("`{name}` ({object})").into();
-                let meaning = Meaning { word, meaning: meaning.replace('\n', " ").into() };
-                if !found.contains(&meaning) {
-                    found.push(meaning);
+                let meaning = meaning.replace('\n', " ");
+                match found.iter_mut().find(|known: &&mut Meaning| known.meaning == meaning) {
+                    Some(Meaning { place, .. }) if place.split([' ', ',']).any(|known| known == object) => {}
+                    Some(Meaning { place, .. }) => *place = format!("{place}, {object}").into(),
+                    None => found.push(Meaning {
+                        word: format!("`{name}`").into(),
+                        place: format!("a scene in TOML or JSON: {object}").into(),
+                        meaning: meaning.into(),
+                    }),
                 }
             }
         });
@@ -137,8 +189,8 @@ fn properties(object: &str, schema: &Value, take: &mut impl FnMut(&str, &str, &V
 /// # Errors
 /// Those of the stream.
 pub fn human(out: &mut dyn Write, found: &[Meaning], width: usize) -> io::Result<()> {
-    for Meaning { word, meaning } in found {
-        writeln!(out, "{}", styled(BOLD, word))?;
+    for Meaning { word, place, meaning } in found {
+        writeln!(out, "{}  {}", styled(BOLD, word), styled(DIM, place))?;
         write!(out, "{}", layout::labelled("", 2, 2, meaning, width))?;
     }
     Ok(())
@@ -156,7 +208,7 @@ pub fn json(out: &mut dyn Write, found: &[Meaning]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{meanings, of, properties};
+    use super::{exactly, meanings, of, properties};
     use pintle_audit::Verdict;
     use std::collections::BTreeSet;
 
@@ -214,7 +266,7 @@ mod tests {
         ] {
             assert!(of(word).iter().any(|one| one.word.contains(&word.to_uppercase())), "{word}");
         }
-        assert!(!super::of_keyword("TIE").is_empty() && super::of_keyword("MPCS").is_empty());
+        assert!(exactly("TIE").iter().any(|one| one.word.contains("*TIE")) && exactly("TI").is_empty());
         for word in ["CRF2", "CRM1", "CTF3", "CUR1"] {
             assert!(!of(word).is_empty(), "{word}");
         }

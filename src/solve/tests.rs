@@ -595,7 +595,7 @@ fn meets(name: &str, solution: &Solution<f64>, seen: &mut Seen) {
     let last = solution.frames.last().unwrap();
     let number = |value: &serde_json::Value| value.as_str().unwrap().parse::<f64>().unwrap();
     let events = stored["events"].as_array().unwrap();
-    let told: Vec<&str> = solution.events.iter().map(|event| event.what.in_words()).collect();
+    let told: Vec<&str> = solution.events.iter().map(|event| event.what.name()).collect();
     let wanted: Vec<String> = events
         .iter()
         .map(|event| {

@@ -4,6 +4,8 @@
 //! What follows is its output, with what goes to the terminal's errors after it. A line `…` stands for any lines. `$ echo $?` is the exit code of the
 //! command before. All of a page runs in one folder.
 
+mod words; // whether every word of the reports is explained
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::{env, fs};

@@ -157,9 +157,9 @@ pub(crate) struct Explain {
     /// of a report such as kink
     #[arg(value_name = "TYPE|MPC|CODE|WORD")]
     name: String,
-    /// A second type: a basic translational and a basic rotational type make a pair
-    #[arg(value_name = "TYPE")]
-    second: Option<String>,
+    /// More words of it; or a second type, for a basic translational and a basic rotational one make a pair
+    #[arg(value_name = "TYPE|WORD")]
+    rest: Vec<String>,
     /// How to write it
     #[arg(long, value_enum, default_value_t)]
     format: ExplainFormat,
@@ -557,6 +557,16 @@ fn connection(name: &str, second: Option<&str>) -> Result<ConnectionType, Failur
     })
 }
 
+/// What the name of a type or constraint means elsewhere.
+fn besides(out: &mut dyn Write, name: &str, width: usize) -> io::Result<()> {
+    let found = glossary::exactly(name);
+    if found.is_empty() {
+        return Ok(());
+    }
+    writeln!(out)?;
+    glossary::human(out, &found, width)
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
@@ -573,8 +583,10 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         let meant = near.map_or_else(String::new, |near| format!("; did you mean {}?", near.as_str()));
         return Err(Failure::Usage(format!("there is no code {:?}{meant}", arguments.name)));
     }
-    let second = arguments.second.as_deref().unwrap_or_default();
-    let words = format!("{} {second}", arguments.name).to_ascii_uppercase();
+    let rest = Some(arguments.rest.join(" ")).filter(|rest| !rest.is_empty());
+    let asked =
+        rest.as_ref().map_or_else(|| arguments.name.clone(), |rest| format!("{} {rest}", arguments.name));
+    let words = asked.to_ascii_uppercase();
     match words.split_whitespace().collect::<Vec<_>>()[..] {
         ["MPC"] => return explain_mpc(&mut out, None, arguments.format.page()?, width),
         ["MPC", name] => {
@@ -592,17 +604,15 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
             if let Some(kind) = mpc::Kind::named(name) {
                 let format = arguments.format.page()?;
                 explain_mpc(&mut out, Some(kind), format, width)?;
-                let keyword = glossary::of_keyword(name);
-                if matches!(format, PageFormat::Human) && !keyword.is_empty() {
-                    writeln!(out)?;
-                    glossary::human(&mut out, &keyword, width)?;
+                if matches!(format, PageFormat::Human) {
+                    besides(&mut out, name, width)?;
                 }
                 return Ok(out.flush()?);
             }
         }
         _ => {}
     }
-    let found = glossary::of(words.trim());
+    let found = glossary::of(asked.trim());
     if !found.is_empty() && !TABLE.iter().any(|entry| entry.name.eq_ignore_ascii_case(&arguments.name)) {
         match arguments.format.page()? {
             PageFormat::Human => glossary::human(&mut out, &found, width)?,
@@ -610,10 +620,13 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         }
         return Ok(out.flush()?);
     }
-    let connection = connection(&arguments.name, arguments.second.as_deref())?;
+    let connection = connection(&arguments.name, rest.as_deref())?;
     let explanation = || explain::Explanation::of(&connection);
     match arguments.format {
-        ExplainFormat::Human => explanation().human(&mut out, width)?,
+        ExplainFormat::Human => {
+            explanation().human(&mut out, width)?;
+            besides(&mut out, &asked, width)?;
+        }
         ExplainFormat::Json => explanation().json(&mut out)?,
         ExplainFormat::Latex => report::formulas::latex(&connection, &mut out)?,
     }

@@ -228,7 +228,7 @@ pub fn human<R: Number>(
                 vec![
                     number(event.time),
                     format!("{title} {}", slides(event)),
-                    event.what.in_words().to_string(),
+                    event.what.name().to_string(),
                     margin(event),
                     format!("{:.3}", event.lipschitz),
                 ]

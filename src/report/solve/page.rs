@@ -65,7 +65,7 @@ impl<'a, R: Number> Drawn<'a, R> {
     fn marks(&self, connector: Option<usize>) -> Vec<(f64, String)> {
         let events = self.solution.events.iter();
         let wanted = events.filter(|event| connector.is_none_or(|only| only == event.connector));
-        wanted.map(|event| (event.time.to_f64(), event.what.in_words().to_string())).collect()
+        wanted.map(|event| (event.time.to_f64(), event.what.name().to_string())).collect()
     }
 
     /// While all frictions of a connector stick.
@@ -225,7 +225,7 @@ pub fn html<R: Number>(
         [
             event.time.digits(digits),
             format!("{title} {}", super::slides(event)),
-            event.what.in_words().to_string(),
+            event.what.name().to_string(),
             super::margin(event),
             format!("{:.3}", event.lipschitz),
         ]

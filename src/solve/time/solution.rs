@@ -91,38 +91,25 @@ pub struct Frame<R> {
     pub is_event: bool,
 }
 
-/// What happened to a connector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum What {
-    /// Stick ended: slip begins.
-    Slips,
-    /// Slip ended: stick begins.
-    Sticks,
-    /// Slip turned to the other direction at once.
-    Reverses,
-    /// A stop is reached: what runs into it loses its velocity there.
-    Closes,
-    /// A stop is left.
-    Opens,
-    /// A lock holds.
-    Locks,
-    /// A failure releases.
-    Fails,
-}
-
-impl What {
-    /// In words.
-    pub const fn in_words(self) -> &'static str {
-        match self {
-            Self::Slips => "slips",
-            Self::Sticks => "sticks",
-            Self::Reverses => "reverses",
-            Self::Closes => "stop closes",
-            Self::Opens => "stop opens",
-            Self::Locks => "locks",
-            Self::Fails => "fails",
-        }
+pintle_kinematics::named! {
+    /// What happened to a connector.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum What {
+        /// Stick ended: slip begins.
+        Slips = "slips",
+        /// Slip ended: stick begins.
+        Sticks = "sticks",
+        /// Slip turned to the other direction at once.
+        Reverses = "reverses",
+        /// A stop is reached: what runs into it loses its velocity there.
+        Closes = "stop closes",
+        /// A stop is left.
+        Opens = "stop opens",
+        /// A lock holds.
+        Locks = "locks",
+        /// A failure releases.
+        Fails = "fails",
     }
 }
 

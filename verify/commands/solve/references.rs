@@ -175,7 +175,7 @@ fn stored<R: Number>(one: &Solution<R>, error: f64) -> String {
             number(event.time, last),
             one.connectors[event.connector].1,
             list(components),
-            event.what.in_words(),
+            event.what.name(),
         );
     }
     let _ = writeln!(text, " ],\n \"columns\": {{");
@@ -357,7 +357,7 @@ fn stored_solutions_are_those_of_the_solver_and_pages_are_current() {
         for (event, told) in solution.events.iter().zip(told) {
             let time: f64 = told[0].as_str().unwrap().parse().unwrap();
             assert!((event.time - time).abs() <= EVENT, "{name}: {} {time}", event.time);
-            assert_eq!(event.what.in_words(), told[3].as_str().unwrap(), "{name}");
+            assert_eq!(event.what.name(), told[3].as_str().unwrap(), "{name}");
             events += 1;
         }
         let title = scene.heading.trim().to_string();

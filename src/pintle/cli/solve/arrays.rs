@@ -61,7 +61,7 @@ pub(super) fn arrays<R: Number>(solution: &Solution<R>) -> Vec<Array> {
             vec![events.len()],
             doubles(events.iter().map(|event| event.time).collect()),
         ),
-        Array::words("event", events.iter().map(|event| event.what.in_words().to_string()).collect()),
+        Array::words("event", events.iter().map(|event| event.what.name().to_string()).collect()),
         Array::words(
             "event_element",
             events
