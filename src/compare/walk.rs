@@ -188,7 +188,7 @@ fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<Gap> {
         let more = if still.len() > SHOWN { ", …" } else { "" };
         found.push(Gap {
             what: format!(
-                "no rotation of nodes {}{more}: they are taken not to turn, so neither frames of components nor variations of rotations are told apart",
+                "no rotation of nodes {}{more}: they are taken not to turn, so it distinguishes neither frames of components nor variations of rotations",
                 nodes.join(", ")
             ),
             request: lines("*NODE PRINT", "U, UR"),

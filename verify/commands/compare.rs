@@ -851,7 +851,7 @@ fn gaps_are_said_with_the_output_request() {
     let (code, text) = run_in("gaps", &files, &["--against", "run.csv", "forces.csv"]);
     assert_eq!(code, Some(0), "{text}");
     for words in [
-        "no rotation of nodes 1: they are taken not to turn, so neither frames of components nor variations of rotations are told apart; add to the step *NODE PRINT U, UR",
+        "no rotation of nodes 1: they are taken not to turn, so it distinguishes neither frames of components nor variations of rotations; add to the step *NODE PRINT U, UR",
         "the rates of nodes, of which CV, CA and viscous forces are made; add to the step *NODE PRINT U, UR, V, VR, A, AR",
     ] {
         assert!(text.contains(words), "{words}: {text}");

@@ -52,7 +52,7 @@ impl Unsolved {
             Self::NotFirst => {
                 "earlier-solution: the equations of slip on 237 bits are met by a smaller slip than the given one".to_string()
             }
-            Self::Flagged(flag) => format!("{flag}: the increment is told to have no solution that the equations of slip define"),
+            Self::Flagged(flag) => format!("{flag}: the flag says that the equations of slip define no solution of the increment"),
         }
     }
 }
