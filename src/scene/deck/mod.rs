@@ -61,7 +61,7 @@ fn some_of(decks: &[PathBuf]) -> String {
         decks.iter().take(SHOWN).map(|deck| deck.display().to_string()).collect::<Vec<_>>().join(", ");
     match decks.len() {
         0 => "name a deck (.inp); there is none in it".to_string(),
-        ..=SHOWN => format!("name one of its decks: {names}"),
+        1..=SHOWN => format!("name one of its decks: {names}"),
         all => format!("name one of its {all} decks: {names} …"),
     }
 }
