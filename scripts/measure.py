@@ -623,7 +623,6 @@ MEASUREMENTS = {
     work_precision: ("work-precision",),
     printed("single"): ("single",),
     lanes: ("lanes", "lanes-summary"),
-    printed("forms"): ("forms",),
     instructions: ("instructions",),
     printed("demand"): ("demand",),
     printed("audit"): ("audit",),
