@@ -327,10 +327,7 @@ mod tests {
     use num_dual::{Dual, Dual2, Dual2SVec, Dual3, HyperDual};
 
     /// φ1 of a rotation, which has no derivative that is zero.
-    fn angle<S: Seeded<N>, const N: usize>() -> ([f64; N], [[f64; N]; N])
-    where
-        S: crate::scalar::Scalar<Real = f64>,
-    {
+    fn angle<S: Seeded<N, Real = f64>, const N: usize>() -> ([f64; N], [[f64; N]; N]) {
         let at = [0.4, -0.7];
         let [x, y] = [0, 1].map(|i| if i < N { S::seed(at[i], i) } else { S::from_real(at[i]) });
         let first = so3::log(&so3::exp([x * y, x, y * y]))[0];
