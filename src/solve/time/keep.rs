@@ -29,6 +29,8 @@ pub struct Kept<R> {
     fastest: f64,
     is_new: bool,
     #[serde(default)]
+    has_grown: bool,
+    #[serde(default)]
     quiet: Quiet,
     #[serde(default = "Option::default")]
     stages: Option<Stages<R>>,
@@ -91,6 +93,7 @@ impl<R: Number> Run<'_, R> {
             h: self.h,
             fastest: self.fastest,
             is_new: self.is_new,
+            has_grown: self.has_grown,
             quiet: self.quiet,
             stages: self.stages.clone(),
             stretched: self.stretched.clone(),
@@ -122,6 +125,7 @@ impl<R: Number> Run<'_, R> {
         self.h = kept.h;
         self.fastest = kept.fastest;
         self.is_new = kept.is_new;
+        self.has_grown = kept.has_grown;
         self.quiet = kept.quiet;
         self.stages = kept.stages;
         self.stretched = kept.stretched;

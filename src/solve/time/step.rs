@@ -677,6 +677,8 @@ impl<R: Number> Run<'_, R> {
                 }
             }
         }
+        // What acts may jump there.
+        self.hold_zeros(false);
         self.state.time = end;
         self.wake()
     }
