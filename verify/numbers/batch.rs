@@ -300,7 +300,7 @@ fn placed(pairs: &[Pair<f64>; 4]) -> Tile {
         displacement: [0, 1].map(|end| ends.map(|ends| &ends[end].displacement)),
         rotation: [0, 1].map(|end| ends.map(|ends| &ends[end].triad)),
     };
-    let mut tile = Tile::initial(&pairs.map(|pair| pair.reference), &initial);
+    let mut tile = Tile::initial(Tile::references(&pairs.map(|pair| pair.reference)), &initial);
     tile.place(&initial, &poses);
     let known = Tile::new(pairs);
     assert_eq!((tile.displacement, tile.triad), (known.displacement, known.triad));

@@ -371,8 +371,8 @@ impl Batch {
     /// Values and rows, in the layout asked for: those of the first tile, then those of the second …
     ///
     /// # Errors
-    /// [`BatchError::Length`] unless there are as many sections and histories as tiles, and as many rows as [`Batch::rows`] for
-    /// each tile.
+    /// [`BatchError::Length`] unless there are as many sections and histories as tiles, or one for all, and as many rows as
+    /// [`Batch::rows`] for each tile.
     pub fn rows_of<L: Layout>(
         &self,
         tiles: &[Tile],
@@ -388,15 +388,18 @@ impl Batch {
         Ok(())
     }
 
-    /// Tiles, with as many sections and histories.
+    /// Tiles, with as many sections and histories, or one for all.
     pub(super) fn slices<'a>(
         &self,
         tiles: &'a [Tile],
         sections: &'a [Section],
         histories: &'a [History],
     ) -> Result<Slices<'a>, BatchError> {
-        same_length("sections", sections.len(), tiles.len())?;
-        same_length("histories", histories.len(), tiles.len())?;
+        for (what, found) in [("sections", sections.len()), ("histories", histories.len())] {
+            if found != 1 {
+                same_length(what, found, tiles.len())?;
+            }
+        }
         Ok(Slices { tiles, sections, histories })
     }
 }

@@ -1,9 +1,10 @@
 //! What a row of four elements holds, and how the derivatives of a measure become it.
 
 use crate::batch::Four;
+use crate::connector::Group;
 use crate::measure::Measure;
 use crate::node::Dependence;
-use crate::scalar::lanes::Lanes;
+use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Scalar, unrolled};
 use crate::vector::{Matrix, Vector, cross, dot, sub, transpose};
 
@@ -36,6 +37,37 @@ impl CompactRow {
     pub fn lane(&self, lane: usize) -> crate::connector::CompactRow<f64> {
         let of = |x: &[Four; 3]| x.each_ref().map(|x| x.get(lane).copied().unwrap_or(f64::NAN));
         crate::connector::CompactRow::new(of(&self.turning_a), of(&self.moving_b), of(&self.turning_b))
+    }
+
+    /// The derivatives of a lane by one group of three degrees of freedom; of a lane above 3, those of lane 3.
+    #[inline]
+    pub fn group(&self, lane: usize, group: Group) -> Vector<f64> {
+        let lane = lane.min(LANES - 1);
+        let of = |x: &[Four; 3]| [x[0][lane], x[1][lane], x[2][lane]];
+        match group {
+            Group::TranslationA => {
+                let [x, y, z] = of(&self.moving_b);
+                [-x, -y, -z]
+            }
+            Group::RotationA => of(&self.turning_a),
+            Group::TranslationB => of(&self.moving_b),
+            Group::RotationB => of(&self.turning_b),
+        }
+    }
+
+    /// Whether all derivatives of all lanes are finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // A product with zero is zero, or NaN.
+        let mut sum = [0.0; LANES];
+        for columns in [&self.turning_a, &self.moving_b, &self.turning_b] {
+            for column in columns {
+                for lane in 0..LANES {
+                    sum[lane] += 0.0 * column[lane];
+                }
+            }
+        }
+        sum == [0.0; LANES]
     }
 }
 

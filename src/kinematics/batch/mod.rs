@@ -50,6 +50,7 @@
 //! # }
 //! ```
 
+mod care;
 mod fours;
 mod kernel;
 mod layout;
@@ -67,6 +68,7 @@ use layout::Shape;
 use pulp::{Arch, Simd, WithSimd};
 
 pub use crate::scalar::lanes::LANES;
+pub use care::Watch;
 pub use fours::{Fours, Origin};
 pub use kernel::Layout;
 pub use layout::{CompactRow, HessianRow, Row};
@@ -143,17 +145,6 @@ impl Batch {
     pub const fn baseline(mut self) -> Self {
         self.arch = Arch::Scalar;
         self
-    }
-
-    /// Whether the nodes of a lane are as far from each other as rows are stated for: 1e-300 to 1e300, or nearer where no row is that of a
-    /// length. Beyond it a row may be zero that is not.
-    pub fn takes(&self, tile: &Tile, lane: usize) -> bool {
-        const NEAR: f64 = 1e-300;
-        let most = tile
-            .apart(lane)
-            .into_iter()
-            .fold(0.0_f64, |most, x| if x.is_nan() { x } else { most.max(x.abs()) });
-        most <= 1.0 / NEAR && (!self.has_length || most >= NEAR)
     }
 
     /// The number of rows of each tile.

@@ -32,12 +32,12 @@ pub struct Poses<'a> {
 }
 
 /// The initial triads of four pairs of nodes, a local direction a column.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Triads([[[Four; 3]; 3]; 2]);
 
 /// The data of four connectors that measures refer to; see [`measure::Section`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Section {
     /// Q₀.
@@ -85,13 +85,14 @@ impl Tile {
         }
     }
 
+    /// X_b − X_a of four.
+    pub fn references(of: &[Vector<f64>; LANES]) -> [Four; 3] {
+        vector(of, |one| *one)
+    }
+
     /// Four pairs of nodes where they were at first, each with X_b − X_a.
-    pub fn initial(references: &[Vector<f64>; LANES], triads: &Triads) -> Self {
-        Self {
-            reference: vector(references, |one| *one),
-            displacement: [[[0.0; LANES]; 3]; 2],
-            triad: triads.0,
-        }
+    pub const fn initial(reference: [Four; 3], triads: &Triads) -> Self {
+        Self { reference, displacement: [[[0.0; LANES]; 3]; 2], triad: triads.0 }
     }
 
     /// Moves nodes from their initial triads: T = R T₀. Nothing else is changed.

@@ -440,35 +440,71 @@ impl Jacobian {
         self.blocks[at].columns.map(|columns| columns != 0)
     }
 
-    /// Gives the entries of a connector in the order of the rows. A row that is not there has entries that are no numbers: the others keep their
-    /// places.
-    pub(super) fn write(&self, at: usize, rows: &Components<CompactRow<f64>>, mut put: impl FnMut(f64)) {
+    /// Writes the entries of a connector: `of` gives the derivatives of a row by a group, `flow` those by the flow of an end, of b if
+    /// that is so.
+    pub(super) fn write(
+        &self,
+        at: usize,
+        entries: &mut [f64],
+        of: impl Fn(usize, Group) -> Vector<f64>,
+        flow: impl Fn(usize, bool) -> f64,
+    ) {
+        const GROUPS: [[Group; 2]; 2] =
+            [[Group::TranslationA, Group::RotationA], [Group::TranslationB, Group::RotationB]];
         let block = &self.blocks[at];
+        let mut rest = entries;
         for k in 0..6 {
-            let row = rows[k].as_ref();
-            let bits = block.columns[k];
-            let mut end = |is_b: bool| {
-                let at = usize::from(is_b) * (DOFS / 2);
-                let groups = if is_b {
-                    [Group::TranslationB, Group::RotationB]
-                } else {
-                    [Group::TranslationA, Group::RotationA]
-                };
-                let axes = block.axes[usize::from(is_b)];
-                for (from, group) in [(at, groups[0]), (at + 3, groups[1])] {
-                    if bits >> from & 0b111 != 0 {
-                        let entries = row.map_or([f64::NAN; 3], |row| self.turned(axes, row.group(group)));
-                        let columns = (0..3).filter(|i| bits >> (from + i) & 1 != 0);
-                        columns.for_each(|i| put(entries[i]));
+            if block.columns[k] == 0 {
+                continue;
+            }
+            for is_b in [block.is_swapped, !block.is_swapped] {
+                let end = usize::from(is_b);
+                let mut bits = block.columns[k] >> (end * (DOFS / 2));
+                for group in GROUPS[end] {
+                    let own = bits & 0b111;
+                    bits >>= 3;
+                    if own == 0 {
+                        continue;
+                    }
+                    let derivatives = match block.axes[end] {
+                        None => of(k, group),
+                        axes => self.turned(axes, of(k, group)),
+                    };
+                    if own == 0b111
+                        && let Some((three, others)) = std::mem::take(&mut rest).split_first_chunk_mut::<3>()
+                    {
+                        *three = derivatives;
+                        rest = others;
+                        continue;
+                    }
+                    for (i, derivative) in derivatives.into_iter().enumerate() {
+                        if own >> i & 1 != 0
+                            && let Some((entry, others)) = std::mem::take(&mut rest).split_first_mut()
+                        {
+                            *entry = derivative;
+                            rest = others;
+                        }
                     }
                 }
-                if bits >> (at + 6) & 1 != 0 {
-                    put(row.map_or(f64::NAN, |row| row.flow()[usize::from(is_b)]));
+                if bits & 1 != 0
+                    && let Some((entry, others)) = std::mem::take(&mut rest).split_first_mut()
+                {
+                    *entry = flow(k, is_b);
+                    rest = others;
                 }
-            };
-            end(block.is_swapped);
-            end(!block.is_swapped);
+            }
         }
+    }
+
+    /// The same of rows by themselves. One that is not there has entries that are no numbers: the others keep their places.
+    pub(super) fn write_rows(&self, at: usize, rows: &Components<CompactRow<f64>>, entries: &mut [f64]) {
+        let row = |k: usize| rows.get(k).and_then(Option::as_ref);
+        self.write(
+            at,
+            entries,
+            |k, group| row(k).map_or([f64::NAN; 3], |row| row.group(group)),
+            |k, is_b| row(k).map_or(f64::NAN, |row| row.flow()[usize::from(is_b)]),
+        );
     }
 
     /// Gives the entries of an MPC in the order of the rows.
@@ -608,11 +644,10 @@ mod tests {
         let branch = element.connector.initial_branch();
         let mut tally = Tally::default();
         let mut rows = element.connector.compact_rows(&still, &branch, jacobian.wanted(0), &mut tally);
-        let mut whole = Vec::new();
-        jacobian.write(0, &rows, |entry| whole.push(entry));
+        let [mut whole, mut lacking] = [0, 1].map(|_| vec![0.0; jacobian.entries()]);
+        jacobian.write_rows(0, &rows, &mut whole);
         rows[0] = None;
-        let mut lacking = Vec::new();
-        jacobian.write(0, &rows, |entry| lacking.push(entry));
+        jacobian.write_rows(0, &rows, &mut lacking);
         assert_eq!((whole.len(), lacking.len()), (jacobian.entries(), jacobian.entries()));
         let first = jacobian.offsets()[1];
         assert!(first > 0 && whole.iter().all(|x| x.is_finite()));

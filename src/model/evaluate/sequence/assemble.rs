@@ -6,13 +6,14 @@
 use crate::evaluate::jacobian::{ForeignPattern, Jacobian};
 use crate::evaluate::parallel;
 use crate::evaluate::sequence::element::{ConnectorResult, Context};
-use crate::evaluate::sequence::lanes::{Lanes, PART, Rows};
+use crate::evaluate::sequence::lanes::{Lanes, PART, Room};
 use crate::evaluate::sequence::nodes::STILL;
 use crate::evaluate::sequence::{Sequence, at_mpc, at_relation, turns};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{CompactRow, Components, Flag, Mask, Request, Tally};
 use pintle_kinematics::mpc::Dofs;
 use pintle_scene::State as SceneState;
+use std::sync::Arc;
 
 /// Elements of which one is next to the other, and their entries.
 struct Part<'p, M> {
@@ -30,15 +31,14 @@ struct Told {
     tally: Tally,
 }
 
-/// Fills the entries of elements in parts; `begin` gives the first entry of each element, and the end after the last.
+/// Fills the entries of elements in parts of that size; `begin` gives the first entry of each element, and the end after the last.
 fn fill<M: Send>(
-    memories: &mut [M],
+    (memories, size): (&mut [M], usize),
     begin: impl Fn(usize) -> usize,
     values: &mut [f64],
     work: impl Fn(Part<'_, M>) -> Told + Sync,
 ) -> Told {
     let mut entries = values.get_mut(begin(0)..).unwrap_or_default();
-    let size = parallel::part(memories.len()).max(PART);
     let mut parts = Vec::with_capacity(memories.len().div_ceil(size));
     let mut first = 0;
     for memories in memories.chunks_mut(size) {
@@ -98,23 +98,20 @@ impl Sequence<'_> {
             beyond: &beyond,
         };
         let (followed, needed) = (&*followed, &*needed);
+        let are_in_lanes = state.forces.is_empty();
         let of_connectors = |Part { first, memories, entries }: Part<'_, _>| {
-            let (mut told, mut result, mut rows) =
-                (Told::default(), ConnectorResult::room(), Rows::default());
-            let mut put = in_turn(entries);
-            let are_in_lanes = state.forces.is_empty();
+            let (mut told, mut result, mut room) =
+                (Told::default(), ConnectorResult::room(), Room::default());
             if are_in_lanes {
-                let of = (&**model, plan.connectors.as_slice());
+                let of = (&**model, plan.connectors.as_slice(), jacobian);
                 let told = (&mut told.flags, &mut told.tally);
-                lanes.rows(of, (first, memories), (ends, moved), &mut rows, told);
+                lanes.rows(first / PART, of, (memories, moved), (entries, &mut room), told);
+            } else {
+                room.alone.extend((first..first + memories.len()).filter_map(|at| u32::try_from(at).ok()));
             }
-            for (at, memory) in (first..).zip(memories) {
-                if let Some(Some(rows)) = rows.all.get(at - first) {
-                    jacobian.write(at, rows, &mut put);
-                    let wanted = jacobian.wanted(at);
-                    told.flags.extend(broken(wanted, rows).map(|flag| (at, flag)));
-                    continue;
-                }
+            let first_entry = jacobian.first_entry(first);
+            for at in room.alone.drain(..).map(|at| at as usize) {
+                let memory = &mut memories[at - first];
                 let nodes = ends[at].map(|end| end.map_or(&STILL, |end| &moved[end as usize]));
                 let wanted = jacobian.wanted(at);
                 let mut request = Request::nothing(0);
@@ -124,18 +121,22 @@ impl Sequence<'_> {
                 context.connector((index, nodes), memory, &request, history, &mut result, &mut told.tally);
                 let (connector, branch) = (&model.connectors[index].connector, &result.evaluation.branch);
                 let rows = connector.compact_rows(&result.state, branch, wanted, &mut told.tally);
-                jacobian.write(at, &rows, &mut put);
+                let these = jacobian.first_entry(at) - first_entry..jacobian.first_entry(at + 1) - first_entry;
+                jacobian.write_rows(at, &rows, entries.get_mut(these).unwrap_or_default());
                 let flags = result.flags.drain(..).chain(broken(wanted, &rows));
                 told.flags.extend(flags.map(|flag| (at, flag)));
             }
+            told.flags.sort_by_key(|(at, _)| *at);
             told
         };
-        let told = fill(connectors, |at| jacobian.first_entry(at), values, of_connectors);
+        let told =
+            fill((connectors, PART), |at| jacobian.first_entry(at), values, of_connectors);
         *tally += told.tally;
         let title = |at: usize| model.connectors[plan.connectors[at]].title();
         let mut care: Vec<_> = told.flags.into_iter().map(|(at, flag)| (title(at), flag)).collect();
         let mut request = Request::nothing(1);
         request.add_rows([true; 6]);
+        let [mpc_part, relation_part] = [mpcs.len(), relation_nodes.len()].map(parallel::part);
         let of_mpcs = |Part { first, memories, entries }: Part<'_, _>| {
             let mut told = Told::default();
             let mut put = in_turn(entries);
@@ -159,7 +160,7 @@ impl Sequence<'_> {
             }
             told
         };
-        let told = fill(mpcs, |at| jacobian.first_mpc_entry(at), values, of_mpcs);
+        let told = fill((mpcs, mpc_part), |at| jacobian.first_mpc_entry(at), values, of_mpcs);
         *tally += told.tally;
         let title = |at: usize| model.mpcs[plan.mpcs[at]].title();
         care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));
@@ -176,7 +177,7 @@ impl Sequence<'_> {
             }
             told
         };
-        let told = fill(relation_nodes, |at| jacobian.first_relation_entry(at), values, of_relations);
+        let told = fill((relation_nodes, relation_part), |at| jacobian.first_relation_entry(at), values, of_relations);
         *tally += told.tally;
         let title = |at: usize| model.relations[plan.relations[at]].title();
         care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));
@@ -202,14 +203,15 @@ impl Sequence<'_> {
             }
         }
         let of = (self.model, self.plan.connectors.as_slice());
-        self.lanes = Lanes::new(of, jacobian, (&self.followed, &self.needed));
+        let own = (self.connectors.as_slice(), self.ends.as_slice());
+        self.lanes = Arc::new(Lanes::new(of, jacobian, (&self.followed, &self.needed), own));
         self.pattern = Some(jacobian.origin().clone());
         Ok(())
     }
 }
 
 /// The rows wanted that are not there, or not finite.
-fn broken(wanted: Mask, rows: &Components<CompactRow<f64>>) -> impl Iterator<Item = Flag> {
+pub(super) fn broken(wanted: Mask, rows: &Components<CompactRow<f64>>) -> impl Iterator<Item = Flag> {
     let is_broken = [0, 1, 2, 3, 4, 5]
         .map(|k| wanted[k] && rows[k].as_ref().is_none_or(|row: &CompactRow<f64>| !row.is_finite()));
     (0..6)

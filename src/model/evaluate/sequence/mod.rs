@@ -23,7 +23,7 @@ use lanes::Lanes;
 use nodes::{Moved, Orientation, STILL, UNTURNED, is_unturned};
 use pintle_kinematics::connector::{Mask, Request, Tally, Turns};
 use pintle_kinematics::mpc;
-use pintle_scene::{Label, Rotation, State as SceneState};
+use pintle_scene::{Label, NodeMotion, Rotation, State as SceneState};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -92,7 +92,7 @@ pub struct Sequence<'a> {
     /// What the pattern of the Jacobian whose histories are followed shares with its copies.
     pattern: Option<Arc<()>>,
     /// Those whose rows it takes four at a time.
-    lanes: Lanes,
+    lanes: Arc<Lanes>,
     /// Room for results.
     rooms: Rooms,
 }
@@ -224,7 +224,7 @@ impl<'a> Sequence<'a> {
             velocities: Velocities::default(),
             conditions: Conditions::default(),
             pattern: None,
-            lanes: Lanes::default(),
+            lanes: Arc::default(),
             rooms: Rooms::default(),
             model,
             plan,
@@ -365,13 +365,13 @@ impl<'a> Sequence<'a> {
                 while given.next_if(|(known, _)| *known < label).is_some() {}
                 given.next_if(|(known, _)| *known == label).map(|(_, motion)| motion)
             };
-            let mut rotations = 0;
+            let (mut rotations, still) = (0, NodeMotion::default());
             let places = orientations.iter_mut().zip(all_moved);
             for ((label, is_followed), (orientation, moved)) in labels.iter().zip(turning).zip(places) {
                 let given = motion(label);
-                let motion = given.copied().unwrap_or_default();
+                let motion = given.unwrap_or(&still);
                 let is_turned = motion.rotation != Rotation::default() || !is_unturned(orientation);
-                moved.follow(&motion, orientation, given.is_some(), *is_followed, first);
+                moved.follow(motion, orientation, given.is_some(), *is_followed, first);
                 rotations += u64::from(is_turned);
             }
             rotations

@@ -114,19 +114,22 @@ impl Moved {
             Rotation::Vector([0.0, 0.0, 0.0]) => identity(),
             _ => so3::matrix(quaternion),
         };
-        let relative = so3::compose(quaternion, so3::conjugate(orientation.quaternion));
-        let principal = if followed { so3::log_quaternion(relative) } else { [0.0; 3] };
-        let turn = match motion.rotation {
-            Rotation::Vector(new) if followed => increment(new, orientation, relative, principal),
-            _ => Turn { increment: principal, other: None },
-        };
+        (self.change, self.whole_turns, self.other_turn) = ([0.0; 3], [0.0; 3], None);
+        if followed {
+            let relative = so3::compose(quaternion, so3::conjugate(orientation.quaternion));
+            let principal = so3::log_quaternion(relative);
+            let turn = match motion.rotation {
+                Rotation::Vector(new) => increment(new, orientation, relative, principal),
+                Rotation::Quaternion(_) => Turn { increment: principal, other: None },
+            };
+            self.change = turn.increment;
+            self.whole_turns = sub(turn.increment, principal);
+            self.other_turn = turn.other.filter(|_| !first);
+        }
         self.vector = match motion.rotation {
             Rotation::Vector(new) => new,
             Rotation::Quaternion(_) => so3::continuous_log_quaternion(quaternion, orientation.vector).phi,
         };
-        self.change = turn.increment;
-        self.whole_turns = sub(turn.increment, principal);
-        self.other_turn = turn.other.filter(|_| !first);
         orientation.quaternion = quaternion;
         orientation.vector = self.vector;
         orientation.is_of_vector = matches!(motion.rotation, Rotation::Vector(_));
