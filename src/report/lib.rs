@@ -18,9 +18,9 @@ pub mod sweep;
 mod words;
 
 pub use evaluation::{
-    Block, BlockKind, Column, ComponentRow, Derivative, Format, HingeFacts, MpcFacts, Nodal, NodalForce,
-    Renderer, Subject, Unevaluated, Value, csv, flag_in_words, flags_in_words, human, into_arrays, json,
-    matrix_market, unevaluated, value_of,
+    ArrayEvaluation, Block, BlockKind, Column, ComponentRow, Derivative, Format, HingeFacts, MpcFacts, Nodal,
+    NodalForce, Renderer, Subject, Unevaluated, Value, csv, flag_in_words, flags_in_words, human,
+    into_arrays, json, matrix_market, unevaluated, value_of,
 };
 pub use layout::{table, wrap};
 pub use words::{NOTATION, ROWS, SIGNS};

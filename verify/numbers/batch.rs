@@ -5,13 +5,14 @@ use crate::states::{Case, Draw, Ends, cases, dof_size};
 use crate::tolerance;
 use pintle_audit::singular::atlas::random_near;
 use pintle_kinematics::batch::{
-    Batch, BatchError, CompactRow, Fours, HessianRow, History, Poses, Row, Section, Tile, Triads,
+    Batch, BatchError, CompactRow, Fours, HessianRow, History, Poses, Row, Section, Tile, Triads, Watch,
 };
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
-use pintle_kinematics::connector::{Branch, Connector, Evaluation, Increment, Request, State, Tally};
+use pintle_kinematics::connector::{Branch, Connector, Evaluation, Flag, Increment, Request, State, Tally};
 use pintle_kinematics::measure::Measure;
-use pintle_kinematics::node::{DOFS, Pair};
-use pintle_kinematics::vector::identity;
+use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::so3;
+use pintle_kinematics::vector::{apply, dot, identity, product, scale};
 use std::f64::consts::PI;
 
 const U: f64 = f64::EPSILON / 2.0;
@@ -426,4 +427,62 @@ fn material_flow_is_refused() {
         let connector = Connector::<f64>::new(&definition);
         assert!(matches!(Batch::new(&connector, [true; 6]), Err(BatchError::NotBatched(_))));
     }
+}
+
+/// What a [`Watch`] leaves out has no flag: states at every distance from where axes meet, turn away, or nodes coincide.
+#[test]
+fn what_is_watched_is_flagged() {
+    let (mut flagged, mut left_out) = (0, 0);
+    let mut seed = 1_u64;
+    let mut number = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    for connection in TABLE {
+        for group in groups(connection, crate::states::extent(connection)) {
+            let connector = &group[0].connector;
+            if batched(connector, &connection.name).is_none() {
+                continue;
+            }
+            let watch = Watch::new(connector, [true; 6]);
+            let section = Section::new(&[connector; 4]);
+            let branch = connector.initial_branch();
+            let vector = branch.rotation_vector;
+            if watch.turns() && dot(vector, vector) > 9.0 {
+                continue;
+            }
+            for (angle, exponent) in [0.0, 0.5 * PI, PI, 2.0]
+                .into_iter()
+                .flat_map(|angle| [0, 3, 6, 7, 8, 9, 12, 15, 17, 400].map(|exponent| (angle, exponent)))
+            {
+                let away = 10.0_f64.powi(-exponent);
+                let pairs = four(|lane| {
+                    let unit = |axis: usize| [0, 1, 2].map(|i| if i == axis { 1.0 } else { 0.0 });
+                    let mut random = || [number(), number(), number()];
+                    let turn = |by: f64, about| so3::matrix(so3::exp_quaternion(scale(about, by)));
+                    let a = turn(1.0, random());
+                    let relative = product(&turn(angle, unit(lane % 3)), &turn(away, random()));
+                    let mut apart = scale(random(), away);
+                    apart[2] += if lane == 3 { 1.0 } else { 0.0 };
+                    let b = if lane == 3 { apply(&a, apart) } else { apart };
+                    let node = |displacement, triad| Node { displacement, triad, flow: 0.0 };
+                    Pair { reference: [0.0; 3], a: node([0.0; 3], a), b: node(b, product(&a, &relative)) }
+                });
+                let beside = watch.beside(&Tile::new(&pairs), &section);
+                for (pair, beside) in pairs.iter().zip(beside) {
+                    let state = State { pair: *pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
+                    let margins = connector.margins(&state, &branch, [true; 6]);
+                    let still = Increment::none();
+                    let flags = connector.flags_of([false; 6], &margins, &still, &state, [&branch; 2]);
+                    let is_of_state =
+                        |flag: &&Flag| matches!(flag, Flag::Singular { .. } | Flag::IllConditioned { .. });
+                    let flag = flags.iter().find(is_of_state);
+                    assert!(beside || flag.is_none(), "{} {angle} {exponent}: {flag:?}", connection.name);
+                    flagged += usize::from(flag.is_some());
+                    left_out += usize::from(!beside);
+                }
+            }
+        }
+    }
+    assert!(flagged > 1000 && left_out > 10_000, "{flagged} flagged, {left_out} left out");
 }

@@ -24,7 +24,8 @@ mod sequence;
 mod shared;
 
 pub use arrays::{
-    ArrayError, ByNode, MotionError, Motions, NodeArrays, Numbers, Rotations, evaluate_arrays, is_kinematic,
+    ArrayError, ArrayWalk, ByNode, MotionError, Motions, NodeArrays, Numbers, Rotations, evaluate_arrays,
+    is_kinematic,
 };
 pub use belt::Ring;
 pub use fixed::keeps_zero;

@@ -2,7 +2,7 @@
 
 use super::compare::any_states;
 use super::history::{Assigned, Forces, Given, History, Survey};
-use super::output::npz::{Array, Items, npz};
+use super::output::npz::{Array, Growing, Items, npz_growing};
 use super::tell::{Once, complain, show_diagnostic};
 use super::{Eval, EvalFormat, Failure, Files, Show, Sign, page_width};
 use pintle_kinematics::connector::{Flag, Output, Request};
@@ -13,7 +13,7 @@ use pintle_model::evaluate::{
     Sequence, request,
 };
 use pintle_report as report;
-use pintle_report::{Block, BlockKind, Format, Subject, into_arrays};
+use pintle_report::{ArrayEvaluation, Block, BlockKind, Format, Subject};
 use pintle_scene::{
     Code, Diagnostic, Example, ForceSign, GALLERY, Scene, Severity, State, StateForces, StateIndex,
 };
@@ -115,7 +115,10 @@ pub(crate) fn run(arguments: &Eval, files: Files) -> Result<(), Failure> {
     }
 }
 
-/// Writes numbers of components as arrays, of all states together.
+/// How many numbers of arrays are held at a time.
+const HELD: usize = 4_000_000;
+
+/// Writes numbers of components as arrays, of some states at a time.
 fn arrays(arguments: &Eval, runs: &[Run], request: &Request, out: &mut dyn Write) -> Result<(), Failure> {
     let [run] = runs else {
         return Err(Failure::Usage("--format npz is of one scene: name it".to_string()));
@@ -144,41 +147,51 @@ fn arrays(arguments: &Eval, runs: &[Run], request: &Request, out: &mut dyn Write
     if plan.connectors.is_empty() {
         return Err(nothing(scene));
     }
-    let mut states = Vec::new();
-    history.each(scene, |state| {
-        states.push(state.clone());
-        Ok(())
-    })?;
-    let shape = [states.len(), plan.connectors.len(), 6, DOFS, DOFS];
-    let room = |axes: usize| vec![0.0; shape[..axes].iter().product()];
-    let outputs: Vec<Output> = request.outputs().collect();
-    let mut values: Vec<Vec<f64>> = outputs.iter().map(|_| room(3)).collect();
-    let mut jacobian = (request.order > 0).then(|| room(4));
-    let mut hessian = (request.order > 1).then(|| room(5));
-    let numbers = Numbers {
-        values: outputs.iter().copied().zip(values.iter_mut().map(Vec::as_mut_slice)).collect(),
-        jacobian: jacobian.as_deref_mut(),
-        hessian: hessian.as_deref_mut(),
-    };
-    let conditions = (&arguments.conditions).into();
-    into_arrays(model, &plan, Motions::States(&states), &conditions, numbers)
-        .map_err(|error| Failure::Input(error.to_string()))?;
+    let (states, connectors) = (survey.marks.len(), plan.connectors.len());
     let elements = plan.connectors.iter().map(|index| model.connectors[*index].label.to_string());
-    let mut all = vec![
-        Array { name: "state", shape: vec![states.len()], items: Items::Counts(survey.numbers(0)) },
+    let mut whole = vec![
+        Array { name: "state", shape: vec![states], items: Items::Counts(survey.numbers(0)) },
         Array::words("element", elements.collect()),
     ];
-    if states.iter().any(|state| state.time.is_some()) {
-        let times = states.iter().map(|state| state.time.unwrap_or(f64::NAN)).collect();
-        all.push(Array::numbers("time", vec![states.len()], times));
+    if survey.marks.iter().any(|mark| mark.time.is_some()) {
+        let times = survey.marks.iter().map(|mark| mark.time.unwrap_or(f64::NAN)).collect();
+        whole.push(Array::numbers("time", vec![states], times));
     }
-    let named = outputs.into_iter().zip(values);
-    all.extend(named.map(|(output, values)| Array::numbers(output.name(), shape[..3].to_vec(), values)));
-    let more = [("jacobian", 4, jacobian), ("hessian", 5, hessian)];
-    for (name, axes, numbers) in more {
-        all.extend(numbers.map(|numbers| Array::numbers(name, shape[..axes].to_vec(), numbers)));
-    }
-    npz(out, &all)?;
+    let shape = [states, connectors, 6, DOFS, DOFS];
+    let named = request.outputs().map(|output| (output.name(), 3));
+    let derivatives = [("jacobian", 4), ("hessian", 5)].into_iter().take(usize::from(request.order));
+    let growing: Vec<Growing> = named
+        .chain(derivatives)
+        .map(|(name, axes)| Growing { name, shape: shape[..axes].to_vec() })
+        .collect();
+    let conditions = (&arguments.conditions).into();
+    let mut evaluation = ArrayEvaluation::new(model, &plan, &conditions, survey.moves);
+    let each: Vec<usize> = growing.iter().map(|of| of.shape[1..].iter().product()).collect();
+    // So many states that their numbers fill some megabytes.
+    let at_once = (HELD / each.iter().sum::<usize>().max(1)).max(1);
+    npz_growing(out, &whole, &growing, |put| {
+        let (mut held, mut room) = (Vec::with_capacity(at_once.min(states)), Vec::new());
+        let mut evaluate = |held: &mut Vec<State>| -> Result<(), Failure> {
+            let lengths = each.iter().map(|each| each * held.len());
+            room.resize_with(each.len(), Vec::new);
+            room.iter_mut().zip(lengths).for_each(|(of, length): (&mut Vec<f64>, _)| of.resize(length, 0.0));
+            let mut slices = room.iter_mut().map(Vec::as_mut_slice);
+            let numbers = Numbers {
+                values: request.outputs().zip(slices.by_ref()).collect(),
+                jacobian: slices.next(),
+                hessian: slices.next(),
+            };
+            let done = evaluation.advance(Motions::States(held), numbers);
+            done.map_err(|error| Failure::Input(error.to_string()))?;
+            held.clear();
+            Ok(put(&room.iter().map(Vec::as_slice).collect::<Vec<_>>())?)
+        };
+        history.each(scene, |state| {
+            held.push(state.clone());
+            if held.len() < at_once { Ok(()) } else { evaluate(&mut held) }
+        })?;
+        evaluate(&mut held)
+    })?;
     out.flush()?;
     complain("note", "arrays do not say which values need care: --format json does");
     Ok(())

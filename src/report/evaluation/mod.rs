@@ -9,7 +9,7 @@ pub mod json;
 pub mod matrix_market;
 mod number;
 
-pub use arrays::into_arrays;
+pub use arrays::{ArrayEvaluation, into_arrays};
 pub use block::{
     Block, BlockKind, Column, ComponentRow, Derivative, HingeFacts, MpcFacts, Nodal, NodalForce, Value,
     value_of,

@@ -19,6 +19,7 @@ use pintle_kinematics::connector::{Connector, Evaluation, Output, Request, Tally
 use pintle_kinematics::node::DOFS;
 use pintle_scene::{Label, MAX_ROTATION, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Numbers by state and node, where they lie: those of node n at state s begin at number s · `of_state` + n · `of_node`.
 #[derive(Clone, Copy, Debug)]
@@ -356,12 +357,23 @@ struct Kind<'a> {
 struct Sorted<'a> {
     model: &'a Model,
     plan: &'a Plan,
-    motions: Motions<'a>,
     kinds: Vec<Kind<'a>>,
     /// The kind of each connector of the plan; `None` of those that are taken one at a time.
     kind_of: Vec<Option<u32>>,
+}
+
+/// States that follow those before.
+struct Given<'m> {
+    motions: Motions<'m>,
     /// The nodes of arrays by label.
     columns: Vec<(Label, u32)>,
+}
+
+/// Evaluates the connectors of a plan at some states after others, as [`evaluate_arrays`] does at all of them: what is held does not grow
+/// with the states.
+pub struct ArrayWalk<'a> {
+    sorted: Sorted<'a>,
+    parts: Vec<Part<'a>>,
 }
 
 /// How many nodes are named that cannot be.
@@ -399,27 +411,52 @@ pub fn evaluate_arrays(
     numbers: Numbers<'_>,
 ) -> Result<Tally, ArrayError> {
     is_kinematic(model, plan)?;
-    let (states, connectors) = (motions.count(), plan.connectors.len());
-    numbers.check(states, connectors)?;
-    if states == 0 || connectors == 0 {
-        return Ok(Tally::default());
+    numbers.check(motions.count(), plan.connectors.len())?;
+    let (sorted, given) = (Sorted::new(model, plan), Given::new(motions));
+    let arrays = divided(numbers, plan.connectors.len());
+    let parts: Vec<_> = sorted.parts().zip(arrays).collect();
+    let tallies = parts
+        .into_par_iter()
+        .map(|(members, arrays)| Part::new(&sorted, members).run(&sorted, &given, arrays));
+    Ok(tallies.reduce(Tally::default, sum))
+}
+
+impl<'a> ArrayWalk<'a> {
+    /// A walk that starts from the initial state of the model.
+    ///
+    /// # Errors
+    /// An output that is not kinematic, a behaviour ([`is_kinematic`]).
+    pub fn new(model: &'a Model, plan: &'a Plan) -> Result<Self, ArrayError> {
+        is_kinematic(model, plan)?;
+        let sorted = Sorted::new(model, plan);
+        let members: Vec<Range<usize>> = sorted.parts().collect();
+        let parts = members.into_par_iter().map(|members| Part::new(&sorted, members)).collect();
+        Ok(Self { sorted, parts })
     }
-    let sorted = Sorted::new(model, plan, motions);
-    let arrays = divided(numbers, connectors);
-    let size = part_size(connectors);
-    let parts: Vec<_> = (0..connectors).step_by(size).zip(arrays).collect();
-    let tallies = parts.into_par_iter().map(|(first, arrays)| {
-        let members = first..connectors.min(first + size);
-        Part::new(&sorted, members).run(arrays)
-    });
-    Ok(tallies.reduce(Tally::default, |mut sum, more| {
-        sum += more;
-        sum
-    }))
+
+    /// Evaluates the next states. Tells what was computed.
+    ///
+    /// # Errors
+    /// An array of another size. Then nothing is evaluated.
+    pub fn advance(&mut self, motions: Motions<'_>, numbers: Numbers<'_>) -> Result<Tally, ArrayError> {
+        let connectors = self.sorted.plan.connectors.len();
+        numbers.check(motions.count(), connectors)?;
+        let given = Given::new(motions);
+        let Self { sorted, parts } = self;
+        let parts: Vec<_> = parts.iter_mut().zip(divided(numbers, connectors)).collect();
+        let tallies = parts.into_par_iter().map(|(part, arrays)| part.run(sorted, &given, arrays));
+        Ok(tallies.reduce(Tally::default, sum))
+    }
+}
+
+/// What was computed in both.
+fn sum(mut sum: Tally, more: Tally) -> Tally {
+    sum += more;
+    sum
 }
 
 impl<'a> Sorted<'a> {
-    fn new(model: &'a Model, plan: &'a Plan, motions: Motions<'a>) -> Self {
+    fn new(model: &'a Model, plan: &'a Plan) -> Self {
         let mut kinds: Vec<Kind<'a>> = Vec::new();
         let request = &plan.request;
         let in_lanes = request.order < 2 && request.outputs().all(|output| IN_LANES.contains(&output));
@@ -440,12 +477,29 @@ impl<'a> Sorted<'a> {
             u32::try_from(place).ok()
         };
         let kind_of = plan.connectors.iter().map(|index| if in_lanes { kind(index) } else { None }).collect();
+        Self { model, plan, kinds, kind_of }
+    }
+
+    /// The connectors that go through all states together, by their numbers in the plan.
+    fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let connectors = self.plan.connectors.len();
+        let size = part_size(connectors);
+        (0..connectors).step_by(size).map(move |first| first..connectors.min(first + size))
+    }
+
+    const fn request(&self) -> &'a Request {
+        &self.plan.request
+    }
+}
+
+impl<'m> Given<'m> {
+    fn new(motions: Motions<'m>) -> Self {
         let mut columns = match motions {
             Motions::Arrays(arrays) => arrays.nodes.iter().copied().zip(0..).collect(),
             Motions::States(_) => Vec::new(),
         };
         columns.sort_unstable();
-        Self { model, plan, motions, kinds, kind_of, columns }
+        Self { motions, columns }
     }
 
     /// The place of a node in the arrays.
@@ -473,16 +527,15 @@ impl<'a> Sorted<'a> {
         *motion = given.copied().unwrap_or_default();
         given.is_some()
     }
-
-    const fn request(&self) -> &'a Request {
-        &self.plan.request
-    }
 }
 
 /// The arrays of each part, state by state.
 fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Numbers<'_>>> {
     let Numbers { values, jacobian, hessian } = numbers;
     let mut parts: Vec<Vec<Numbers<'_>>> = Vec::new();
+    if connectors == 0 {
+        return parts;
+    }
     parts.resize_with(connectors.div_ceil(part_size(connectors)), Vec::new);
     fn give<'a>(
         parts: &mut [Vec<Numbers<'a>>],

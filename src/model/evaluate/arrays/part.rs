@@ -1,7 +1,7 @@
 //! A part of the connectors, through all states.
 
 use crate::evaluate::arrays::quad::{Quads, Room};
-use crate::evaluate::arrays::{Numbers, Sorted};
+use crate::evaluate::arrays::{Given, Numbers, Sorted};
 use crate::evaluate::sequence::nodes::{Moved, Orientation, STILL, UNTURNED};
 use crate::evaluate::sequence::place;
 use pintle_kinematics::connector::{Branch, Connector, Evaluation, Output, Request, Tally};
@@ -12,7 +12,6 @@ use std::ops::Range;
 /// A node of a part.
 struct OwnNode {
     label: Label,
-    column: Option<usize>,
     /// Whether a history depends on how it turns.
     turns: bool,
     orientation: Orientation,
@@ -29,17 +28,18 @@ struct Single {
 
 /// Connectors that go through all states together.
 pub(super) struct Part<'a> {
-    sorted: &'a Sorted<'a>,
     nodes: Vec<OwnNode>,
     moved: Vec<Moved>,
     /// Those of each kind, in the order of kinds.
     quads: Vec<Quads<'a>>,
     singles: Vec<Single>,
+    /// Whether no state has been evaluated yet.
+    is_at_first: bool,
 }
 
 impl<'a> Part<'a> {
     /// The members of a plan, by their numbers in it.
-    pub(super) fn new(sorted: &'a Sorted<'a>, members: Range<usize>) -> Self {
+    pub(super) fn new(sorted: &Sorted<'a>, members: Range<usize>) -> Self {
         let (plan, model) = (sorted.plan, sorted.model);
         let indices = plan.connectors.get(members.clone()).unwrap_or_default();
         let ends = |index: &usize| model.connectors[*index].nodes;
@@ -48,12 +48,7 @@ impl<'a> Part<'a> {
         labels.dedup();
         let mut nodes: Vec<OwnNode> = labels
             .iter()
-            .map(|label| OwnNode {
-                label: *label,
-                column: sorted.column(*label),
-                turns: false,
-                orientation: UNTURNED,
-            })
+            .map(|label| OwnNode { label: *label, turns: false, orientation: UNTURNED })
             .collect();
         let followed = sorted.request().components();
         let mut kinds = vec![Vec::new(); sorted.kinds.len()];
@@ -74,29 +69,31 @@ impl<'a> Part<'a> {
                 }),
             }
         }
-        let all = sorted.kinds.iter().zip(&kinds).filter(|(_, members)| !members.is_empty());
-        let quads = all.map(|(kind, members)| Quads::new(model, kind, sorted.request(), members)).collect();
+        let all = kinds.iter().enumerate().filter(|(_, members)| !members.is_empty());
+        let quads = all.map(|(kind, members)| Quads::new(sorted, kind, members)).collect();
         let moved = vec![STILL; nodes.len()];
-        Self { sorted, nodes, moved, quads, singles }
+        Self { nodes, moved, quads, singles, is_at_first: true }
     }
 
-    /// Evaluates them at every state.
-    pub(super) fn run(mut self, numbers: Vec<Numbers<'_>>) -> Tally {
+    /// Evaluates them at every state given.
+    pub(super) fn run(&mut self, sorted: &Sorted<'a>, given: &Given<'_>, numbers: Vec<Numbers<'_>>) -> Tally {
+        let columns: Vec<Option<usize>> = self.nodes.iter().map(|node| given.column(node.label)).collect();
         let mut tally = Tally::default();
         let mut room = Room::default();
         let mut evaluation = Evaluation::empty(Branch::none());
         for (s, mut numbers) in numbers.into_iter().enumerate() {
-            for (node, moved) in self.nodes.iter_mut().zip(&mut self.moved) {
+            let first = std::mem::take(&mut self.is_at_first);
+            for ((node, column), moved) in self.nodes.iter_mut().zip(&columns).zip(&mut self.moved) {
                 let mut motion = NodeMotion::default();
-                let is_given = self.sorted.put_motion(s, (node.label, node.column), &mut motion);
-                moved.follow(&motion, &mut node.orientation, is_given, node.turns, s == 0);
+                let is_given = given.put_motion(s, (node.label, *column), &mut motion);
+                moved.follow(&motion, &mut node.orientation, is_given, node.turns, first);
                 tally.rotations += 1;
             }
             for quads in &mut self.quads {
-                quads.run(&self.moved, &mut room, &mut numbers, &mut tally);
+                quads.run(sorted, &self.moved, &mut room, &mut numbers, &mut tally);
             }
             for single in &mut self.singles {
-                single.run(self.sorted, &self.moved, &mut evaluation, &mut numbers, &mut tally);
+                single.run(sorted, &self.moved, &mut evaluation, &mut numbers, &mut tally);
             }
         }
         tally

@@ -1,7 +1,7 @@
 //! Connectors of one kind, four at a time.
 
 use crate::evaluate::arrays::part::write;
-use crate::evaluate::arrays::{Kind, Numbers};
+use crate::evaluate::arrays::{Kind, Numbers, Sorted};
 use crate::evaluate::model::Model;
 use crate::evaluate::sequence::nodes::{Moved, STILL};
 use pintle_kinematics::batch::{CompactRow, Four, Fours, History, LANES, Poses, Section, Tile, Triads};
@@ -13,8 +13,8 @@ use pintle_kinematics::node::DOFS;
 
 /// Connectors of one kind, by fours.
 pub(super) struct Quads<'a> {
-    kind: &'a Kind<'a>,
-    request: &'a Request,
+    /// Its place among those of the plan.
+    kind: usize,
     /// The components whose histories are followed; none where no history depends on how nodes turn.
     followed: Option<Mask>,
     /// Where the values of each output come from.
@@ -78,13 +78,8 @@ impl Default for Room {
 pub(super) type Member = (usize, usize, [Option<usize>; 2]);
 
 impl<'a> Quads<'a> {
-    pub(super) fn new(
-        model: &'a Model,
-        kind: &'a Kind<'a>,
-        request: &'a Request,
-        members: &[Member],
-    ) -> Self {
-        let Kind { connector, batch } = kind;
+    pub(super) fn new(sorted: &Sorted<'a>, kind: usize, members: &[Member]) -> Self {
+        let (Kind { connector, batch }, request) = (&sorted.kinds[kind], sorted.request());
         let is_with_rows = request.order > 0;
         let row = |k: usize| batch.measures().iter().position(|(of, _)| *of == k);
         let values = request.outputs().map(|output| {
@@ -96,7 +91,6 @@ impl<'a> Quads<'a> {
         let (components, count) = (request.components(), members.len().div_ceil(LANES));
         let mut quads = Self {
             kind,
-            request,
             followed: connector.history_turns(components).then_some(components),
             values: values.collect(),
             rows: [0, 1, 2, 3, 4, 5].map(|k| row(k).filter(|_| request.rows()[k])),
@@ -105,7 +99,7 @@ impl<'a> Quads<'a> {
             sections: Vec::with_capacity(count),
             histories: Vec::with_capacity(count),
         };
-        members.chunks(LANES).for_each(|members| quads.add(model, members));
+        members.chunks(LANES).for_each(|members| quads.add(sorted.model, members));
         quads
     }
 
@@ -117,7 +111,8 @@ impl<'a> Quads<'a> {
         let connectors = elements.map(|element| &element.connector);
         let fours = Fours::new(&connectors);
         let triads = Triads::new(&elements.map(|element| element.triads()));
-        self.tiles.push(Tile::initial(&elements.map(|element| element.reference), &triads));
+        let references = Tile::references(&elements.map(|element| element.reference));
+        self.tiles.push(Tile::initial(references, &triads));
         self.sections.push(Section::new(&connectors));
         self.histories.push(fours.history());
         self.all.push(Quad {
@@ -133,6 +128,7 @@ impl<'a> Quads<'a> {
     /// Evaluates them at the next state.
     pub(super) fn run(
         &mut self,
+        sorted: &Sorted<'_>,
         moved: &[Moved],
         room: &mut Room,
         numbers: &mut Numbers<'_>,
@@ -140,7 +136,8 @@ impl<'a> Quads<'a> {
     ) {
         /// They and their rows stay in the second cache.
         const AT_ONCE: usize = 16;
-        let Self { kind: Kind { connector, batch }, request, followed, all, .. } = self;
+        let (Kind { connector, batch }, request) = (&sorted.kinds[self.kind], sorted.request());
+        let Self { followed, all, .. } = self;
         let (tiles, sections, histories) = (&mut self.tiles, &self.sections, &mut self.histories);
         let each = if request.order > 0 { batch.rows() } else { 0 };
         let mut first = 0;
@@ -189,8 +186,9 @@ impl<'a> Quads<'a> {
                 if let Some(array) = &mut numbers.jacobian {
                     quad.put_rows(&self.rows, own, array);
                 }
+                let takes = batch.takes(at.0);
                 for (lane, of) in quad.members.iter().enumerate() {
-                    if !batch.takes(at.0, lane) {
+                    if !takes[lane] {
                         quad.alone(lane, at.0, request, &mut room.evaluation);
                         write(&room.evaluation, quad.connectors[lane], request, *of, numbers);
                     }

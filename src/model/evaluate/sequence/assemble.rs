@@ -121,7 +121,8 @@ impl Sequence<'_> {
                 context.connector((index, nodes), memory, &request, history, &mut result, &mut told.tally);
                 let (connector, branch) = (&model.connectors[index].connector, &result.evaluation.branch);
                 let rows = connector.compact_rows(&result.state, branch, wanted, &mut told.tally);
-                let these = jacobian.first_entry(at) - first_entry..jacobian.first_entry(at + 1) - first_entry;
+                let these =
+                    jacobian.first_entry(at) - first_entry..jacobian.first_entry(at + 1) - first_entry;
                 jacobian.write_rows(at, &rows, entries.get_mut(these).unwrap_or_default());
                 let flags = result.flags.drain(..).chain(broken(wanted, &rows));
                 told.flags.extend(flags.map(|flag| (at, flag)));
@@ -129,8 +130,7 @@ impl Sequence<'_> {
             told.flags.sort_by_key(|(at, _)| *at);
             told
         };
-        let told =
-            fill((connectors, PART), |at| jacobian.first_entry(at), values, of_connectors);
+        let told = fill((connectors, PART), |at| jacobian.first_entry(at), values, of_connectors);
         *tally += told.tally;
         let title = |at: usize| model.connectors[plan.connectors[at]].title();
         let mut care: Vec<_> = told.flags.into_iter().map(|(at, flag)| (title(at), flag)).collect();
@@ -177,7 +177,12 @@ impl Sequence<'_> {
             }
             told
         };
-        let told = fill((relation_nodes, relation_part), |at| jacobian.first_relation_entry(at), values, of_relations);
+        let told = fill(
+            (relation_nodes, relation_part),
+            |at| jacobian.first_relation_entry(at),
+            values,
+            of_relations,
+        );
         *tally += told.tally;
         let title = |at: usize| model.relations[plan.relations[at]].title();
         care.extend(told.flags.into_iter().map(|(at, flag)| (title(at), flag)));

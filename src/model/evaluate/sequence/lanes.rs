@@ -126,10 +126,8 @@ impl Lanes {
                 }
             }
             sorter.put(connectors, ends);
-            let part = Part {
-                quads: quads..sorter.lanes.quads.len(),
-                alone: alone..sorter.lanes.alone.len(),
-            };
+            let part =
+                Part { quads: quads..sorter.lanes.quads.len(), alone: alone..sorter.lanes.alone.len() };
             sorter.lanes.parts.push(part);
         }
         sorter.lanes
@@ -152,8 +150,13 @@ impl Lanes {
         let quads = self.quads.get(part_of.quads.clone()).unwrap_or_default();
         let alike = |one: &Quad, other: &Quad| one.kind == other.kind && one.section == other.section;
         for quads in quads.chunk_by(alike).flat_map(|alike| alike.chunks(AT_ONCE)) {
-            let Some(kind) = quads.first().and_then(|quad| self.kinds.get(quad.kind as usize)) else { continue };
-            let Some(section) = quads.first().and_then(|quad| kind.sections.get(quad.section as usize)) else { continue };
+            let Some(kind) = quads.first().and_then(|quad| self.kinds.get(quad.kind as usize)) else {
+                continue;
+            };
+            let Some(section) = quads.first().and_then(|quad| kind.sections.get(quad.section as usize))
+            else {
+                continue;
+            };
             room.tiles.clear();
             for quad in quads {
                 let Some(triads) = kind.triads.get(quad.triads as usize) else { continue };
@@ -164,7 +167,8 @@ impl Lanes {
             let (sections, histories) = (std::slice::from_ref(section), std::slice::from_ref(&kind.history));
             let done = kind.batch.rows_of(&room.tiles, sections, histories, &mut room.found);
             debug_assert_eq!(done, Ok(()), "the slices have been made for each other");
-            for (quad, (tile, rows)) in quads.iter().zip(room.tiles.iter().zip(room.found.chunks_exact(each))) {
+            for (quad, (tile, rows)) in quads.iter().zip(room.tiles.iter().zip(room.found.chunks_exact(each)))
+            {
                 let takes = kind.batch.takes(tile);
                 let beside = kind.watch.beside(tile, section);
                 let is_finite = rows.iter().all(batch::CompactRow::is_finite);
@@ -176,7 +180,8 @@ impl Lanes {
                         continue;
                     }
                     let at = *place as usize;
-                    let these = jacobian.first_entry(at) - first_entry..jacobian.first_entry(at + 1) - first_entry;
+                    let these =
+                        jacobian.first_entry(at) - first_entry..jacobian.first_entry(at + 1) - first_entry;
                     let row = |k: usize| rows.get(kind.rows[k]);
                     let of = |k, group: Group| row(k).map_or([f64::NAN; 3], |row| row.group(lane, group));
                     jacobian.write(at, entries.get_mut(these).unwrap_or_default(), of, |_, _| f64::NAN);
@@ -280,7 +285,8 @@ fn last_or_new<T: PartialEq>(all: &mut Vec<T>, one: T) -> u32 {
 impl Quad {
     /// Where the nodes are.
     fn tile(&self, triads: &Triads, moved: &[Moved]) -> Tile {
-        let node = |end: usize, lane: usize| self.ends[end][lane].map_or(&STILL, |place| &moved[place as usize]);
+        let node =
+            |end: usize, lane: usize| self.ends[end][lane].map_or(&STILL, |place| &moved[place as usize]);
         let nodes = |end: usize| [node(end, 0), node(end, 1), node(end, 2), node(end, 3)];
         let [[a0, a1, a2, a3], [b0, b1, b2, b3]] = [nodes(0), nodes(1)];
         let poses = Poses {

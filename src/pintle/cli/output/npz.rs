@@ -1,7 +1,7 @@
 //! Arrays as NumPy reads them: `.npz`, an archive of `.npy` files, not compressed.
 
 use rawzip::ZipArchiveWriter;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
 /// The numbers or words of an array.
 pub(crate) enum Items {
@@ -28,28 +28,18 @@ impl Array {
         Self { name, shape: vec![words.len()], items: Items::Words(words) }
     }
 
-    /// As a file: magic, version 1.0, the length of the header, the header filled up to a multiple of 64, the items.
+    /// As a file: header and items.
     fn npy(&self) -> Vec<u8> {
-        const ALIGNED: usize = 64;
-        const BEFORE: usize = 10;
         // Words have one width, of four bytes a letter.
         let (descr, width) = match &self.items {
-            Items::Numbers(_) => ("<f8".to_string(), 0),
+            Items::Numbers(_) => (NUMBER.to_string(), 0),
             Items::Counts(_) => ("<u8".to_string(), 0),
             Items::Words(words) => {
                 let width = words.iter().map(|word| word.chars().count()).max().unwrap_or(0).max(1);
                 (format!("<U{width}"), width)
             }
         };
-        let shape: String = self.shape.iter().map(|length| format!("{length}, ")).collect();
-        let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
-        while !(BEFORE + header.len() + 1).is_multiple_of(ALIGNED) {
-            header.push(' ');
-        }
-        header.push('\n');
-        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-        bytes.extend((header.len() as u16).to_le_bytes());
-        bytes.extend(header.as_bytes());
+        let mut bytes = header(&descr, &self.shape);
         match &self.items {
             Items::Numbers(numbers) => bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes())),
             Items::Counts(counts) => bytes.extend(counts.iter().flat_map(|x| x.to_le_bytes())),
@@ -64,19 +54,130 @@ impl Array {
     }
 }
 
+/// What doubles are called.
+const NUMBER: &str = "<f8";
+
+/// The header of an array: magic, version 1.0, its length, itself filled up to a multiple of 64.
+fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
+    const ALIGNED: usize = 64;
+    const BEFORE: usize = 10;
+    let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
+    while !(BEFORE + header.len() + 1).is_multiple_of(ALIGNED) {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes
+}
+
+/// An array of numbers of which a part is known at a time, in C order.
+pub(crate) struct Growing {
+    pub(crate) name: &'static str,
+    pub(crate) shape: Vec<usize>,
+}
+
+/// Takes the next numbers of each growing array.
+pub(crate) type Put<'p> = dyn FnMut(&[&[f64]]) -> io::Result<()> + 'p;
+
 /// Writes arrays as one archive.
 pub(crate) fn npz(out: &mut dyn Write, arrays: &[Array]) -> io::Result<()> {
-    let written = || -> Result<(), rawzip::Error> {
-        let mut archive = ZipArchiveWriter::new(out);
-        for array in arrays {
-            let (mut entry, stored) = archive.new_file(format!("{}.npy", array.name)).start()?;
-            let mut writer = stored.wrap(&mut entry);
-            writer.write_all(&array.npy())?;
-            let (_, descriptor) = writer.finish()?;
-            entry.finish(descriptor)?;
-        }
-        archive.finish()?;
-        Ok(())
-    };
-    written().map_err(io::Error::other)
+    let mut archive = ZipArchiveWriter::new(out);
+    arrays.iter().try_for_each(|array| put(&mut archive, array))?;
+    archive.finish().map_err(io::Error::other)?;
+    Ok(())
 }
+
+/// Writes arrays as one archive, and those that `fill` gives a part of at a time. The largest of these goes where it is to be, the others
+/// through temporary files.
+///
+/// # Errors
+/// Those of `fill` and of writing; arrays that do not have the numbers of their shapes.
+pub(crate) fn npz_growing<E: From<io::Error>>(
+    out: &mut dyn Write,
+    arrays: &[Array],
+    growing: &[Growing],
+    fill: impl FnOnce(&mut Put<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut archive = ZipArchiveWriter::new(out);
+    arrays.iter().try_for_each(|array| put(&mut archive, array))?;
+    let size = |of: &Growing| of.shape.iter().product::<usize>();
+    let Some(largest) = (0..growing.len()).max_by_key(|at| size(&growing[*at])) else {
+        return Ok(archive.finish().map(|_| ()).map_err(io::Error::other)?);
+    };
+    let mut spools = Vec::new();
+    for _ in 1..growing.len() {
+        spools.push(BufWriter::new(tempfile::tempfile()?));
+    }
+    let mut counts = vec![0; growing.len()];
+    within(&mut archive, &growing[largest], |writer| {
+        fill(&mut |parts: &[&[f64]]| {
+            let mut spools = spools.iter_mut();
+            for (at, numbers) in parts.iter().enumerate() {
+                counts[at] += numbers.len();
+                match at == largest {
+                    true => doubles(writer, numbers)?,
+                    false => spools.next().map_or(Ok(()), |spool| doubles(spool, numbers))?,
+                }
+            }
+            Ok(())
+        })
+    })?;
+    if counts.iter().zip(growing).any(|(count, of)| *count != size(of)) {
+        return Err(io::Error::other("the states have changed while they were read").into());
+    }
+    let others = (0..growing.len()).filter(|at| *at != largest);
+    for (at, spool) in others.zip(spools) {
+        let mut file = spool.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.seek(SeekFrom::Start(0))?;
+        within(&mut archive, &growing[at], |mut writer| io::copy(&mut file, &mut writer).map(|_| ()))?;
+    }
+    archive.finish().map_err(io::Error::other)?;
+    Ok(())
+}
+
+type Archive<'w> = ZipArchiveWriter<&'w mut dyn Write>;
+
+fn put(archive: &mut Archive<'_>, array: &Array) -> io::Result<()> {
+    entry(archive, array.name, |writer| writer.write_all(&array.npy()))
+}
+
+fn within<E: From<io::Error>>(
+    archive: &mut Archive<'_>,
+    of: &Growing,
+    fill: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<(), E> {
+    entry(archive, of.name, |writer| {
+        writer.write_all(&header(NUMBER, &of.shape))?;
+        fill(writer)
+    })
+}
+
+/// A file of the archive.
+fn entry<E: From<io::Error>>(
+    archive: &mut Archive<'_>,
+    name: &str,
+    fill: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<(), E> {
+    let (mut entry, stored) = archive.new_file(format!("{name}.npy")).start().map_err(io::Error::other)?;
+    let mut writer = stored.wrap(&mut entry);
+    fill(&mut writer)?;
+    let (_, descriptor) = writer.finish().map_err(io::Error::other)?;
+    entry.finish(descriptor).map_err(io::Error::other)?;
+    Ok(())
+}
+
+fn doubles(out: &mut (impl Write + ?Sized), numbers: &[f64]) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(AT_ONCE * 8);
+    for part in numbers.chunks(AT_ONCE) {
+        bytes.clear();
+        bytes.extend(part.iter().flat_map(|x| x.to_le_bytes()));
+        out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// How many doubles are made bytes at a time.
+const AT_ONCE: usize = 8192;
