@@ -233,12 +233,13 @@ impl Case {
     }
 }
 
-/// J̇v and Σ λ ∂²c of the tiles of a case.
+/// J̇v, Σ λ ∂²c and its product with v of the tiles of a case.
 struct Products {
     velocities: Vec<Columns12>,
     multipliers: Vec<Four>,
     bias: Vec<Four>,
     stiffness: Vec<[Columns12; 12]>,
+    along: Vec<Columns12>,
 }
 
 impl Products {
@@ -252,6 +253,7 @@ impl Products {
             multipliers: (0..rows).map(|_| four()).collect(),
             bias: vec![[0.0; 4]; rows],
             stiffness: vec![[[[0.0; 4]; 12]; 12]; tiles],
+            along: vec![[[0.0; 4]; 12]; tiles],
         }
     }
 
@@ -268,10 +270,18 @@ impl Products {
         batch.geometric_stiffness_of(black_box(tiles), sections, histories, &self.multipliers, out).unwrap();
     }
 
-    /// Asserts both against the second derivatives of the 237-bit scalar.
+    fn along(&mut self, case: &Case) {
+        let Case { batch, tiles, sections, histories, .. } = case;
+        let (out, slices) =
+            (black_box(&mut self.along), (&black_box(tiles)[..], &sections[..], &histories[..]));
+        batch.geometric_stiffness_along(slices, &self.multipliers, &self.velocities, out).unwrap();
+    }
+
+    /// Asserts all against the second derivatives of the 237-bit scalar.
     fn assert_exact(&mut self, case: &Case) {
         self.bias(case);
         self.stiffness(case);
+        self.along(case);
         let each = case.batch.rows();
         let check = |found: f64, terms: &mut dyn Iterator<Item = f64>, what: &str| {
             let (sum, size) = terms.fold((0.0, 1.0_f64), |(sum, size), x| (sum + x, size + x.abs()));
@@ -283,6 +293,13 @@ impl Products {
             for (r, (_, _, hessian)) in truth.iter().enumerate() {
                 let terms = &mut (0..144).map(|k| hessian[k / 12][k % 12] * v[k / 12] * v[k % 12]);
                 check(self.bias[tile * each + r][lane], terms, "J̇v");
+            }
+            for i in 0..12 {
+                let of = |(r, (_, _, hessian)): (usize, &Truth)| {
+                    let row: f64 = (0..12).map(|j| hessian[i][j] * v[j]).sum();
+                    self.multipliers[tile * each + r][lane] * row
+                };
+                check(self.along[tile][i][lane], &mut truth.iter().enumerate().map(of), "(Σ λ ∂²c) v");
             }
             for k in 0..144 {
                 let of = |(r, (_, _, hessian)): (usize, &Truth)| {
@@ -412,7 +429,7 @@ fn every_type() {
     let mut cases: Vec<Case> = names().filter_map(case).collect();
     // The rows of such tiles are computed a second time; what they are compared with are those of the principal sheet.
     cases.extend(case_of("ROTATION beyond half a turn", "ROTATION", true, true));
-    let mut least = vec![[f64::INFINITY; 4]; cases.len()];
+    let mut least = vec![[f64::INFINITY; 5]; cases.len()];
     for case in &cases {
         Products::new(case).assert_exact(case);
         let mut room = Room::new(case, 0);
@@ -430,17 +447,18 @@ fn every_type() {
             let mut products = Products::new(case);
             let bias = time(100, || products.bias(case)) / rows_of;
             let stiffness = time(50, || products.stiffness(case)) / rows_of;
-            for (least, time) in least.iter_mut().zip([first, both, bias, stiffness]) {
+            let along = time(100, || products.along(case)) / rows_of;
+            for (least, time) in least.iter_mut().zip([first, both, bias, along, stiffness]) {
                 *least = least.min(time);
             }
         }
     }
     println!(
         "ns for a row: first derivatives, with second; each over that of the dearer half, where the aim is 2.00; \
-         J̇v and Σ λ ∂²c over the time of rows, where the aim is 2.50"
+         J̇v, (Σ λ ∂²c) v and Σ λ ∂²c over the time of rows, where the aim is 2.50"
     );
     let mut dearest = [("", 0.0_f64); 2];
-    let mut logs = [0.0_f64; 2];
+    let mut logs = [0.0_f64; 3];
     let left_out: Vec<&str> = names().filter(|name| cases.iter().all(|case| case.name != *name)).collect();
     let of = |name: &str| cases.iter().position(|case| case.name == name).map(|i| least[i]);
     for (case, own) in cases.iter().zip(&least) {
@@ -448,7 +466,7 @@ fn every_type() {
         let dearer = halves
             .filter(|half| half.name != case.name)
             .filter_map(|half| of(half.name))
-            .reduce(|a, b| [0, 1, 2, 3].map(|i| a[i].max(b[i])));
+            .reduce(|a, b| [0, 1, 2, 3, 4].map(|i| a[i].max(b[i])));
         for (which, dearest) in dearest.iter_mut().enumerate() {
             let over = dearer.map_or(0.0, |half| own[which] / half[which]);
             if case.name == &case.connector.connection().name[..] && over > dearest.1 {
@@ -457,11 +475,11 @@ fn every_type() {
         }
         let over =
             |which: usize| dearer.map_or("–".into(), |half| format!("{:.2}", own[which] / half[which]));
-        let products = [own[2] / own[0], own[3] / own[0]];
+        let products = [own[2] / own[0], own[3] / own[0], own[4] / own[0]];
         logs.iter_mut().zip(products).for_each(|(log, of)| *log += of.ln() / cases.len() as f64);
-        let [bias, stiffness] = products;
+        let [bias, along, stiffness] = products;
         println!(
-            "{:27} {:6.2} {:7.2}  {:>4} {:>4}  {bias:4.2} {stiffness:5.2}",
+            "{:27} {:6.2} {:7.2}  {:>4} {:>4}  {bias:4.2} {along:5.2} {stiffness:5.2}",
             case.name,
             own[0],
             own[1],
@@ -469,8 +487,8 @@ fn every_type() {
             over(1)
         );
     }
-    let [bias, stiffness] = logs.map(f64::exp);
-    println!("geometric means: J̇v {bias:.2}, Σ λ ∂²c {stiffness:.2} times the rows");
+    let [bias, along, stiffness] = logs.map(f64::exp);
+    println!("geometric means: J̇v {bias:.2}, (Σ λ ∂²c) v {along:.2}, Σ λ ∂²c {stiffness:.2} times the rows");
     let [(first, over_first), (second, over_second)] = dearest;
     println!("at most {over_first:.2} ({first}), with second derivatives {over_second:.2} ({second})");
     println!("not in batches, for columns of material flow or rows of one-forms: {}", left_out.join(", "));

@@ -123,6 +123,7 @@ def geometric_stiffness(
     triad_b: _Array,
     forces: _Array | Sequence[float],
     *,
+    along: tuple[_Array, _Array, _Array, _Array] | None = None,
     components: Sequence[int] | None = None,
     out: _Array | None = None,
 ) -> _Array: ...

@@ -133,25 +133,33 @@ def bias(of, x_a, triad_a, x_b, triad_b, v_a, w_a, v_b, w_b, *, components=None,
     return out
 
 
-def geometric_stiffness(of, x_a, triad_a, x_b, triad_b, forces, *, components=None, out=None):
+def geometric_stiffness(of, x_a, triad_a, x_b, triad_b, forces, *, along=None, components=None, out=None):
     """Σ_k λ_k ∂²c_k (n, 12, 12) of a connection type at n states: symmetric to rounding, by x_a, θ_a, x_b, θ_b.
 
     `forces` (n, 6) or (6,) are the λ of the components: multipliers of constraints, forces and moments of others; what the
     type has not is not read. With `components` they are (n, m) or (m,), of those m alone. Rotations vary along exp(δθ^) C.
+    `along` = (v_a, w_a, v_b, w_b), each (n, 3), gives (Σ λ ∂²c) v (n, 12) instead, without the matrix.
     The other arrays are as in `rows`. `out`, in C order, takes the numbers where it lies. Raises as `rows` does.
     """
     one = compiled(of, components)
     given = [x_a, triad_a, x_b, triad_b]
-    n, has = one.count(given), one.components
+    moving = None if along is None else list(along)
+    if moving is not None and len(moving) != 4:
+        raise ValueError(f"along has {len(moving)} arrays, not the four v_a, w_a, v_b, w_b")
+    n, has = one.count(given, moving), one.components
     forces = numpy.asarray(forces, dtype=float)
     m = 6 if components is None else len(has)
     if forces.shape not in ((m,), (1, m), (n, m)):
         raise ValueError(f"forces has shape {forces.shape}, not ({n}, {m}) or ({m},)")
     each = numpy.broadcast_to(forces, (n, m))
     each = numpy.ascontiguousarray(each[:, has] if components is None else each)
+    shape = (n, 12, 12) if moving is None else (n, 12)
     if out is None:
-        out = numpy.empty((n, 12, 12))
+        out = numpy.empty(shape)
     else:
-        _is_out("out", out, (n, 12, 12))
-    one.geometric_stiffness_into(given, each, out)
+        _is_out("out", out, shape)
+    if moving is None:
+        one.geometric_stiffness_into(given, each, out)
+    else:
+        one.geometric_stiffness_along_into(given, each, moving, out)
     return out

@@ -343,9 +343,7 @@ impl Rows {
         let out = sized(out.as_slice_mut().map_err(|error| unwritable(&error))?, (count, each))?;
         detached(py, || {
             for range in parts(count) {
-                let [v_a, w_a, v_b, w_b] = moving.each_mut().map(|of| of.array(&range));
-                let velocities = [(v_a, w_a), (v_b, w_b)]
-                    .map(|(velocity, angular_velocity)| Velocities { velocity, angular_velocity });
+                let velocities = velocities(&mut moving, &range);
                 let out = own(out, &range, each);
                 self.at(&mut given, &range, |states| self.batch.bias_of_states(states, velocities, out))?;
             }
@@ -379,6 +377,43 @@ impl Rows {
             Ok(())
         })
     }
+
+    /// Writes (Σ λ ∂²c) v (n, 12) of n states with multipliers (n, m) and variations v into an array in C order.
+    fn geometric_stiffness_along_into(
+        &self,
+        py: Python<'_>,
+        arrays: Vec<Bound<'_, PyAny>>,
+        multipliers: PyReadonlyArray2<'_, f64>,
+        along: Vec<Bound<'_, PyAny>>,
+        out: &Bound<'_, PyArrayDyn<f64>>,
+    ) -> PyResult<()> {
+        let read = readonly(&NAMES, &arrays)?;
+        let mut given = given(&read)?;
+        let read = readonly(&VELOCITIES, &along)?;
+        let mut moving = of_forms(&VELOCITIES, [VECTOR; 4], &read)?;
+        let (count, each) = (count_of_both(&given, &moving)?, self.batch.rows());
+        let multipliers = multipliers.as_slice().map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let mut out = out.try_readwrite().map_err(|error| unwritable(&error))?;
+        let out = sized(out.as_slice_mut().map_err(|error| unwritable(&error))?, (count, 12))?;
+        detached(py, || {
+            for range in parts(count) {
+                let own_multipliers =
+                    multipliers.get(range.start * each..range.end * each).unwrap_or_default();
+                let along = velocities(&mut moving, &range);
+                let out = own(out, &range, 12);
+                self.at(&mut given, &range, |states| {
+                    self.batch.geometric_stiffness_along_of_states(states, own_multipliers, along, out)
+                })?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The velocities, or variations, of a and of b at some states.
+fn velocities<'a>(moving: &'a mut [Given<'_>; 4], range: &Range<usize>) -> [Velocities<'a>; 2] {
+    let [v_a, w_a, v_b, w_b] = moving.each_mut().map(|of| of.array(range));
+    [(v_a, w_a), (v_b, w_b)].map(|(velocity, angular_velocity)| Velocities { velocity, angular_velocity })
 }
 
 /// An array that takes so many numbers of each state.

@@ -273,6 +273,11 @@ def test_products_with_second_derivatives_are_rates_of_rows(name):
     numpy.testing.assert_allclose(stiffness, stiffness.transpose(0, 2, 1), rtol=1e-12, atol=1e-12 * size.max() ** 2)
     quadratic = numpy.einsum("nij,ni,nj->n", stiffness, whole, whole)
     numpy.testing.assert_allclose(quadratic, (forces[:, has] * bias[:, has]).sum(axis=1), rtol=1e-10, atol=1e-10 * size.max() ** 2)
+    along = pintle.geometric_stiffness(name, x_a, triad_a, x_b, triad_b, forces, along=v)
+    product = numpy.einsum("nij,nj->ni", stiffness, whole)
+    numpy.testing.assert_allclose(along, product, rtol=1e-12, atol=1e-12 * size.max() ** 2)
+    with pytest.raises(ValueError, match="along has 3 arrays"):
+        pintle.geometric_stiffness(name, x_a, triad_a, x_b, triad_b, forces, along=v[:3])
     alone = pintle.geometric_stiffness(name, x_a[:1], triad_a[:1], x_b, triad_b, forces[0])
     assert alone.shape == (n, 12, 12)
     with pytest.raises(ValueError, match="forces has shape"):

@@ -328,6 +328,15 @@ fn products_are_those_of_second_derivatives() {
             batch
                 .geometric_stiffness_of(&tiles, &sections, &histories, &multipliers, &mut stiffness)
                 .unwrap();
+            let mut along = vec![[[f64::NAN; 4]; 12]; tiles.len()];
+            batch
+                .geometric_stiffness_along(
+                    (&tiles, &sections, &histories),
+                    &multipliers,
+                    &velocities,
+                    &mut along,
+                )
+                .unwrap();
             let is_near = |found: f64, terms: &[f64], what: &str| {
                 let (sum, size): (f64, f64) = (terms.iter().sum(), terms.iter().map(|x| x.abs()).sum());
                 let is_near = (found - sum).abs() <= 1e-13 * size.max(1.0);
@@ -342,6 +351,14 @@ fn products_are_those_of_second_derivatives() {
                             (0..144).map(|k| entry(r, k / 12, k % 12) * v[k / 12] * v[k % 12]).collect();
                         is_near(bias[t * each + r][lane], &terms, "bias");
                     }
+                    for i in 0..12 {
+                        let of = |j: usize| {
+                            (0..each).map(move |r| multipliers[t * each + r][lane] * entry(r, i, j) * v[j])
+                        };
+                        let terms: Vec<f64> = (0..12).flat_map(of).collect();
+                        is_near(along[t][i][lane], &terms, "stiffness along");
+                        compared += 1;
+                    }
                     for k in 0..144 {
                         let (i, j) = (k / 12, k % 12);
                         let of = |r: usize| multipliers[t * each + r][lane] * entry(r, i, j);
@@ -354,7 +371,8 @@ fn products_are_those_of_second_derivatives() {
                     }
                 }
             }
-            compared += case.products_of_arrays(&batch, &velocities, &multipliers, (&bias, &stiffness));
+            compared +=
+                case.products_of_arrays(&batch, &velocities, &multipliers, (&bias, &stiffness, &along));
         }
     }
     assert!(compared > 500_000, "{compared}");
@@ -367,7 +385,7 @@ impl Case {
         batch: &Batch,
         velocities: &[[Four; 12]],
         multipliers: &[Four],
-        (bias, stiffness): (&[Four], &[[[Four; 12]; 12]]),
+        (bias, stiffness, along): (&[Four], &[[[Four; 12]; 12]], &[[Four; 12]]),
     ) -> usize {
         let (count, each) = (self.pairs.len(), batch.rows());
         let reference = self.flat(|s| self.pairs[s].reference);
@@ -405,10 +423,16 @@ impl Case {
                 assert_eq!(matrices[s * 144 + k], stiffness[s / 4][k / 12][k % 12][s % 4]);
             }
         }
+        let mut changes = vec![f64::NAN; count * 12];
+        batch.geometric_stiffness_along_of_states(&states, &loads, [of(0), of(6)], &mut changes).unwrap();
+        for (at, change) in changes.iter().enumerate() {
+            let (s, i) = (at / 12, at % 12);
+            assert_eq!(*change, along[s / 4][i][s % 4]);
+        }
         let refused = batch.bias_of_states(&states, [of(0), of(6)], &mut rates[1..]).unwrap_err();
         assert!(matches!(refused, BatchError::Length { what: "numbers", .. }));
         let refused = batch.geometric_stiffness_of_states(&states, &loads[1..], &mut matrices).unwrap_err();
         assert!(matches!(refused, BatchError::Length { what: "multipliers", .. }));
-        rates.len() + matrices.len()
+        rates.len() + matrices.len() + changes.len()
     }
 }

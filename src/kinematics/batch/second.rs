@@ -10,9 +10,10 @@ use crate::batch::tile::Four;
 use crate::batch::unit::Unit;
 use crate::batch::{Batch, BatchError, History, Layout, Section, Tile, same_length};
 use crate::scalar::lanes::{LANES, Lanes};
-use crate::vector::{Vector, apply, cross, dot, sub};
+use crate::vector::{Vector, add, apply, apply_transposed, cross, dot, sub, times};
 use pulp::{Simd, WithSimd};
 use std::cell::Cell;
+use std::ops::Range;
 
 /// Twelve numbers of four states by columns: x_a, θ_a, x_b, θ_b.
 pub type Columns12 = [Four; 12];
@@ -121,6 +122,33 @@ impl Batch {
     }
 }
 
+impl Batch {
+    /// The geometric stiffness along a variation, (Σ_k λ_k ∂²c_k) v, without the matrix.
+    ///
+    /// - `multipliers`: as of [`Batch::geometric_stiffness_of`]
+    /// - `along`: of each tile v by x_a, θ_a, x_b, θ_b (length, rad), global components
+    /// - `out`: of each tile the change of the forces on x_a, θ_a, x_b, θ_b (force, moment)
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] for slices of another length.
+    pub fn geometric_stiffness_along(
+        &self,
+        slices: (&[Tile], &[Section], &[History]),
+        multipliers: &[Four],
+        along: &[Columns12],
+        out: &mut [Columns12],
+    ) -> Result<(), BatchError> {
+        let (tiles, sections, histories) = slices;
+        let slices = self.slices(tiles, sections, histories)?;
+        same_length("multipliers", multipliers.len(), tiles.len() * self.rows())?;
+        same_length("variations", along.len(), tiles.len())?;
+        same_length("changes of forces", out.len(), tiles.len())?;
+        out.fill([[0.0; LANES]; 12]);
+        self.make(slices, &mut Along { multipliers, along, each: self.rows(), out });
+        Ok(())
+    }
+}
+
 /// The velocities of a node in many states.
 #[derive(Clone, Copy, Debug)]
 pub struct Velocities<'a> {
@@ -194,15 +222,7 @@ impl Batch {
         let mut rates = [[[0.0; LANES]; 12]; TILES];
         let mut found = vec![[0.0; LANES]; TILES * each];
         self.in_blocks(states, |these, slices| {
-            for (tile, rates) in rates.iter_mut().take(slices.tiles.len()).enumerate() {
-                for lane in 0..LANES {
-                    let state = (these.start + LANES * tile + lane).min(these.end - 1);
-                    for (three, array) in arrays.as_flattened().iter().enumerate() {
-                        let of = array.at(state).copied().unwrap_or([f64::NAN; 3]);
-                        (0..3).for_each(|i| rates[3 * three + i][lane] = of[i]);
-                    }
-                }
-            }
+            of_nodes(&arrays, &these, &mut rates);
             self.make(slices, &mut Bias { velocities: &rates, each, out: &mut found });
             let out = out.get_mut(these.start * each..these.end * each).unwrap_or_default();
             for (state, to) in out.chunks_exact_mut(each).enumerate() {
@@ -236,17 +256,76 @@ impl Batch {
         let mut own = vec![[0.0; LANES]; TILES * each];
         let mut found = [[[[0.0; LANES]; 12]; 12]; TILES];
         self.in_blocks(states, |these, slices| {
-            for (at, own) in own.iter_mut().enumerate() {
-                let (tile, row) = (at / each, at % each);
-                let state = |lane: usize| (these.start + LANES * tile + lane).min(these.end - 1);
-                *own = [0, 1, 2, 3]
-                    .map(|lane| multipliers.get(state(lane) * each + row).copied().unwrap_or(f64::NAN));
-            }
+            of_rows((multipliers, each), &these, &mut own);
             self.make(slices, &mut Stiffness { multipliers: &own, each, out: &mut found });
             let out = out.get_mut(these.start * 144..these.end * 144).unwrap_or_default();
             on_unit(self.arch, SpreadMatrices { found: &found, out: out.as_chunks_mut().0 });
         });
         Ok(())
+    }
+}
+
+impl Batch {
+    /// (Σ_k λ_k ∂²c_k) v of many states, into memory of the caller: [`Batch::geometric_stiffness_along`] from arrays in C order.
+    ///
+    /// - `multipliers` (count, [`Batch::rows`]): λ (force for lengths, moment for angles)
+    /// - `along`: v of a and of b, as velocities (length, rad)
+    /// - `out` (count, 12): by x_a, θ_a, x_b, θ_b
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] where an array is too short, or `multipliers` or `out` has another length.
+    pub fn geometric_stiffness_along_of_states(
+        &self,
+        states: &States<'_>,
+        multipliers: &[f64],
+        along: [Velocities<'_>; 2],
+        out: &mut [f64],
+    ) -> Result<(), BatchError> {
+        let (count, each) = (states.count, self.rows());
+        states.check()?;
+        for of in along {
+            of.velocity.check("variations", count, 3)?;
+            of.angular_velocity.check("variations", count, 3)?;
+        }
+        same_length("multipliers", multipliers.len(), count.saturating_mul(each))?;
+        same_length("changes of forces", out.len(), count.saturating_mul(12))?;
+        let arrays = along.map(|of| [of.velocity, of.angular_velocity]);
+        let mut own = vec![[0.0; LANES]; TILES * each];
+        let [mut variations, mut found] = [[[[0.0; LANES]; 12]; TILES]; 2];
+        self.in_blocks(states, |these, slices| {
+            of_nodes(&arrays, &these, &mut variations);
+            of_rows((multipliers, each), &these, &mut own);
+            found.fill([[0.0; LANES]; 12]);
+            self.make(slices, &mut Along { multipliers: &own, along: &variations, each, out: &mut found });
+            let out = out.get_mut(these.start * 12..these.end * 12).unwrap_or_default();
+            for (state, to) in out.chunks_exact_mut(12).enumerate() {
+                let of = &found[state / LANES];
+                to.iter_mut().zip(of).for_each(|(to, of)| *to = of[state % LANES]);
+            }
+        });
+        Ok(())
+    }
+}
+
+/// Twelve numbers of each of those states, by tiles, from arrays of three: the last state stands for those that a tile lacks.
+fn of_nodes(arrays: &[[Array<'_>; 2]; 2], these: &Range<usize>, out: &mut [Columns12; TILES]) {
+    for (tile, out) in out.iter_mut().take(these.len().div_ceil(LANES)).enumerate() {
+        for lane in 0..LANES {
+            let state = (these.start + LANES * tile + lane).min(these.end - 1);
+            for (three, array) in arrays.as_flattened().iter().enumerate() {
+                let of = array.at(state).copied().unwrap_or([f64::NAN; 3]);
+                (0..3).for_each(|i| out[3 * three + i][lane] = of[i]);
+            }
+        }
+    }
+}
+
+/// A number of each row of those states, by tiles.
+fn of_rows((numbers, each): (&[f64], usize), these: &Range<usize>, out: &mut [Four]) {
+    for (at, out) in out.iter_mut().enumerate() {
+        let (tile, row) = (at / each, at % each);
+        let state = |lane: usize| (these.start + LANES * tile + lane).min(these.end - 1);
+        *out = [0, 1, 2, 3].map(|lane| numbers.get(state(lane) * each + row).copied().unwrap_or(f64::NAN));
     }
 }
 
@@ -308,9 +387,7 @@ impl Made for Bias<'_> {
     fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &[RelativeRow], shapes: &[Shape]) {
         let out = self.out.get_mut(at * self.each..(at + 1) * self.each);
         let (Some(v), Some(out)) = (self.velocities.get(at), out) else { return };
-        let part =
-            |from: usize| -> Vector<Fused> { [Lanes(v[from]), Lanes(v[from + 1]), Lanes(v[from + 2])] };
-        let motion = Motion::new([part(0), part(3), part(6), part(9)], separation);
+        let motion = Motion::of(v, separation);
         for k in 0..self.each {
             let (Some(row), Some(shape), Some(to)) = (rows.get(k), shapes.get(k), out.get_mut(k)) else {
                 return;
@@ -320,8 +397,48 @@ impl Made for Bias<'_> {
     }
 }
 
+/// (Σ λ ∂²c) v.
+struct Along<'l> {
+    multipliers: &'l [Four],
+    along: &'l [Columns12],
+    each: usize,
+    out: &'l mut [Columns12],
+}
+
+impl Made for Along<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_tile(&mut self, at: usize, separation: Vector<Fused>, rows: &[RelativeRow], shapes: &[Shape]) {
+        let multipliers = self.multipliers.get(at * self.each..(at + 1) * self.each);
+        let (Some(multipliers), Some(v), Some(out)) = (multipliers, self.along.get(at), self.out.get_mut(at))
+        else {
+            return;
+        };
+        let motion = Motion::of(v, separation);
+        for turns_with_a in [true, false] {
+            let all = Shape::all(shapes, turns_with_a);
+            if all == Shape::NONE {
+                continue;
+            }
+            let mut sum = Derivatives { shape: all, separation, ..Derivatives::NONE };
+            for k in 0..self.each {
+                let (Some(row), Some(shape), Some(multiplier)) =
+                    (rows.get(k), shapes.get(k), multipliers.get(k))
+                else {
+                    return;
+                };
+                if shape.turns_with_a == turns_with_a {
+                    sum.add(Lanes(*multiplier), &row.read(*shape, separation));
+                }
+            }
+            with_constant!(all, |all| Derivatives { shape: all, ..sum }.along(&motion, out));
+        }
+    }
+}
+
 /// The relative variations of a motion whose velocities are constant, and their rates.
 struct Motion {
+    /// ω_a.
+    of_a: Vector<Fused>,
     /// ẋ_b − ẋ_a and ω_b.
     of_b: [Vector<Fused>; 2],
     /// δ̇ = ẋ_b − ẋ_a + D × ω_a and ρ̇ = ω_b − ω_a.
@@ -332,10 +449,14 @@ struct Motion {
 
 impl Motion {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new([x_a, w_a, x_b, w_b]: [Vector<Fused>; 4], separation: Vector<Fused>) -> Self {
+    fn of(v: &Columns12, separation: Vector<Fused>) -> Self {
+        let part =
+            |from: usize| -> Vector<Fused> { [Lanes(v[from]), Lanes(v[from + 1]), Lanes(v[from + 2])] };
+        let [x_a, w_a, x_b, w_b] = [part(0), part(3), part(6), part(9)];
         let apart = sub(x_b, x_a);
         let swept = cross(w_a, separation);
         Self {
+            of_a: w_a,
             of_b: [apart, w_b],
             rate: [sub(apart, swept), sub(w_b, w_a)],
             second: [
@@ -371,6 +492,47 @@ impl Derivatives {
             sum = sum + dot(self.rotation, of.second[1]);
         }
         sum
+    }
+
+    /// Adds ∂²c v by x_a, θ_a, x_b, θ_b: half the gradient of ∂²c[v, v].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn along(&self, of: &Motion, out: &mut Columns12) {
+        let Shape { translation, rotation, quadratic, mixed, turns_with_a } = self.shape;
+        let [by_delta, by_rho] = if turns_with_a { of.rate } else { of.of_b };
+        let [dd, dr, rr] = &self.second;
+        let (g, h, arm, turn) = (self.translation, self.rotation, self.separation, of.of_a);
+        let [apart, turn_of_b] = of.of_b;
+        let half = Lanes::splat(0.5);
+        let [mut force, mut moment, mut of_a] = [[Lanes::splat(0.0); 3]; 3];
+        if quadratic {
+            force = apply(dd, by_delta);
+        }
+        if mixed {
+            force = add(force, apply(dr, by_rho));
+            moment = apply_transposed(dr, by_delta);
+        }
+        if rotation {
+            moment = add(moment, apply(rr, by_rho));
+        }
+        if turns_with_a && translation {
+            of_a = cross(force, arm);
+            force = add(force, cross(turn, g));
+            let (along, across) = (dot(turn, arm), dot(g, turn));
+            let swept = sub(times(add(times(g, along), times(arm, across)), half), times(turn, dot(g, arm)));
+            of_a = add(of_a, add(swept, cross(g, apart)));
+        }
+        if turns_with_a && rotation {
+            of_a = sub(of_a, moment);
+            of_a = add(of_a, times(cross(h, turn_of_b), half));
+            moment = add(moment, times(cross(turn, h), half));
+        }
+        for i in 0..3 {
+            let parts = [(i, -force[i]), (3 + i, of_a[i]), (6 + i, force[i]), (9 + i, moment[i])];
+            for (to, part) in parts {
+                let both: Fused = Lanes(out[to]) + part;
+                out[to] = both.0;
+            }
+        }
     }
 }
 
