@@ -10,6 +10,7 @@
 #[path = "hand/commit.rs"]
 mod commit;
 mod hand {
+    pub(crate) mod arrays;
     #[path = "../../src/kinematics/scalar/coefficients.rs"]
     #[expect(dead_code, reason = "the rows need some of them")]
     mod coefficients;
@@ -30,6 +31,7 @@ mod hand {
     mod vector;
 }
 
+use hand::arrays::ByArrays;
 use hand::common::{flat, is_written, settings, spread, untimed};
 use hand::peer::serve;
 use hand::types::TYPES;
@@ -293,7 +295,8 @@ fn main() {
         return;
     }
     let ways = Way::all();
-    let mut more: Vec<Box<dyn Method>> = vec![Box::new(Hand(Order::Value)), Box::new(Hand(Order::Jacobian))];
+    let mut more: Vec<Box<dyn Method>> =
+        vec![Box::new(Hand(Order::Value)), Box::new(Hand(Order::Jacobian)), Box::new(ByArrays)];
     #[cfg(target_arch = "x86_64")]
     more.extend(Order::ALL.map(|order| -> Box<dyn Method> { Box::new(by_hand::HandLanes(order)) }));
     let more = more;

@@ -630,6 +630,7 @@ MEASUREMENTS = {
     printed("history", is_pinned=False): ("history",),
     printed("threads", is_pinned=False): ("threads",),
     printed("arrays", is_pinned=False): ("arrays",),
+    printed("forms"): ("forms",),
     solutions: ("solutions",),
     printed("stress", "--picture", str(EXPLANATION / "stress.svg")): ("stress",),
     proof: ("proof",),

@@ -325,10 +325,10 @@ impl<R: Real> Pair<R> {
         row
     }
 
-    /// g × D − h: the part of [`Pair::nodal_row`] by the rotation of a.
+    /// The part of [`Pair::nodal_row`] by the rotation of a.
     #[inline(always)]
     pub(crate) fn arm(&self, gradient: &RelativeGradient<R>) -> Vector<R> {
-        sub(cross(gradient.translation, self.separation()), gradient.rotation)
+        arm((gradient.translation, true), (gradient.rotation, true), self.separation())
     }
 
     /// The nodal second derivatives ∂²f/∂q_j∂q_k of a measure from its relative gradient and relative second derivatives
@@ -471,6 +471,21 @@ fn placed<R: Real, const N: usize>(first: usize, at: usize, three: Vector<R>) ->
 /// a − b.
 fn difference<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
     [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])]
+}
+
+/// g × D − h, the derivatives by the rotation of a of a measure that turns with it, with what the measure has of g and h.
+#[inline(always)]
+pub(crate) fn arm<S: Scalar>(
+    (g, has_g): (Vector<S>, bool),
+    (h, has_h): (Vector<S>, bool),
+    separation: Vector<S>,
+) -> Vector<S> {
+    match (has_g, has_h) {
+        (true, true) => sub(cross(g, separation), h),
+        (true, false) => cross(g, separation),
+        (false, true) => [-h[0], -h[1], -h[2]],
+        (false, false) => [S::zero(); 3],
+    }
 }
 
 /// The row of a one-form that acts along a direction e carried by node a, on the rotation of a against that of b, and on the flow

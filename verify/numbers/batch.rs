@@ -416,8 +416,8 @@ fn many_tiles_are_tiles() {
 fn material_flow_is_refused() {
     let initial = Pair::<f64> {
         reference: [1.0, 0.0, 0.0],
-        a: pintle_kinematics::node::Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 },
-        b: pintle_kinematics::node::Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 },
+        a: Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 },
+        b: Node { displacement: [0.0; 3], triad: identity(), flow: 0.0 },
     };
     for name in ["SLIPRING", "RETRACTOR"] {
         let definition = pintle_kinematics::connector::Definition::new(

@@ -3,7 +3,7 @@
 use crate::batch::Four;
 use crate::connector::Group;
 use crate::measure::Measure;
-use crate::node::Dependence;
+use crate::node::{Dependence, arm};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Scalar, unrolled};
 use crate::vector::{Matrix, Vector, cross, dot, sub, transpose};
@@ -198,15 +198,10 @@ impl Derivatives {
     /// The columns θ_a: g × D − h.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn turning_a(&self) -> Vector<Fused> {
-        let (g, h) = (self.translation, self.rotation);
-        if !self.shape.turns_with_a {
-            return [Lanes::splat(0.0); 3];
-        }
-        if !self.shape.translation {
-            return [-h[0], -h[1], -h[2]];
-        }
-        let arm = cross(g, self.separation);
-        if self.shape.rotation { sub(arm, h) } else { arm }
+        let Shape { translation, rotation, turns_with_a, .. } = self.shape;
+        let (g, h) =
+            ((self.translation, translation && turns_with_a), (self.rotation, rotation && turns_with_a));
+        arm(g, h, self.separation)
     }
 }
 

@@ -6,9 +6,8 @@
 use crate::connector::{Branch, Components, Connector, Kind, Mask, NodalRow, Row};
 use crate::measure::formula::{Formula, Pass, Task, alone, cover};
 use crate::measure::{Measure, Shared};
-use crate::node::{DOFS, Dependence, Pair, RelativeGradient};
+use crate::node::{self, DOFS, Dependence, Pair, RelativeGradient};
 use crate::scalar::{Duals, Real, Scalar, Seeded};
-use crate::vector::{self, Vector};
 
 /// A value with its derivatives by the nodal degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -269,7 +268,6 @@ fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
     out: &mut [Linear<R>; 6],
 ) {
     // Iterators and `map` of arrays are calls across units of the crate, each as dear as a row.
-    let minus = |[x, y, z]: Vector<R>| [-x, -y, -z];
     let first = if F::NEEDED.of_rotation() { 3 } else { 0 };
     let history = branch.history();
     let relative = pair.seeded::<R::Gradient<N>, N>(F::NEEDED, first);
@@ -293,16 +291,11 @@ fn differentiate<F: Formula<M>, R: Duals, const M: usize, const N: usize>(
                 h[i] = gradient[i + 3 - first];
             }
         }
-        // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]).
-        let (minus_g, arm) = if F::NEEDED.of_rotation() {
-            (none, minus(h))
-        } else if F::NEEDED.of_position() {
-            (minus(g), vector::cross(g, separation))
-        } else {
-            (minus(g), vector::sub(vector::cross(g, separation), h))
-        };
-        // A measure that no direction of a enters does not feel a turn.
-        let arm = if F::MEASURES[m].turns_with_a() { arm } else { none };
+        // −g, g × D − h, ∂Ψ_a, g, h, ∂Ψ_b ([`Pair::nodal_row`]). A measure that no direction of a enters does not feel a turn.
+        let (has_g, has_h) = (!F::NEEDED.of_rotation(), !F::NEEDED.of_position());
+        let minus_g = if has_g { [-g[0], -g[1], -g[2]] } else { none };
+        let turns = F::MEASURES[m].turns_with_a();
+        let arm = node::arm((g, has_g && turns), (h, has_h && turns), separation);
         let ([a1, a2, a3], [r1, r2, r3], [g1, g2, g3], [h1, h2, h3]) = (minus_g, arm, g, h);
         out.value = values[m].real();
         out.row = [a1, a2, a3, r1, r2, r3, zero, g1, g2, g3, h1, h2, h3, zero];
