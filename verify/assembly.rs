@@ -747,7 +747,7 @@ fn what_would_take_too_long_is_undecided() {
     let scene = Scene::parse("dense.inp", &text).unwrap();
     let report = audit_model(&scene, &[], &Levels::default());
     let assembly = report.assembly.as_ref().unwrap();
-    assert_eq!((assembly.parts, assembly.skipped.len(), assembly.is_decided()), (2, 1, false));
+    assert_eq!((assembly.connected_components, assembly.skipped.len(), assembly.is_decided()), (2, 1, false));
     assert_eq!((assembly.skipped[0].connectors, assembly.positions[0].rank), (joints.len(), None));
     assert_eq!((assembly.redundant.len(), assembly.redundant[0].holds), (6, Holds::Rigid));
     let found = |code: Code| report.findings.iter().find(|finding| finding.code() == code).unwrap();

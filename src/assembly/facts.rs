@@ -190,7 +190,8 @@ pub struct Assembly {
     /// Degrees of freedom that nothing holds, less constraints.
     pub gruebler: i64,
     /// The number of connected components that have no degree of freedom in common.
-    pub parts: usize,
+    #[serde(rename = "parts")]
+    pub connected_components: usize,
     /// The largest front, in columns: what the elimination cost.
     pub largest_front: usize,
     /// Connected components that were not looked at, for their elimination would take more than [`OPERATIONS`], or 1.3 GB.
@@ -307,7 +308,7 @@ impl Assembly {
             constraints: 0,
             drives: 0,
             gruebler: 0,
-            parts: 0,
+            connected_components: 0,
             largest_front: 0,
             skipped: Vec::new(),
             positions: Vec::new(),

@@ -128,7 +128,7 @@ pub(crate) fn look(
     keep: bool,
 ) -> Vec<Option<Found>> {
     let worked = AtomicUsize::new(0);
-    let of_part = |component: &ConnectedComponent, most: Most| {
+    let of_component = |component: &ConnectedComponent, most: Most| {
         let worst = component.rows.iter().filter_map(|row| residuals.get(*row as usize));
         let worst = largest(worst);
         let has_drives = component.rows.iter().any(|row| system.roles[*row as usize] == Role::Driven);
@@ -185,14 +185,14 @@ pub(crate) fn look(
     };
     let weight = |component: &ConnectedComponent| component.columns.len();
     let of_small = |component: &ConnectedComponent| {
-        (weight(component) <= TOGETHER).then(|| of_part(component, component.most))
+        (weight(component) <= TOGETHER).then(|| of_component(component, component.most))
     };
     let small: Vec<_> = system.components.par_iter().map(of_small).collect();
     // What is large is looked at one after the other, so that the limits of memory and of work of one are those of all.
     let of_large = |component: &ConnectedComponent| {
         let left = Most::default().work.saturating_sub(worked.load(Ordering::Relaxed)).max(CHEAP);
         let most = Most { work: component.most.work.min(left), ..component.most };
-        of_part(component, most)
+        of_component(component, most)
     };
     small
         .into_iter()
@@ -292,13 +292,13 @@ pub(crate) fn overdriven(system: &System<'_>, found: &[Option<Found>]) -> (Vec<C
         let Some((driven, rows)) = found.driven.as_ref().filter(|_| found.overdriven() > 0) else { continue };
         let is_drive = |row: &u32| system.roles[*row as usize] == Role::Driven;
         let dependent = driven.dependent.iter().map(|row| rows[*row as usize]).filter(is_drive);
-        let mut of_part: Vec<u32> = dependent.collect();
-        if of_part.is_empty() {
-            of_part = rows.iter().copied().filter(is_drive).collect();
+        let mut of_component: Vec<u32> = dependent.collect();
+        if of_component.is_empty() {
+            of_component = rows.iter().copied().filter(is_drive).collect();
         }
-        let others = rows.iter().copied().filter(is_drive).filter(|row| !of_part.contains(row));
+        let others = rows.iter().copied().filter(is_drive).filter(|row| !of_component.contains(row));
         besides.extend(others.take(LISTED).map(|row| constraint(system, row)));
-        named.extend(of_part.into_iter().map(|row| constraint(system, row)));
+        named.extend(of_component.into_iter().map(|row| constraint(system, row)));
     }
     named.extend(
         system

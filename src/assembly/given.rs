@@ -113,7 +113,7 @@ pub(crate) fn along(
 
 /// The redundant constraints at one state, which are not yet judged.
 fn dependent(system: &System<'_>, found: &[Option<Found>]) -> Vec<Redundant> {
-    let of_part = |found: &Found| -> Vec<Redundant> {
+    let of_component = |found: &Found| -> Vec<Redundant> {
         let decided = found.is_decided();
         let one = |(row, from): (&u32, Vec<Constraint>)| Redundant {
             constraint: constraint(system, found.rows[*row as usize]),
@@ -125,7 +125,7 @@ fn dependent(system: &System<'_>, found: &[Option<Found>]) -> Vec<Redundant> {
         let rows = found.constraints.dependent.iter().zip(made_of(system, found));
         rows.filter(|(row, _)| found.may_depend(row)).take(LISTED).map(one).collect()
     };
-    found.iter().flatten().flat_map(of_part).collect()
+    found.iter().flatten().flat_map(of_component).collect()
 }
 
 /// How many of the dependent rows of each connected component hold throughout, by what was judged initially.
@@ -136,9 +136,9 @@ fn throughout(initial: &[Option<Found>], redundant: &[Redundant]) -> Vec<usize> 
     let mut rest = redundant.get(redundant.len().saturating_sub(counts().sum())..).unwrap_or_default();
     counts()
         .map(|count| {
-            let (of_part, others) = rest.split_at(count.min(rest.len()));
+            let (of_component, others) = rest.split_at(count.min(rest.len()));
             rest = others;
-            of_part.iter().filter(|one| one.holds.is_throughout()).count()
+            of_component.iter().filter(|one| one.holds.is_throughout()).count()
         })
         .collect()
 }

@@ -120,7 +120,7 @@ fn of_system(system: &System<'_>, states: &[State], is_of: &dyn Fn(&State) -> bo
     assembly.constraints = constraints;
     assembly.drives = drives;
     assembly.gruebler = columns as i64 - constraints as i64;
-    assembly.parts = system.components.len();
+    assembly.connected_components = system.components.len();
     let mut sequence = Sequence::new(system.model, system.plan);
     let mut values = Vec::new();
     if let Err(error) = sequence.assemble(&State::default(), &system.jacobian, &mut values) {

@@ -47,23 +47,23 @@ pub(crate) fn redundant(
         .collect();
     let weight = |(component, _): &(&ConnectedComponent, &Found)| component.columns.len();
     let mut rest: usize = components.iter().map(weight).sum();
-    let mut of_parts: Vec<Redundant> = Vec::new();
+    let mut of_components: Vec<Redundant> = Vec::new();
     for batch in components.chunks(BATCH) {
         let one = |of: &(&ConnectedComponent, &Found)| {
             let own = budget.share([weight(of), rest], SMALL);
-            (of_part(system, *of, &own), own)
+            (of_component(system, *of, &own), own)
         };
         for (named, own) in batch.par_iter().map(one).collect::<Vec<_>>() {
             budget.count(&own);
-            of_parts.extend(named);
+            of_components.extend(named);
         }
         rest -= batch.iter().map(weight).sum::<usize>();
     }
-    held.chain(of_parts).collect()
+    held.chain(of_components).collect()
 }
 
 /// The same of a connected component.
-fn of_part(
+fn of_component(
     system: &System<'_>,
     (component, found): (&ConnectedComponent, &Found),
     budget: &Budget,

@@ -1,12 +1,11 @@
 //! The audit: cases × quantities × oracles and laws, in parallel, gathered per connector.
 
-use crate::case::Case;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::case::stage::invalid_stage;
+use crate::case::{AtEnd, Case};
 use crate::friction;
 use crate::friction::friction_cases;
-use crate::judge::components::AtRotations;
-use crate::judge::components::Surroundings;
+use crate::judge::components::{Exact, Surroundings};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::judged::{Trials, moved_by};
 use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
@@ -16,7 +15,7 @@ use crate::laws::{Context, Invariant};
 use crate::mutants::mutant;
 use crate::mutants::mutant::Mistake;
 use crate::oracles::certificate::{certificate, certifies_predefined};
-use crate::oracles::force::product_with_forces as product;
+use crate::oracles::force::product_at;
 use crate::oracles::golden::{audit_golden, states_of};
 use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers};
 use crate::oracles::referee::Referee;
@@ -234,29 +233,29 @@ pub(super) const SOMETIMES: usize = 20;
 
 /// All checks of one case.
 pub fn audit_case(case: &Case, settings: &Settings, wide: bool, index: usize) -> Vec<Check> {
-    let (Some(mut numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
+    let Some(end) = case.at_end() else { return Vec::new() };
+    let mut numbers = product_at(&end);
     if let Some(planted) = settings.planted {
         planted.spoil(&mut numbers);
     }
-    judge_numbers(case, &numbers, &narrow, settings, wide, index)
+    judge_numbers(&end, &numbers, settings, wide, index)
 }
 
 /// Judges the product's numbers at the end of a case.
 fn judge_numbers(
-    case: &Case,
+    end: &AtEnd<'_>,
     numbers: &Numbers<f64>,
-    narrow: &Narrow,
     settings: &Settings,
     wide: bool,
     index: usize,
 ) -> Vec<Check> {
     let mut checks = Vec::new();
-    let Some(step) = case.last() else { return checks };
+    let (case, narrow) = (end.case, Narrow::at(end));
     let asked = |oracle: Oracle| settings.oracles.contains(&oracle);
     // On a singular set differences on doubles have no step: only the wide ones tell its two sides. What is not finite is invalid, or
     // beyond the range of doubles: only the wide numbers tell which.
-    let asks = wide || narrow.nearness() == 0.0 || invalid_stage(&step.state, numbers).is_some();
-    let truth = asks.then(|| Truth::of(case)).flatten();
+    let asks = wide || narrow.nearness() == 0.0 || invalid_stage(&end.step.state, numbers).is_some();
+    let truth = asks.then(|| Truth::at(end));
     let answers = truth.as_ref().map(WideAnswers::of);
     // Of a component on its singular set there are no differences to trust; any other is judged as everywhere.
     let of_components =
@@ -264,16 +263,15 @@ fn judge_numbers(
     let trusted = answers.as_ref().map_or(Trusted::Own, |answers| {
         Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0)))
     });
-    let Some(examined) = Examined::new(case, numbers, trusted, narrow, &of_components) else { return checks };
+    let examined = Examined::new(end, numbers, trusted, &of_components);
     let (examined, sides) = examined.on_sets(truth.as_ref());
     let bound = &examined.bound;
-    let rotations = AtRotations::new(case);
-    let exact = |quantity: Quantity| rotations.exact(quantity);
+    let exact = |quantity: Quantity| answers.as_ref().map(|answers| Exact::of(answers, quantity));
     // 196 second derivatives take about as long as all that is done on doubles besides.
     let often = wide || index.is_multiple_of(SOMETIMES);
     let nested = (often && asked(Oracle::NestedDual)).then(|| narrow.nested_dual());
     let traced = asked(Oracle::Symbolic).then(|| narrow.symbolic());
-    let referee = Referee::new(case, settings, truth.as_ref());
+    let referee = Referee::new(end, settings, truth.as_ref());
     let around = match &truth {
         Some(truth) => {
             Surroundings { exact: Some(&exact), ..Surroundings::of(case, truth, bound, sides.as_ref()) }
@@ -324,22 +322,22 @@ fn judge_numbers(
         checks.extend(of_sum);
     }
     if asked(Oracle::HyperDual) {
-        let mut of_sum = hyper_dual(&examined, narrow, draw, made(Quantity::SecondDerivatives));
+        let mut of_sum = hyper_dual(&examined, &narrow, draw, made(Quantity::SecondDerivatives));
         referee.hears(of_sum.as_mut_slice(), numbers, &around, &case.name);
         checks.extend(of_sum);
     }
     if often {
-        checks.extend(laws(&examined, wide));
+        checks.extend(laws(end, &examined, wide));
     }
     Check::contradict(&mut checks);
     checks
 }
 
 /// What relates the numbers to each other; with mutants of them where `wide`.
-fn laws(examined: &Examined<'_>, wide: bool) -> Vec<Check> {
+fn laws(end: &AtEnd<'_>, examined: &Examined<'_>, wide: bool) -> Vec<Check> {
     let Examined { case, numbers, bound, .. } = examined;
     let mut checks = Vec::new();
-    let Some(context) = Context::new(case, numbers, bound) else { return checks };
+    let context = Context::at(end.clone(), numbers, bound);
     let context = if wide { context } else { context.brief() };
     for law in Invariant::ALL {
         let all = context.demands(law);

@@ -1,13 +1,13 @@
 //! One state of a connector for looking at: its Jacobian beside what it must be, and how approximations of it depend on the step.
 
-use crate::case::Case;
 use crate::case::failing::MpcCase;
 use crate::case::quantity::{Entries, Quantity};
+use crate::case::{AtEnd, Case};
 use crate::judge::bound::Bound;
 use crate::judge::comparison::Comparison;
 use crate::judge::outcome::Report;
 use crate::judge::verdict::Verdict;
-use crate::oracles::force::product_with_forces as product;
+use crate::oracles::force::product_at;
 use crate::oracles::oracle::{Narrow, WideAnswers};
 use crate::oracles::truth::Truth;
 use crate::sampling::{Extent, cases};
@@ -38,7 +38,9 @@ pub struct Steps {
 /// One state of a connector or a constraint for looking at.
 #[derive(Clone, Debug)]
 pub struct Illustration {
-    /// The connector or type.
+    /// The scene that it is of.
+    pub scene: Option<String>,
+    /// The connector or type, after its scene.
     pub subject: String,
     /// The state.
     pub state: String,
@@ -53,7 +55,7 @@ pub struct Illustration {
 pub fn illustrate_catalogue(report: &Report) -> Vec<Illustration> {
     let of = |connection: &ConnectionType| {
         let mut tried = cases(connection, Extent::Brief).into_iter();
-        tried.find_map(|case| Illustration::of(&connection.name, &case, report.settings.planted))
+        tried.find_map(|case| Illustration::of(None, &connection.name, &case, report.settings.planted))
     };
     TABLE.par_iter().filter_map(of).collect()
 }
@@ -79,12 +81,14 @@ pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Ve
     let mut shown: Vec<Illustration> = cases
         .into_par_iter()
         .filter_map(|(title, case)| {
-            Illustration::of(&format!("{}: {title}", target.name), &case, report.settings.planted)
+            Illustration::of(Some(target.name), &title, &case, report.settings.planted)
         })
         .collect();
     let mut constraints = scene::last_constraints(target);
     constraints.truncate(most);
-    let of = |case: MpcCase| Illustration::of_constraint(target.name, &case, report.settings.planted);
+    let of = |(title, case): (String, MpcCase)| {
+        Illustration::of_constraint(target.name, &title, &case, report.settings.planted)
+    };
     shown.extend(constraints.into_par_iter().filter_map(of).collect::<Vec<_>>());
     shown
 }
@@ -97,14 +101,13 @@ const STEPS: std::ops::RangeInclusive<i32> = -14..=-1;
 
 impl Illustration {
     /// Of a constraint of a scene; `None` for one without equations.
-    fn of_constraint(scene: &str, case: &MpcCase, planted: Option<Planted>) -> Option<Self> {
+    fn of_constraint(scene: &str, title: &str, case: &MpcCase, planted: Option<Planted>) -> Option<Self> {
         let mut tables = case.tables().into_iter();
         let mut rows = tables.find(|table| table.quantity == Quantity::FirstDerivatives)?;
         planted.into_iter().for_each(|planted| planted.spoil_table(&mut rows));
-        // Its state names the constraint: `MPC PIN 10-20 at state 3`.
-        let name = case.name.split(" at state ").next().unwrap_or_default();
         Some(Self {
-            subject: format!("{scene}: {name}"),
+            scene: Some(scene.to_string()),
+            subject: format!("{scene}: {title}"),
             state: case.name.clone(),
             comparison: rows.comparison(),
             steps: Steps::default(),
@@ -112,34 +115,35 @@ impl Illustration {
     }
 
     /// Of the product at the end of a case, with the fault that is planted in it; `None` for an empty path, or on a singular set.
-    pub fn of(subject: &str, case: &Case, planted: Option<Planted>) -> Option<Self> {
-        let truth = Truth::of(case)?;
-        let step = case.last()?;
+    fn of(scene: Option<&str>, name: &str, case: &Case, planted: Option<Planted>) -> Option<Self> {
+        let end = case.at_end()?;
+        let truth = Truth::at(&end);
         let nearness = truth.nearness();
         if nearness == 0.0 {
             return None;
         }
-        let mut numbers = product(case)?;
+        let mut numbers = product_at(&end);
         planted.into_iter().for_each(|planted| planted.spoil(&mut numbers));
         let answers = WideAnswers::of(&truth);
         let trusted = crate::singular::atlas::truth_to_f64(&answers.differences);
-        let bound = Bound::new(&trusted, &step.state, case.length, nearness);
+        let bound = Bound::new(&trusted, &end.step.state, case.length, nearness);
         let rows = numbers.entries(Quantity::FirstDerivatives);
         let want = answers.differences.entries(Quantity::FirstDerivatives).map(|_, _, x| x.into());
         Some(Self {
-            subject: subject.to_string(),
+            scene: scene.map(String::from),
+            subject: scene.map_or_else(|| name.to_string(), |scene| format!("{scene}: {name}")),
             state: case.name.clone(),
             comparison: Comparison::new(rows, &want, |k, j| {
                 bound.tolerance(Quantity::FirstDerivatives, k, j)
             }),
-            steps: steps(case, rows, &truth, &bound)?,
+            steps: steps(&end, rows, &truth, &bound),
         })
     }
 }
 
-fn steps(case: &Case, rows: &Entries<f64>, truth: &Truth, bound: &Bound) -> Option<Steps> {
-    let narrow = Narrow::of(case)?;
-    let connector = case.connector();
+fn steps(end: &AtEnd<'_>, rows: &Entries<f64>, truth: &Truth, bound: &Bound) -> Steps {
+    let AtEnd { case, connector, .. } = end;
+    let narrow = Narrow::at(end);
     let draw = &mut Draw::new(&case.name);
     let drawn = draw.rates(1.0);
     let v: [f64; DOFS] = std::array::from_fn(|j| {
@@ -183,7 +187,7 @@ fn steps(case: &Case, rows: &Entries<f64>, truth: &Truth, bound: &Bound) -> Opti
         let largest = errors.fold(None, |most: Option<f64>, x| Some(most.map_or(x, |most| most.max(x))));
         found.differences.extend(largest.map(|error| [h, error]));
     }
-    Some(found)
+    found
 }
 
 #[cfg(test)]
@@ -194,8 +198,9 @@ mod tests {
     #[test]
     fn a_planted_fault_is_shown() {
         let case = cases(&TABLE[0], Extent::Brief).swap_remove(0);
-        let worst =
-            |planted| Illustration::of("it", &case, planted).map_or(0.0, |shown| shown.comparison.worst());
+        let worst = |planted| {
+            Illustration::of(None, "it", &case, planted).map_or(0.0, |shown| shown.comparison.worst())
+        };
         assert!(worst(None) <= 1.0 && worst(Some(Planted::WrongEntry)) > 1e6);
     }
 
@@ -205,7 +210,7 @@ mod tests {
     fn curves_say_what_they_must() {
         for connection in TABLE {
             let case = cases(connection, Extent::Brief).swap_remove(0);
-            let shown = Illustration::of(&connection.name, &case, None).unwrap();
+            let shown = Illustration::of(None, &connection.name, &case, None).unwrap();
             assert!(shown.comparison.worst() <= 1.0, "{}", connection.name);
             let last = shown.steps.remainder[0][1];
             assert!(last <= 1.0, "{}: {last}", connection.name);

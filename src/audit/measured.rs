@@ -3,11 +3,12 @@
 use crate::candidate::Given;
 use crate::case::Case;
 use crate::case::quantity::{Numbers, Quantity};
-use crate::judge::components::{AtRotations, Surroundings};
+use crate::judge::components::{Exact, Surroundings};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::verdict::{Finding, Verdict};
-use crate::oracles::oracle::{Answer, Narrow, Oracle};
+use crate::oracles::oracle::{Answer, Oracle, WideAnswers};
 use crate::oracles::truth::Truth;
+use std::cell::LazyCell;
 
 /// What is measured of numbers of one quantity at one state.
 #[derive(Clone, Debug)]
@@ -44,19 +45,20 @@ pub fn others_against_truth(case: &Case, given: &Given) -> Option<AgainstTruth> 
 }
 
 fn judged(case: &Case, numbers: &Numbers<f64>, is_of_others: bool) -> Option<AgainstTruth> {
-    let (narrow, truth) = (Narrow::of(case)?, Truth::of(case)?);
+    let end = case.at_end()?;
+    let truth = Truth::at(&end);
     let nearness = truth.nearness_of_components();
     let dual = truth.dual_functions();
     let mut trusted = Numbers::default();
     for quantity in [Quantity::Value, Quantity::FirstDerivatives, Quantity::SecondDerivatives] {
         trusted.set(quantity, dual.entries(quantity).map(|_, _, x| x.to_f64()));
     }
-    let examined = Examined::new(case, numbers, Trusted::Wide(trusted), &narrow, &nearness)?;
+    let examined = Examined::new(&end, numbers, Trusted::Wide(trusted), &nearness);
     let (examined, sides) = examined.on_sets(Some(&truth));
     let examined = if is_of_others { examined.of_others() } else { examined };
     let bound = &examined.bound;
-    let rotations = AtRotations::new(case);
-    let exact = |quantity: Quantity| rotations.exact(quantity);
+    let answers = LazyCell::new(|| WideAnswers::of(&truth));
+    let exact = |quantity: Quantity| Some(Exact::of(&answers, quantity));
     let around =
         Surroundings { exact: Some(&exact), ..Surroundings::of(case, &truth, bound, sides.as_ref()) };
     let measured = |quantity: Quantity, answer: Answer| {

@@ -527,12 +527,14 @@ fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
         if SlopesCase::acts(&element.behavior.behavior) {
             expected.add(Quantity::BehaviorTangent);
         }
-        Some((element.title(), certificate(connection), slips, expected))
+        let names = (element.title(), connection.name.to_string());
+        Some((names, certificate(connection), slips, expected))
     });
     let mpcs = plan.mpcs.iter().filter_map(|at| {
         let element = model.mpcs.get(*at)?;
-        let of_kind = certificate_of_mpc(element.constraint.kind());
-        Some((element.title(), of_kind, true, Expected::of_constraint()))
+        let kind = element.constraint.kind();
+        let (names, of_kind) = ((element.title(), format!("MPC {}", kind.name())), certificate_of_mpc(kind));
+        Some((names, of_kind, true, Expected::of_constraint()))
     });
     let relations = plan.relations.iter().filter_map(|at| {
         let element = model.relations.get(*at)?;
@@ -542,18 +544,23 @@ fn subjects(target: &Target<'_>, mut gathered: Vec<Gathered>) -> Vec<Subject> {
             title if compared == nodes => title,
             title => format!("{title} (columns of {compared} of its {nodes} nodes)"),
         };
-        Some((title, of_kind, true, Expected::of_relation(&element.relation)))
+        Some((
+            (title, element.type_name.to_string()),
+            of_kind,
+            true,
+            Expected::of_relation(&element.relation),
+        ))
     });
     let named = connectors.chain(mpcs).chain(relations).zip(gathered);
     named
-        .map(|((title, certificate, slips, expected), mut one)| {
+        .map(|(((title, type_name), certificate, slips, expected), mut one)| {
             one.checks.sort_by_key(|check| (check.quantity.is_none(), check.quantity, check.against));
             let springs = one.checks.iter().any(|check| check.quantity == Some(Quantity::BehaviorTangent));
             let certified = slips && (!springs || certifies_springs());
             let subject = Subject::new(title, certificate, one.cases, one.checks, &expected);
             let least = if certified { Verdict::Pass } else { Verdict::Undecided };
             let formula = subject.formula.max(least);
-            Subject { scene: Some(target.name.to_string()), formula, ..subject }
+            Subject { scene: Some(target.name.to_string()), type_name, formula, ..subject }
         })
         .collect()
 }
@@ -596,7 +603,7 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
 }
 
 /// The constraints at the last state; at the initial one, where no states are given.
-pub(super) fn last_constraints(target: &Target<'_>) -> Vec<MpcCase> {
+pub(super) fn last_constraints(target: &Target<'_>) -> Vec<(String, MpcCase)> {
     let Target { model, states, plan, .. } = *target;
     let mut walk = walk(model, plan);
     let mut found = Vec::new();
@@ -607,7 +614,7 @@ pub(super) fn last_constraints(target: &Target<'_>) -> Vec<MpcCase> {
         let number = state.number.unwrap_or(index as u64);
         let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
             if let Item::Mpc(placed) = placed {
-                found.push(mpc_case(model, placed, number));
+                found.push((model.mpcs[placed.index].title(), mpc_case(model, placed, number)));
             }
             Ok(())
         });

@@ -16,8 +16,10 @@ use pintle_kinematics::vector::{
 use pintle_model::evaluate::{ConnectorResult, Fixed, Freedom, Item, Model, Sequence};
 use pintle_report::{Block, Value};
 use pintle_scene::{Label, PointKind, Scene, State, Target};
+use serde::{Serialize, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
+use std::fmt::{self, Display, Formatter};
 
 /// What is evaluated.
 pub(crate) const OUTPUTS: [Output; 13] = [
@@ -84,6 +86,42 @@ impl Of {
 /// A number of an element or node.
 pub(crate) type Key = (String, Of);
 
+/// Why a number is not compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// The files have no motion of nodes when it was printed.
+    NoMotion,
+    /// They have no rates of nodes.
+    NoRates,
+    /// They lack the force of a component of a connector, each by its name.
+    NoForce(String, String),
+    /// Another reason.
+    Other(String),
+}
+
+impl Display for Why {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMotion => f.write_str("the files have no motion of nodes at these times"),
+            Self::NoRates => f.write_str("the files have no such rates of nodes"),
+            Self::NoForce(force, of) => write!(f, "the force {force} of {of} is not in the files"),
+            Self::Other(why) => f.write_str(why),
+        }
+    }
+}
+
+impl Serialize for Why {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl From<&str> for Why {
+    fn from(why: &str) -> Self {
+        Self::Other(why.into())
+    }
+}
+
 /// The numbers of one connector.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Numbers {
@@ -114,7 +152,7 @@ pub(crate) struct AtNode {
     /// Of each connector.
     parts: Vec<Part>,
     /// The force that is not known.
-    missing: Option<String>,
+    missing: Option<Why>,
 }
 
 /// Everything at one state.
@@ -255,7 +293,7 @@ impl<'a> Evaluator<'a> {
         result: &ConnectorResult,
         (label, numbers): (&str, &Numbers),
         frame: &Frame,
-    ) -> Result<[Option<Printed>; 6], String> {
+    ) -> Result<[Option<Printed>; 6], Why> {
         let element = &self.model.connectors[result.index];
         let connector = &element.connector;
         let of_file = |output: Output, k: usize| {
@@ -272,11 +310,7 @@ impl<'a> Evaluator<'a> {
             let force = told.or_else(|| of_file(Output::CTF, k)).or_else(reaction);
             forces[k] = force.or(is_free.then(|| exact(0.0)));
             if forces[k].is_none() {
-                let title = element.title();
-                return Err(format!(
-                    "the force {} of {title} is not in the files",
-                    Of::Output(Output::CTF, k).name()
-                ));
+                return Err(Why::NoForce(Of::Output(Output::CTF, k).name(), element.title()));
             }
         }
         Ok(forces)
@@ -333,7 +367,7 @@ impl<'a> Evaluator<'a> {
         known: &Known,
         (node, of): (&str, (Nodal, usize)),
         state: &State,
-    ) -> Result<Printed, String> {
+    ) -> Result<Printed, Why> {
         let Some(label) = self.labels.get(node) else { return Err("the scene has no such node".into()) };
         let Some(at) = known.nodes.get(node) else { return Err("no connector is at that node".into()) };
         let (nodal, i) = of;
@@ -343,7 +377,7 @@ impl<'a> Evaluator<'a> {
                 return Ok(Printed::default());
             }
             if let Some(what) = self.others.get(label) {
-                return Err(format!("{what} acts there, too"));
+                return Err(Why::Other(format!("{what} acts there, too")));
             }
             let moves = state.nodes.get(label).is_some_and(|motion| *motion != Default::default());
             if moves && self.masses.contains(label) {

@@ -1,6 +1,6 @@
 //! How far a series of numbers is from what it must be, in units of what the file can tell.
 
-use crate::evaluate::{Key, Of};
+use crate::evaluate::{Key, Of, Why};
 use serde::Serialize;
 
 /// Roundings that a program may spend on a number: relative to the largest of its kind at the state, of a matrix to that of its row.
@@ -140,7 +140,7 @@ pub struct Unjudged {
     /// How many numbers.
     pub count: u64,
     /// Why.
-    pub why: String,
+    pub why: Why,
 }
 
 /// What a file cannot tell.

@@ -33,6 +33,7 @@ mod walk;
 
 pub use column::{Map, MatrixKind, Motion, Nodal, Rotations};
 pub use digits::{Creep, Digits, Events, Given, Quantity, Run, digits, given};
+pub use evaluate::Why;
 pub use judge::{Comparison, Gap, Series, Unjudged};
 pub use motion::states;
 pub use printed::Printed;

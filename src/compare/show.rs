@@ -1,5 +1,6 @@
 //! A comparison as text, and as a page with pictures.
 
+use crate::evaluate::Why;
 use crate::judge::{Comparison, Gap, Point, Series, Unjudged};
 use pintle_report::{table, wrap};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -109,9 +110,9 @@ impl Comparison {
 
     /// What was not compared, a sentence for each element and cause.
     fn refused(&self) -> Vec<String> {
-        let mut groups: Vec<(&str, &str, Vec<&str>, u64)> = Vec::new();
+        let mut groups: Vec<(&str, &Why, Vec<&str>, u64)> = Vec::new();
         for Unjudged { element, name, count, why } in &self.unjudged {
-            match groups.iter_mut().find(|(of, because, ..)| of == element && because == why) {
+            match groups.iter_mut().find(|(of, because, ..)| of == element && *because == why) {
                 Some((.., names, sum)) => {
                     names.push(name);
                     *sum += count;
@@ -152,7 +153,7 @@ impl Comparison {
         }
         for unjudged in &self.unjudged {
             let mut status = TestCaseStatus::skipped();
-            status.set_message(unjudged.why.clone());
+            status.set_message(unjudged.why.to_string());
             suite.add_test_case(TestCase::new(format!("{} of {}", unjudged.name, unjudged.element), status));
         }
         suite

@@ -3,7 +3,7 @@
 use crate::cause::{Alternatives, explain};
 use crate::column::{Map, Motion, Nodal, Rotations};
 use crate::entries::compare_matrices;
-use crate::evaluate::{Evaluator, Key, Known, Of, unit_of};
+use crate::evaluate::{Evaluator, Key, Known, Of, Why, unit_of};
 use crate::judge::{Comparison, Gap, Point, ROUNDINGS, Series, Unjudged};
 use crate::motion::Motions;
 use crate::read::{Frame, Results};
@@ -14,9 +14,6 @@ use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
 use pintle_scene::{Scene, State};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
-
-/// Why rates are not compared.
-const NO_RATES: &str = "the files have no such rates of nodes";
 
 /// The part of the largest number of an output that may be wrong unseen, without a word.
 const COARSE: f64 = 5e-3;
@@ -194,20 +191,20 @@ fn gaps(model: &Model, survey: &Survey, comparison: &Comparison) -> Vec<Gap> {
             request: lines("*NODE PRINT", "U, UR"),
         });
     }
-    if comparison.unjudged.iter().any(|of| of.why == NO_RATES) {
+    if comparison.unjudged.iter().any(|of| of.why == Why::NoRates) {
         found.push(Gap {
             what: "the rates of nodes, of which CV, CA and viscous forces are made".into(),
             request: lines("*NODE PRINT", "U, UR, V, VR, A, AR"),
         });
     }
-    if comparison.unjudged.iter().any(|of| of.why.contains("is not in the files")) {
+    if comparison.unjudged.iter().any(|of| matches!(of.why, Why::NoForce(..))) {
         found.push(Gap {
             what: "forces at nodes need those of every component, and reactions do not follow from a motion"
                 .into(),
             request: lines("*EL PRINT", "CTF"),
         });
     }
-    if comparison.unjudged.iter().any(|of| of.why.contains("no motion of nodes at")) {
+    if comparison.unjudged.iter().any(|of| of.why == Why::NoMotion) {
         found.push(Gap {
             what: "some states have outputs and no motion: --interpolate takes it between those before and after".into(),
             request: lines("*NODE PRINT, FREQUENCY=1", "U, UR"),
@@ -244,13 +241,13 @@ struct Judging<'a> {
 }
 
 impl Judging<'_> {
-    fn refuse(&mut self, (owner, of): &Key, why: &str) {
+    fn refuse(&mut self, (owner, of): &Key, why: impl Into<Why>) {
         let name = of.name();
         let entry = self.unjudged.entry((owner.clone(), name.clone())).or_insert_with(|| Unjudged {
             element: owner.clone(),
             name,
             count: 0,
-            why: why.to_string(),
+            why: why.into(),
         });
         entry.count += 1;
     }
@@ -278,7 +275,7 @@ impl Judging<'_> {
                     continue;
                 }
                 let Some((known, _)) = known else {
-                    self.refuse(&key, "the files have no motion of nodes at these times");
+                    self.refuse(&key, Why::NoMotion);
                     continue;
                 };
                 let is_told = match output {
@@ -287,7 +284,7 @@ impl Judging<'_> {
                     _ => true,
                 };
                 if !is_told {
-                    self.refuse(&key, NO_RATES);
+                    self.refuse(&key, Why::NoRates);
                     continue;
                 }
                 let Some(numbers) = known.elements.get(element) else {
@@ -320,11 +317,11 @@ impl Judging<'_> {
             for (nodal, i, printed) in forces {
                 let key = (node.clone(), Of::Nodal(*nodal, *i));
                 let Some((known, state)) = known else {
-                    self.refuse(&key, "the files have no motion of nodes at these times");
+                    self.refuse(&key, Why::NoMotion);
                     continue;
                 };
                 match evaluator.at_node(known, (node, (*nodal, *i)), state) {
-                    Err(why) => self.refuse(&key, &why),
+                    Err(why) => self.refuse(&key, why),
                     Ok(want) => {
                         let of_kind = forces.iter().filter(|(of, ..)| of == nodal);
                         let largest = of_kind.map(|(.., x)| x.x.abs()).fold(want.x.abs(), f64::max);
@@ -437,7 +434,7 @@ fn judge(
                         .insert(key.clone(), viscous)
                         .map_or(f64::INFINITY, |last| (viscous - last).abs());
                     if !before.is_finite() {
-                        judging.refuse(&key, NO_RATES);
+                        judging.refuse(&key, Why::NoRates);
                         continue;
                     }
                     point.allowed += before;

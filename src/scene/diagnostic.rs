@@ -23,12 +23,22 @@ pub enum Severity {
     Error,
 }
 
+/// How the explanation of a code ends that declares how bad it is.
+macro_rules! ending {
+    (Note) => {
+        " A note."
+    };
+    (Warning) => {
+        " A warning."
+    };
+}
+
 macro_rules! codes {
-    ($($variant:ident = $text:literal: $explanation:literal;)+) => {
+    ($($variant:ident = $text:literal: $explanation:literal $(, $severity:ident)?;)+) => {
         /// The stable codes of diagnostics. They never change their meaning.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Code {
-            $(#[doc = concat!("`", $text, "`: ", $explanation)] $variant,)+
+            $(#[doc = concat!("`", $text, "`: ", $explanation $(, ending!($severity))?)] $variant,)+
         }
 
         impl Code {
@@ -44,7 +54,12 @@ macro_rules! codes {
             /// What the code means, in one or two sentences.
             #[must_use]
             pub fn explanation(self) -> &'static str {
-                match self { $(Self::$variant => $explanation),+ }
+                match self { $(Self::$variant => concat!($explanation $(, ending!($severity))?)),+ }
+            }
+
+            /// How bad it is where that is not as of others of its group.
+            const fn declared(self) -> Option<Severity> {
+                match self { $($(Self::$variant => Some(Severity::$severity),)?)+ _ => None }
             }
         }
     };
@@ -77,20 +92,20 @@ codes! {
     IncludeLimit = "deck::include-limit": "Includes nest too deep, or are too many or too large altogether.";
 
     UnsupportedKeyword = "deck::unsupported-keyword": "A keyword or parameter that acts on nodes of connectors or constraints, or changes the deck itself, and is not understood; skipping it would give another model.";
-    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, *BOUNDARY and *CLOAD with a parameter that is not read, an *EQUATION of displacements and a degree of freedom of other physics, or a model that stands in another deck (*RESTART, READ; *IMPORT). A warning.";
-    ItemsAfterCoordinates = "deck::items-after-coordinates": "A line of *NODE goes on after the third coordinate, and what follows is no normal: of numbers with decimal commas the digits become further items. A warning.";
-    MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one. A warning.";
+    NotFollowed = "deck::not-followed": "A keyword changes connectors, or where their nodes are, and that is not followed: *MODEL CHANGE, *IMPERFECTION, *BOUNDARY and *CLOAD with a parameter that is not read, an *EQUATION of displacements and a degree of freedom of other physics, or a model that stands in another deck (*RESTART, READ; *IMPORT).", Warning;
+    ItemsAfterCoordinates = "deck::items-after-coordinates": "A line of *NODE goes on after the third coordinate, and what follows is no normal: of numbers with decimal commas the digits become further items.", Warning;
+    MisspeltKeyword = "deck::misspelt-keyword": "A keyword was skipped that looks like a misspelt one.", Warning;
     MisplacedKeyword = "deck::misplaced-keyword": "A keyword that must follow another one, such as a suboption outside a connector behaviour.";
     ModelDataInStep = "deck::model-data-in-step": "A keyword that defines the model stands after the first *STEP.";
     HistoryOutsideStep = "deck::history-outside-step": "A keyword that belongs to a step stands outside every step.";
     UnfinishedBlock = "deck::unfinished-block": "A *PART, *INSTANCE or *ASSEMBLY does not end.";
     MissingAssembly = "deck::missing-assembly": "A deck defines parts and has no *ASSEMBLY, so that it has no model.";
-    UnusedPart = "deck::unused-part": "A part that no instance uses: nothing of it is in the model. A warning.";
+    UnusedPart = "deck::unused-part": "A part that no instance uses: nothing of it is in the model.", Warning;
     UnknownPart = "deck::unknown-part": "An instance is one of a part that is not defined above it.";
     UnknownInstance = "deck::unknown-instance": "An instance is named that is not defined above.";
     DegenerateRotation = "deck::degenerate-rotation": "The two points of the axis about which an instance is turned coincide.";
     TwoTransforms = "deck::two-transforms": "A node is in the sets of two *TRANSFORMs.";
-    NodesOfSkipped = "deck::nodes-of-skipped": "A node set takes the nodes of elements of types that are not read, so that it lacks them. Where the set must be complete, the deck is not read. A warning.";
+    NodesOfSkipped = "deck::nodes-of-skipped": "A node set takes the nodes of elements of types that are not read, so that it lacks them. Where the set must be complete, the deck is not read.", Warning;
     UnfinishedStep = "deck::unfinished-step": "A *STEP has no *END STEP.";
     TwoProcedures = "deck::two-procedures": "A step has two procedures.";
     MixedSolvers = "deck::mixed-solvers": "Some steps are explicit dynamics and others are not.";
@@ -118,7 +133,7 @@ codes! {
     BadLabel = "deck::bad-label": "The number of a node or element is 0 or larger than 2^53.";
     BadConnectivity = "deck::bad-connectivity": "An element has too few, too many or equal nodes.";
     GenerateRange = "deck::generate-range": "A GENERATE range is empty, endless or larger than ten million, or all sets together are too large.";
-    GenerateGaps = "deck::generate-gaps": "A GENERATE range names numbers that do not exist. A warning.";
+    GenerateGaps = "deck::generate-gaps": "A GENERATE range names numbers that do not exist.", Warning;
     EmptySet = "deck::empty-set": "A set that is used has no members of the kind that is needed.";
     SetCycle = "deck::set-cycle": "A set contains itself, directly or through others.";
 
@@ -131,9 +146,9 @@ codes! {
     UnknownAmplitude = "deck::unknown-amplitude": "An amplitude is used that is not defined.";
     UnknownDerivedComponent = "deck::unknown-derived-component": "A derived component is used that its behaviour does not define.";
     UnknownSurface = "deck::unknown-surface": "A surface is used that is not defined.";
-    TieApart = "deck::tie-apart": "Nodes of the dependent surface of a *TIE are farther from the other one than its position tolerance, and are not tied. A warning.";
+    TieApart = "deck::tie-apart": "Nodes of the dependent surface of a *TIE are farther from the other one than its position tolerance, and are not tied.", Warning;
     UnknownMpc = "deck::unknown-mpc": "A multi-point constraint type that does not exist.";
-    MpcNotEvaluated = "deck::mpc-not-evaluated": "A multi-point constraint type that is kept but not evaluated. A warning.";
+    MpcNotEvaluated = "deck::mpc-not-evaluated": "A multi-point constraint type that is kept but not evaluated.", Warning;
     WrongElementType = "deck::wrong-element-type": "A property is given to elements of another type.";
     MissingSection = "deck::missing-section": "A connector element has no *CONNECTOR SECTION.";
     TwoSections = "deck::two-sections": "A connector element has two *CONNECTOR SECTIONs.";
@@ -141,9 +156,9 @@ codes! {
     DegenerateOrientation = "deck::degenerate-orientation": "The points of an orientation do not define three directions.";
     UnsupportedOrientation = "deck::unsupported-orientation": "An orientation that a connector uses comes from a user subroutine or a *DISTRIBUTION.";
     LimitsReversed = "deck::limits-reversed": "A lower limit lies above the upper one.";
-    LimitsMissing = "deck::limits-missing": "A stop, lock or failure without any limit. A warning.";
+    LimitsMissing = "deck::limits-missing": "A stop, lock or failure without any limit.", Warning;
     TableOrder = "deck::table-order": "The independent variable of a table does not increase.";
-    NonzeroModelBoundary = "deck::nonzero-model-boundary": "A boundary condition before the first step has a magnitude other than zero. A warning.";
+    NonzeroModelBoundary = "deck::nonzero-model-boundary": "A boundary condition before the first step has a magnitude other than zero.", Warning;
 
     UnknownConnectionType = "rule::unknown-connection-type": "A connector section names no connection type, one that does not exist, or two that do not pair.";
     OrientationRequired = "rule::orientation-required": "An orientation is missing where the connection type requires one.";
@@ -156,30 +171,30 @@ codes! {
     FrictionNotPredefined = "rule::friction-not-predefined": "Predefined friction for a connection type that has none.";
     FrictionParameters = "rule::friction-parameters": "More or fewer parameters of predefined friction than the connection type takes.";
     SectionDataUnused = "rule::section-data-unused": "Section data for a connection type that takes none, or less.";
-    ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such. A warning.";
+    ConvertedInStandard = "rule::converted-in-standard": "The connection type is another one in a Standard analysis, and is evaluated as such.", Warning;
     DofEliminated = "rule::dof-eliminated": "A degree of freedom is made dependent by two multi-point constraints, or by one and prescribed besides.";
-    MpcAxes = "rule::mpc-axes": "The axes of an MPC UNIVERSAL are not orthogonal, or parallel. A warning.";
+    MpcAxes = "rule::mpc-axes": "The axes of an MPC UNIVERSAL are not orthogonal, or parallel.", Warning;
     CoincidentNodes = "rule::coincident-nodes": "A length or direction is needed, and the nodes coincide initially.";
     ZRectangularNotInExplicit = "rule::z-rectangular-not-in-explicit": "An orientation with SYSTEM=Z RECTANGULAR in an Explicit analysis.";
-    DirectionNotInExplicit = "rule::direction-not-in-explicit": "An orientation cannot stand in for the direction between coincident nodes in an Explicit analysis. A warning.";
-    ControlsNotInExplicit = "rule::controls-not-in-explicit": "CONTROLS on a connector section in an Explicit analysis. A warning.";
-    EliminationNotInStandard = "rule::elimination-not-in-standard": "ELIMINATION on a connector section in a Standard analysis. A warning.";
-    IntegrationNotInStandard = "rule::integration-not-in-standard": "INTEGRATION on a connector behaviour in a Standard analysis. A warning.";
+    DirectionNotInExplicit = "rule::direction-not-in-explicit": "An orientation cannot stand in for the direction between coincident nodes in an Explicit analysis.", Warning;
+    ControlsNotInExplicit = "rule::controls-not-in-explicit": "CONTROLS on a connector section in an Explicit analysis.", Warning;
+    EliminationNotInStandard = "rule::elimination-not-in-standard": "ELIMINATION on a connector section in a Standard analysis.", Warning;
+    IntegrationNotInStandard = "rule::integration-not-in-standard": "INTEGRATION on a connector behaviour in a Standard analysis.", Warning;
     FrequencyNotInExplicit = "rule::frequency-not-in-explicit": "Elasticity or damping that depends on frequency in an Explicit analysis.";
     UnsymmetricNotInExplicit = "rule::unsymmetric-not-in-explicit": "Elasticity or damping with UNSYMM in an Explicit analysis.";
-    StructuralDampingNotInExplicit = "rule::structural-damping-not-in-explicit": "Structural damping in an Explicit analysis. A warning.";
+    StructuralDampingNotInExplicit = "rule::structural-damping-not-in-explicit": "Structural damping in an Explicit analysis.", Warning;
     FailureNotAvailable = "rule::failure-not-available": "A failure is triggered by, or releases, a component that the connector does not have; or, in a Standard analysis, one that is not available.";
     LockNotAvailable = "rule::lock-not-available": "A lock is triggered by a component that the connector does not have, or locks one that is not available.";
-    ContactAngleDefault = "rule::contact-angle-default": "A SLIPRING with friction has no contact angle, which in a Standard analysis is then zero. A warning.";
+    ContactAngleDefault = "rule::contact-angle-default": "A SLIPRING with friction has no contact angle, which in a Standard analysis is then zero.", Warning;
     MpcNotInExplicit = "deck::mpc-not-in-explicit": "A multi-point constraint REVOLUTE or UNIVERSAL in an Explicit analysis.";
     OutOfPlane = "rule::out-of-plane": "A node of a CONN2D2 element lies out of the plane z = 0, or an orientation does not have e3 along the global z; at a and b the same way. A warning: an equation of a two-dimensional model has degree of freedom 3, 4 or 5.";
     NegativeRadius = "rule::negative-radius": "A node of a CONN2D2 element in an axisymmetric model has a negative coordinate 1, which is the radius.";
-    RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components. A warning.";
+    RepeatedConstraint = "rule::repeated-constraint": "Two connectors between the same nodes, with the same orientations, constrain the same components.", Warning;
     CrowdedSliprings = "rule::crowded-sliprings": "More than two SLIPRINGs share a node.";
-    FrictionParameterUnused = "rule::friction-parameter-unused": "A number of predefined friction is given that no criterion holds in our reading. A warning.";
-    LockVelocity = "rule::lock-velocity": "A lock in an Explicit analysis has items after its limits, which are read as temperature and field variables. A warning.";
-    OpposedSliprings = "rule::opposed-sliprings": "Two SLIPRINGs with friction both end, or both begin, at the node that they share. A warning.";
-    NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom. A warning.";
+    FrictionParameterUnused = "rule::friction-parameter-unused": "A number of predefined friction is given that no criterion holds in our reading.", Warning;
+    LockVelocity = "rule::lock-velocity": "A lock in an Explicit analysis has items after its limits, which are read as temperature and field variables.", Warning;
+    OpposedSliprings = "rule::opposed-sliprings": "Two SLIPRINGs with friction both end, or both begin, at the node that they share.", Warning;
+    NoRotation = "rule::no-rotation": "A rotation is prescribed at a node of a connector that has no rotational degrees of freedom.", Warning;
 
     StatesMalformed = "states::malformed": "The file is not well-formed CSV or JSON of the documented form.";
     StatesUnknownColumn = "states::unknown-column": "A column of a CSV file of states or forces, or a force in a JSON file, has a name that is not known.";
@@ -297,60 +312,53 @@ codes! {
     DiagnosisScaled = "diagnosis::scaled": "A single entry is wrong by a factor, and all others are right.";
     DiagnosisUnknown = "diagnosis::unknown": "No known mistake explains what is wrong, or not with the certainty that is asked for: chance would do it more than once in a thousand times.";
 
-    ModelOrientationDefault = "model::orientation-default": "A connector whose type measures along directions of its nodes is given none: those of a are the global ones, those of b are those of a. A note.";
+    ModelOrientationDefault = "model::orientation-default": "A connector whose type measures along directions of its nodes is given none: those of a are the global ones, those of b are those of a.", Note;
     ModelOrientationNotOrthogonal = "model::orientation-not-orthogonal": "The two directions by which an orientation is given are not at right angles. The first is kept, the plane of both is kept, and the second is turned within it. A note where they are far from right angles, for any point of the plane may be given; a warning where they are within 10 degrees of them, which looks like an error.";
-    ModelOrientationIllConditioned = "model::orientation-ill-conditioned": "The points of an orientation lie so close together, or so nearly in a line, that the rounding of their coordinates turns the directions by more than 1e-8 rad. A warning.";
-    ModelNegativeStiffness = "model::negative-stiffness": "A stiffness or damping coefficient is negative: the force pushes away from where it is zero, or feeds energy in. Where that is meant, allow the code. A warning.";
-    ModelDegrees = "model::degrees": "An angle is a round number of degrees, such as 90. or 360.: angles of motions, stops, locks, boundary conditions and states are in radians. Where most angles of the states are so, nothing else is said of them, unless this code is allowed. What rates lead to is in radians. A warning.";
-    ModelNodeVanishes = "model::node-vanishes": "A state leaves out a node that the state before moved: it is taken for at rest in its initial place, and jumps there. A warning.";
-    ModelMisalignedAxes = "model::misaligned-axes": "The directions of a and b differ initially, and the connection type holds rotations between them: the angles are frozen at what they are initially. A warning.";
-    ModelNearlyCoincident = "model::nearly-coincident-nodes": "A length or direction is needed, and the nodes are so close to each other that its direction has lost half of its digits. A warning.";
-    ModelSingular = "model::singular": "A state lies on a singular set of a component: derivatives, and at a true singularity the value, do not exist. A warning.";
-    ModelIllConditioned = "model::ill-conditioned": "A state is so close to a singular set of a component that derivatives lose half of their digits or more. A warning.";
-    ModelNearSingular = "model::near-singular": "The states come near a singular set of a component: closer than 0.05 rad, or 5 hundredths of the largest length of the connector. A note.";
-    ModelLargeIncrement = "model::large-increment": "An angle moves by so much from one state to the next that its turns cannot be counted with certainty. A warning.";
-    ModelAmbiguousTurn = "model::ambiguous-turn": "The rotation vectors of a node at two states fit two turns, neither of them unlikely: one of 2.6 rad and one of 3.7 rad the other way, say. Which is taken stands in the reference of conventions. A warning.";
-    ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell. A warning.";
-    ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow. A warning.";
-    ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model. A warning.";
-    ModelHeldNodeMoves = "model::held-node-moves": "A given state moves a node in a degree of freedom that a boundary condition of its step holds, by more than 1e-4 rad, or 1e-4 of the mean length of the connectors: it is none that the model can come to. A warning.";
+    ModelOrientationIllConditioned = "model::orientation-ill-conditioned": "The points of an orientation lie so close together, or so nearly in a line, that the rounding of their coordinates turns the directions by more than 1e-8 rad.", Warning;
+    ModelNegativeStiffness = "model::negative-stiffness": "A stiffness or damping coefficient is negative: the force pushes away from where it is zero, or feeds energy in. Where that is meant, allow the code.", Warning;
+    ModelDegrees = "model::degrees": "An angle is a round number of degrees, such as 90. or 360.: angles of motions, stops, locks, boundary conditions and states are in radians. Where most angles of the states are so, nothing else is said of them, unless this code is allowed. What rates lead to is in radians.", Warning;
+    ModelNodeVanishes = "model::node-vanishes": "A state leaves out a node that the state before moved: it is taken for at rest in its initial place, and jumps there.", Warning;
+    ModelMisalignedAxes = "model::misaligned-axes": "The directions of a and b differ initially, and the connection type holds rotations between them: the angles are frozen at what they are initially.", Warning;
+    ModelNearlyCoincident = "model::nearly-coincident-nodes": "A length or direction is needed, and the nodes are so close to each other that its direction has lost half of its digits.", Warning;
+    ModelSingular = "model::singular": "A state lies on a singular set of a component: derivatives, and at a true singularity the value, do not exist.", Warning;
+    ModelIllConditioned = "model::ill-conditioned": "A state is so close to a singular set of a component that derivatives lose half of their digits or more.", Warning;
+    ModelNearSingular = "model::near-singular": "The states come near a singular set of a component: closer than 0.05 rad, or 5 hundredths of the largest length of the connector.", Note;
+    ModelLargeIncrement = "model::large-increment": "An angle moves by so much from one state to the next that its turns cannot be counted with certainty.", Warning;
+    ModelAmbiguousTurn = "model::ambiguous-turn": "The rotation vectors of a node at two states fit two turns, neither of them unlikely: one of 2.6 rad and one of 3.7 rad the other way, say. Which is taken stands in the reference of conventions.", Warning;
+    ModelPathDependent = "model::path-dependent": "The value of a component depends on the path between two states, which they do not tell.", Warning;
+    ModelStateNotFinite = "model::not-finite": "A number at a given state is infinite or not a number, or coordinates are so large that the squares of distances overflow.", Warning;
+    ModelConstraintViolated = "model::constraint-violated": "A given state does not satisfy a constraint of the model.", Warning;
+    ModelHeldNodeMoves = "model::held-node-moves": "A given state moves a node in a degree of freedom that a boundary condition of its step holds, by more than 1e-4 rad, or 1e-4 of the mean length of the connectors: it is none that the model can come to.", Warning;
     ModelStopViolated = "model::stop-violated": "A component lies beyond its stop initially or at the first state given, by more than the rounding of coordinates explains. Or it does so at a later state, by more than a thousandth of a radian or of the length of the connector; or a connector motion leads it there. Of several states the worst is named. A warning; a note where the digits of coordinates, of that state and of the limit leave open whether it does.";
     ModelLockMet = "model::lock-met": "The limit of a lock or failure is passed initially, by more than the rounding of coordinates explains. A warning; a note where the digits of coordinates and of the limit leave open whether it is, or where it is at some temperatures or field variables only.";
-    ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing. A warning.";
-    ModelUnusedBehavior = "model::unused-behavior": "No section names a behaviour: it acts on no connector. A warning.";
-    ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits, at every temperature and field variable: it never acts. A warning.";
-    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes, at rest or in fast slip; a belt wraps no angle; or what presses has no force, or one that its table makes zero. A warning.";
-    ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice. A warning.";
-    ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant. A warning.";
+    ModelEntriesIgnored = "model::entries-ignored": "A coupled elasticity or damping has entries that are not zero for components that are not available, constrained ones say: they do nothing.", Warning;
+    ModelUnusedBehavior = "model::unused-behavior": "No section names a behaviour: it acts on no connector.", Warning;
+    ModelLimitUnreachable = "model::limit-unreachable": "A lock or failure is triggered by nothing but the position of a constrained component, which stays within the limits, at every temperature and field variable: it never acts.", Warning;
+    ModelFrictionVanishes = "model::friction-vanishes": "A parameter of a friction is zero, or is left out, so that a term of it, or all of it, vanishes, at rest or in fast slip; a belt wraps no angle; or what presses has no force, or one that its table makes zero.", Warning;
+    ModelDuplicateConnector = "model::duplicate-connector": "Two connectors of one type and behaviour join the same nodes with the same orientations, so that what each does counts twice.", Warning;
+    ModelDuplicateMpc = "model::duplicate-mpc": "A multi-point constraint of one kind is given twice for the same nodes: all of its equations are redundant.", Warning;
 
-    AssemblyRedundant = "assembly::redundant": "A constraint follows from the others initially, and at every state that the assembly can come to: without it the assembly moves as it does with it, and how they share the force is not determined. The finding says what that rests on: that what belongs to it cannot move, which is certain to rounding; or that it was the same at other states that the assembly was moved to, which is judged. These may all be singular positions, at which motions that it leaves free to first order are excluded to second order. A warning.";
-    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state, the initial one or one given, because of its position and not of how the assembly is built: the position is singular. To first order the assembly can move in more ways there than its constraints allow elsewhere. Either it can go on to states at which the constraint follows no more, as at a change point: one was found; or second order excludes these motions, and it stands still there, movable to first order only (two bars in line, held at both ends). Elsewhere the constraint is needed: to leave it out makes another assembly. A warning.";
-    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, its part is too large to be, or the operations that may be spent on it were spent (audit its loop as a scene of its own); its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named. A warning.";
-    AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts, initially, on what the constraints or other prescribed motions determine already: throughout, or at this position alone, a dead centre say. A warning.";
-    AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents to first order and no prescribed motion drives. Springs, friction, stops and other elements are not looked at, and at a singular position second order may exclude some of them. A note.";
-    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not known, or not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant; a constraint has no derivative at a state, or one without digits; the elimination of a part would take more than 1e9 operations, so that it was not looked at (audit smaller pieces of it as scenes of their own); or a state given does not satisfy the constraints, or moves what boundary conditions hold, and was not looked at. A warning.";
-    AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: constraints nearly depend on each other there, and at another state, of no smaller rank, that is certain. A warning.";
-    AssemblyConstraintsUnread = "assembly::constraints-unread": "A keyword that constrains nodes (*EQUATION, *RIGID BODY, *COUPLING, *TIE, *EMBEDDED ELEMENT …), or a multi-point constraint of a kind that is not evaluated, is not read. The rank of the assembly is that of what was read: with all constraints, nodes of connectors may move in fewer ways, and more constraints may be redundant. A warning.";
-    AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program. A warning.";
+    AssemblyRedundant = "assembly::redundant": "A constraint follows from the others initially, and at every state that the assembly can come to: without it the assembly moves as it does with it, and how they share the force is not determined. The finding says what that rests on: that what belongs to it cannot move, which is certain to rounding; or that it was the same at other states that the assembly was moved to, which is judged. These may all be singular positions, at which motions that it leaves free to first order are excluded to second order.", Warning;
+    AssemblyRedundantHere = "assembly::redundant-here": "A constraint follows from the others at this state, the initial one or one given, because of its position and not of how the assembly is built: the position is singular. To first order the assembly can move in more ways there than its constraints allow elsewhere. Either it can go on to states at which the constraint follows no more, as at a change point: one was found; or second order excludes these motions, and it stands still there, movable to first order only (two bars in line, held at both ends). Elsewhere the constraint is needed: to leave it out makes another assembly.", Warning;
+    AssemblyRedundantUnjudged = "assembly::redundant-unjudged": "A constraint follows from the others at this state, and whether it does elsewhere was not judged: the assembly could not be moved, its connected component is too large to be, or the operations that may be spent on it were spent (audit its loop as a scene of its own); its rank is not certain, so that the constraint is redundant only if what was taken for zero is zero; or there are more that are counted and not named.", Warning;
+    AssemblyOverdriven = "assembly::overdriven": "A prescribed motion acts, initially, on what the constraints or other prescribed motions determine already: throughout, or at this position alone, a dead centre say.", Warning;
+    AssemblyMechanism = "assembly::mechanism": "The assembly can move in ways that no constraint prevents to first order and no prescribed motion drives. Springs, friction, stops and other elements are not looked at, and at a singular position second order may exclude some of them.", Note;
+    AssemblyUndecided = "assembly::undecided": "The rank of the constraints is not known, or not certain: a singular value, or pivot, is larger than rounding explains and smaller than the digits of a model warrant; a constraint has no derivative at a state, or one without digits; the elimination of a connected component would take more than 1e9 operations, so that it was not looked at (audit smaller pieces of it as scenes of their own); or a state given does not satisfy the constraints, or moves what boundary conditions hold, and was not looked at.", Warning;
+    AssemblyNearSingular = "assembly::near-singular": "The digits of a state do not tell whether it is a singular position (a change point, say), or close to one: constraints nearly depend on each other there, and at another state, of no smaller rank, that is certain.", Warning;
+    AssemblyConstraintsUnread = "assembly::constraints-unread": "A keyword that constrains nodes (*EQUATION, *RIGID BODY, *COUPLING, *TIE, *EMBEDDED ELEMENT …), or a multi-point constraint of a kind that is not evaluated, is not read. The rank of the assembly is that of what was read: with all constraints, nodes of connectors may move in fewer ways, and more constraints may be redundant.", Warning;
+    AssemblyNotAssembled = "assembly::not-assembled": "The Jacobian of the constraints could not be assembled at a state, so that the assembly is not judged from there on: a mistake of this program.", Warning;
 
     CoverageIdentity = "coverage::identity": "The states saw only the neighbourhood of the initial one, of every connector of a type: turned by no more than 0.1 rad, and displaced by no more than 0.05 lengths. An error in terms that vanish there would not show. A warning; a note of connectors that stay there while others of their type do not.";
-    CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised. A note.";
-    CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body. A note.";
-    CoverageSmallAngles = "coverage::small-angles": "No relative rotation in the states exceeds 0.1 rad: formulas that agree for small angles cannot be told apart. A note.";
+    CoverageOneNode = "coverage::one-node": "In no state were both nodes of a connector rotated: terms in which the rotations of both meet were never exercised.", Note;
+    CoverageUndeformed = "coverage::undeformed": "No component that is free to move was moved in any state: the nodes moved together, as one rigid body.", Note;
+    CoverageSmallAngles = "coverage::small-angles": "No relative rotation in the states exceeds 0.1 rad: formulas that agree for small angles cannot be told apart.", Note;
 }
 
 impl Code {
     /// How bad what the code means is, unless the place says otherwise.
     #[must_use]
     pub fn severity(self) -> Severity {
-        let said = self.explanation();
-        if said.ends_with("A note.") {
-            Severity::Note
-        } else if said.ends_with("A warning.") || self.is_finding() {
-            Severity::Warning
-        } else {
-            Severity::Error
-        }
+        self.declared().unwrap_or(if self.is_finding() { Severity::Warning } else { Severity::Error })
     }
 
     /// Whether it is what an audit finds in a model that can be read and evaluated.

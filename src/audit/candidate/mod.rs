@@ -52,6 +52,7 @@ use crate::judge::table::ResultTable;
 use crate::judge::verdict::{Score, Verdict};
 use crate::model::{Finding, ModelReport};
 use crate::oracles::certificate::certificate;
+use crate::oracles::force::product_at;
 use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers, central_differences};
 use crate::oracles::referee::Referee;
 use crate::oracles::truth::Truth;
@@ -522,11 +523,10 @@ impl<'a> Candidate<'a> {
         let mut checks = Vec::new();
         let Asked { case, number, values_before } = asked;
         let Given(numbers, element) = given;
-        let (Some(step), Some(narrow)) = (case.last(), Narrow::of(case)) else { return Ok(checks) };
-        let Some(product) = crate::oracles::force::product_with_forces(case) else { return Ok(checks) };
+        let Some(end) = case.at_end() else { return Ok(checks) };
+        let (step, narrow, truth) = (end.step, Narrow::at(&end), Truth::at(&end));
         let asks = |oracle: Oracle| self.settings.oracles.contains(&oracle);
         let offers = |quantity: Quantity| quantities.contains(&quantity);
-        let Some(truth) = Truth::of(case) else { return Ok(checks) };
         let nearness = truth.nearness();
         // On a singular set only the wide differences tell its two sides.
         let answers = (wide || nearness == 0.0).then(|| {
@@ -536,19 +536,17 @@ impl<'a> Candidate<'a> {
         let of_components = truth.nearness_of_components();
         let trusted = match &answers {
             Some(answers) => Trusted::Wide(answers.trusted(&of_components.map(|near| near > 0.0))),
-            None => Trusted::Others(product),
+            None => Trusted::Others(product_at(&end)),
         };
-        let examined = Examined::new(case, numbers, trusted, &narrow, &of_components);
-        let Some(examined) = examined else { return Ok(checks) };
+        let examined = Examined::new(&end, numbers, trusted, &of_components);
         let (examined, sides) = examined.on_sets(Some(&truth));
         let examined = examined.of_others();
         let (bound, units) = (&examined.bound, &examined.units);
-        let connector = case.connector();
         let connection = &self.definition.connection.name;
         let is_one_form = std::array::from_fn::<bool, 6, _>(|k| {
-            connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
+            end.connector.differentiated(k).is_some_and(|measure| measure.is_one_form())
         });
-        let referee = Referee::new(case, &self.settings, Some(&truth));
+        let referee = Referee::new(&end, &self.settings, Some(&truth));
         let around = Surroundings::of(case, &truth, bound, sides.as_ref());
         let mut compare = |quantity: Quantity, answer: &Answer| {
             // Mutants of the routine's numbers, at the states on 237 bits.
@@ -678,7 +676,7 @@ impl<'a> Candidate<'a> {
                     let value = |k: usize| {
                         let x = given.0.entries(Quantity::Value).get(k, 0)?;
                         // Beside half a turn an angle may go on on its other side: no derivative of it is a jump.
-                        let winds = connector.differentiated(k).is_some_and(|measure| measure.winds());
+                        let winds = end.connector.differentiated(k).is_some_and(|measure| measure.winds());
                         let turns = values(k).filter(|_| winds).map_or(0.0, |at| ((at - x) / TAU).round());
                         Some(x + TAU * turns)
                     };

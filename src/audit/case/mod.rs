@@ -67,7 +67,45 @@ pub struct Case {
     pub length: f64,
 }
 
+/// A case at its end: its connector, built once, and its history, replayed once.
+#[derive(Clone)]
+pub struct AtEnd<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// The connector, on doubles.
+    pub connector: Connector<f64>,
+    /// The state judged, and the increment that leads to it.
+    pub step: &'a Step,
+    /// The branch that the states before the end leave.
+    pub before: Branch<f64>,
+    /// The branch at the end.
+    pub after: Branch<f64>,
+}
+
+impl AtEnd<'_> {
+    /// The evaluation of `request`, and how much was computed for it.
+    pub fn evaluation(&self, request: &Request) -> (Evaluation<f64>, Tally) {
+        let Step { state, increment } = self.step;
+        let mut tally = Tally::default();
+        (self.connector.evaluate(state, increment, &self.before, request, &mut tally), tally)
+    }
+
+    /// Where displacements count from what rounding decided, that.
+    pub fn undetermined_origins(&self) -> [Option<f64>; 6] {
+        let sets = self.connector.undetermined_origins();
+        [0, 1, 2, 3, 4, 5].map(|k| sets[k].and_then(|_| self.connector.counts_from(k)))
+    }
+}
+
 impl Case {
+    /// The end, ready to be asked; `None` for an empty path.
+    pub fn at_end(&self) -> Option<AtEnd<'_>> {
+        let (step, connector) = (self.last()?, self.connector());
+        let before = self.branch_before(&connector);
+        let after = connector.advance(&step.state, &step.increment, &before);
+        Some(AtEnd { case: self, connector, step, before, after })
+    }
+
     /// The connector, on doubles.
     pub fn connector(&self) -> Connector<f64> {
         Connector::new(&self.definition)
@@ -100,11 +138,7 @@ impl Case {
 
     /// The evaluation of `request` at the end, and how much was computed for it; `None` for an empty path.
     pub fn evaluation(&self, request: &Request) -> Option<(Evaluation<f64>, Tally)> {
-        let connector = self.connector();
-        let branch = self.branch_before(&connector);
-        let step = self.last()?;
-        let mut tally = Tally::default();
-        Some((connector.evaluate(&step.state, &step.increment, &branch, request, &mut tally), tally))
+        Some(self.at_end()?.evaluation(request))
     }
 
     /// CP of the components at the end: lengths, and angles with their turns (rad).

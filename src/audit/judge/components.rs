@@ -12,7 +12,6 @@ use crate::oracles::oracle::{Answer, WideAnswers};
 use crate::oracles::truth::{Locked, Truth};
 use crate::singular::sides::Sides;
 use pintle_kinematics::scalar::{U, Wide};
-use std::cell::OnceCell;
 
 /// Why numbers have nothing to be compared with.
 const KEPT: &str =
@@ -54,7 +53,12 @@ pub struct Exact<'a> {
     pub truth: &'a Entries<Wide>,
 }
 
-impl Exact<'_> {
+impl<'a> Exact<'a> {
+    /// Of a quantity.
+    pub fn of(answers: &'a WideAnswers, quantity: Quantity) -> Self {
+        Self { product: answers.dual.entries(quantity), truth: answers.differences.entries(quantity) }
+    }
+
     /// Whether the source gives what the differences say of an entry, but for [`EXACT`] or [`EXACT_SECOND`] of `tolerance`.
     fn proves(&self, (quantity, k, i): (Quantity, usize, usize), tolerance: f64, nearness: f64) -> bool {
         let (Some(product), Some(truth)) = (self.product.get(k, i), self.truth.get(k, i)) else {
@@ -121,28 +125,6 @@ impl<'a> Surroundings<'a> {
     fn sides_of(&self, quantity: Quantity, k: usize, i: usize) -> Option<&'a Sides> {
         let sides = self.sides.filter(|_| self.nearness[k] == 0.0)?;
         sides.entries(quantity).0.get(k)?.as_ref()?.get(i)
-    }
-}
-
-/// What the source gives on 237 bits where triads are rotations to the last of these, and what differences say there; computed where a
-/// number is wrong by little.
-pub struct AtRotations<'a> {
-    case: &'a Case,
-    answers: OnceCell<Option<WideAnswers>>,
-}
-
-impl<'a> AtRotations<'a> {
-    /// The product and the truth of a case, neither computed yet.
-    pub const fn new(case: &'a Case) -> Self {
-        Self { case, answers: OnceCell::new() }
-    }
-
-    /// What both are of a quantity; none where either has no answer.
-    pub fn exact(&self, quantity: Quantity) -> Option<Exact<'_>> {
-        let of_case = || Truth::of(self.case).as_ref().map(WideAnswers::of);
-        let answers = self.answers.get_or_init(of_case).as_ref()?;
-        let (product, truth) = (answers.dual.entries(quantity), answers.differences.entries(quantity));
-        Some(Exact { product, truth })
     }
 }
 

@@ -2,9 +2,9 @@
 //!
 //! A comparison gives the verdict, the mutants that prove that it would have spoken, and the reason where numbers are wrong.
 
-use crate::case::Case;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::case::stage::{invalid_stage, is_state};
+use crate::case::{AtEnd, Case};
 use crate::judge::bound::Bound;
 use crate::judge::components::{Surroundings, judge, try_mutants};
 use crate::judge::conditioned::Conditioned;
@@ -15,7 +15,7 @@ use crate::laws::Demand;
 use crate::mutants::diagnosis::{Places, Symptoms, places};
 use crate::mutants::mutant;
 use crate::mutants::mutant::{Mutant, mutants};
-use crate::oracles::oracle::{Answer, Narrow};
+use crate::oracles::oracle::Answer;
 use crate::oracles::referee::Referee;
 use crate::oracles::truth::Truth;
 use crate::singular::sides::Sides;
@@ -57,25 +57,17 @@ pub struct Examined<'a> {
 }
 
 impl<'a> Examined<'a> {
-    /// `None` of an empty case; `nearness` is that of each component.
-    pub fn new(
-        case: &'a Case,
-        numbers: &'a Numbers<f64>,
-        trusted: Trusted,
-        narrow: &Narrow,
-        nearness: &[f64; 6],
-    ) -> Option<Self> {
-        let step = case.last()?;
+    /// At the end of a case; `nearness` is that of each component.
+    pub fn new(end: &AtEnd<'a>, numbers: &'a Numbers<f64>, trusted: Trusted, nearness: &[f64; 6]) -> Self {
+        let AtEnd { case, step, connector, after, .. } = end;
         let (is_wide, is_own) = (matches!(trusted, Trusted::Wide(_)), matches!(trusted, Trusted::Own));
         let trusted = match trusted {
             Trusted::Wide(numbers) | Trusted::Others(numbers) => numbers,
             Trusted::Own => numbers.clone(),
         };
         let bound = Bound::of_components(&trusted, &step.state, case.length, nearness);
-        let connector = case.connector();
         let units = std::array::from_fn(|k| connector.differentiated(k).map(|measure| measure.unit()));
-        let branch = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
-        Some(Self {
+        Self {
             case,
             numbers,
             conditioned: Conditioned::new(&trusted, case, &units, nearness),
@@ -87,10 +79,10 @@ impl<'a> Examined<'a> {
             state: &step.state,
             is_own,
             places: None,
-            turns: branch.turns.map(|turns| turns.turns),
-            counts_from_rounding: narrow.undetermined_origins().iter().any(Option::is_some),
+            turns: after.turns.map(|turns| turns.turns),
+            counts_from_rounding: end.undetermined_origins().iter().any(Option::is_some),
             made: Default::default(),
-        })
+        }
     }
 
     /// The same, and what is on the sides of the singular sets that the state is on, as it is known on 237 bits. Tolerances of

@@ -411,6 +411,9 @@ impl Expected {
 pub struct Subject {
     /// The type, or the type with the element.
     pub name: String,
+    /// The type alone.
+    #[serde(skip)]
+    pub type_name: String,
     /// The scene that it belongs to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
@@ -546,6 +549,7 @@ impl Subject {
         let proven = |is: bool| if is { Verdict::Pass } else { Verdict::Undecided };
         let has = |is: fn(&Certificate) -> bool| certificate.as_ref().is_some_and(is);
         Self {
+            type_name: name.clone(),
             name,
             scene: None,
             cases,

@@ -17,8 +17,8 @@ pub(super) use rigid::{about_third, along_plane, axis, turned_terms, turning};
 pub(super) use twin::exchanged_entry;
 pub use type_laws::of_type;
 
-use crate::case::Case;
 use crate::case::quantity::{Numbers, OneOrMany, Quantity};
+use crate::case::{AtEnd, Case};
 use crate::judge::bound::Bound;
 use crate::judge::conditioned::NOTICED;
 use crate::judge::judged::{SIGNIFICANT, Trials, moved_by};
@@ -185,14 +185,16 @@ pub struct Context<'a> {
 impl<'a> Context<'a> {
     /// The end of a case; `None` for an empty path.
     pub fn new(case: &'a Case, numbers: &'a Numbers<f64>, bound: &'a Bound) -> Option<Self> {
-        let connector = case.connector();
-        let before = case.branch_before(&connector);
-        let step = *case.last()?;
-        let after = connector.advance(&step.state, &step.increment, &before);
+        Some(Self::at(case.at_end()?, numbers, bound))
+    }
+
+    /// The same where the end is at hand.
+    pub fn at(end: AtEnd<'a>, numbers: &'a Numbers<f64>, bound: &'a Bound) -> Self {
+        let AtEnd { case, connector, step, before, after } = end;
         let margins = connector.margins(&step.state, &after, [true; 6]);
         let nearness = margins.map(|margin| nearness(margin, case.length));
         let is_smooth = nearness.map(|near| near > 0.0);
-        Some(Self {
+        Self {
             case,
             nearness,
             is_smooth,
@@ -204,7 +206,7 @@ impl<'a> Context<'a> {
             state: step.state,
             increment: step.increment,
             is_brief: false,
-        })
+        }
     }
 
     /// The same without the laws of matrices, for one of many states.

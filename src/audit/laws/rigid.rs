@@ -7,6 +7,7 @@ use crate::case::quantity::{OneOrMany, Quantity};
 use crate::case::{Case, Step, carried};
 use crate::judge::bound::{Bound, C};
 use crate::laws::{Claim, Context, Demand, Term, What};
+use crate::oracles::force::product_with_forces;
 use pintle_kinematics::catalog::Loading;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node;
@@ -233,7 +234,7 @@ impl Context<'_> {
 
     pub(super) fn frame(&self) -> Vec<Demand> {
         let (rotation, turned) = self.turned();
-        let twin = self.numbers_of(&turned);
+        let Some(twin) = product_with_forces(&turned) else { return Vec::new() };
         // Turned inputs are rounded, so that the state there is another one; close to a singular set it may be where derivatives are far larger.
         // No multiple of the tolerance here limits that: at a symmetric state it may be nothing here.
         let there = turned.last().map(|Step { state, .. }| {

@@ -1,9 +1,9 @@
 //! Laws of twins: another connector, another history or a part of the request must give the same numbers.
 
 use crate::case::quantity::{Numbers, OneOrMany, Quantity, request_of};
-use crate::case::{Case, Step};
+use crate::case::{AtEnd, Case, Step};
 use crate::laws::{Claim, Context, Demand, What};
-use crate::oracles::force::add_forces_of;
+use crate::oracles::force::{add_forces_of, product_at, product_with_forces};
 use crate::oracles::oracle::nearness;
 use pintle_kinematics::catalog::{ConnectionType, Loading};
 use pintle_kinematics::connector::{
@@ -55,19 +55,6 @@ impl Context<'_> {
     pub(super) fn beside(&self, definition: Definition, state: State<f64>, branch: Branch<f64>) -> Case {
         let path = vec![Step { state, increment: Increment::none() }];
         Case { name: String::new(), definition, start: Some(branch), path, length: self.case.length }
-    }
-
-    /// The numbers at the end of a case, asked for everything.
-    pub(super) fn numbers_of(&self, case: &Case) -> Numbers<f64> {
-        let connector = Connector::new(&case.definition);
-        let before = case.branch_before(&connector);
-        let Step { state, increment } = case.last().copied().unwrap_or(self.step());
-        asked(&connector, &state, &increment, &before, [true; 6])
-    }
-
-    /// The state judged.
-    const fn step(&self) -> Step {
-        Step { state: self.state, increment: self.increment }
     }
 
     /// The same seen from b: with the history of the case where that is known from its beginning.
@@ -133,7 +120,8 @@ impl Context<'_> {
             return found;
         }
         let swapped = self.swapped();
-        let twin = self.numbers_of(&swapped);
+        let Some(swapped) = swapped.at_end() else { return found };
+        let twin = product_at(&swapped);
         let sheets = self.mirrored(&swapped);
         for (k, sum) in sums {
             for quantity in Quantity::ALL.into_iter().filter(|quantity| self.compares(*quantity, k)) {
@@ -161,22 +149,17 @@ impl Context<'_> {
     }
 
     /// Whether the exchanged connector chose the mirrored one of two sheets, of a quantity of a component: of exact half turns either is right.
-    fn mirrored(&self, swapped: &Case) -> impl Fn(Quantity, usize) -> bool {
-        let twin = Connector::<f64>::new(&swapped.definition);
-        let mut after = swapped.branch_before(&twin);
-        if let Some(step) = swapped.last() {
-            after = twin.advance(&step.state, &step.increment, &after);
-        }
+    fn mirrored(&self, swapped: &AtEnd<'_>) -> impl Fn(Quantity, usize) -> bool {
+        let AtEnd { connector: twin, step, after, .. } = swapped;
         // Within rounding of a singular set one of the two may be on it.
-        let margins = swapped.last().map(|step| twin.margins(&step.state, &after, [true; 6]));
+        let margins = twin.margins(&step.state, after, [true; 6]);
         // And where an initial state is on one, each chose its sheet.
         let initial = self.connector.initial_branch();
         let start = State { pair: self.case.definition.initial, ..self.state };
         let initially = self.connector.margins(&start, &initial, [true; 6]);
         let is_apart: [bool; 6] = std::array::from_fn(|k| {
-            let margin = margins.as_ref().and_then(|margins| margins[k]);
             let all = [
-                nearness(margin, self.case.length),
+                nearness(margins[k], self.case.length),
                 nearness(initially[k], self.case.length),
                 self.nearness[k],
             ];
@@ -263,7 +246,7 @@ impl Context<'_> {
 
     pub(super) fn halves(&self) -> Vec<Demand> {
         let of = |range: std::ops::Range<usize>| {
-            let half = self.half(range.start).map(|case| self.numbers_of(&case));
+            let half = self.half(range.start).and_then(|case| product_with_forces(&case));
             half.map_or_else(Vec::new, |twin| self.same(&twin, &Quantity::ALL, range, Claim::Half))
         };
         [0..3, 3..6].into_iter().flat_map(of).collect()

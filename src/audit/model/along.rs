@@ -206,12 +206,11 @@ impl Walk<'_> {
                 let found = violated((COMPONENT[k], held), residual, of_length);
                 let motion = is_driven.then(|| self.motion(element.label, k)).flatten();
                 let place = motion.unwrap_or(given.span);
-                let title = format!("element {}", element.label);
-                self.add((given.section, element.label, place), title, found);
+                self.add((given.section, element.label, place), None, found);
             }
         }
         for found in found {
-            self.add((given.section, element.label, given.span), format!("element {}", element.label), found);
+            self.add((given.section, element.label, given.span), None, found);
         }
         if let Some(number) = self.state {
             let (scene, state) = (self.scene, &result.state);
@@ -252,7 +251,7 @@ impl Walk<'_> {
             // Constraints have no section; each is told by itself.
             let section = usize::MAX - result.index;
             let Some(first) = element.nodes.first().copied() else { return };
-            self.add((section, first, span), title.clone(), found);
+            self.add((section, first, span), Some(title.clone()), found);
         }
     }
 
@@ -270,23 +269,28 @@ impl Walk<'_> {
         let section = usize::MAX - self.model.mpcs.len() - result.index;
         for found in found {
             let Some(first) = element.nodes.first().copied() else { return };
-            self.add((section, first, element.span), element.title(), found);
+            self.add((section, first, element.span), Some(element.title()), found);
         }
     }
 
-    fn add(&mut self, (section, label, place): (usize, Label, Span), title: String, found: Found) {
-        let is_constraint = !title.starts_with("element ");
-        let message = format!("{title}: {} {}", found.what, self.when());
+    /// Of a connector, or of the constraint of that title.
+    fn add(
+        &mut self,
+        (section, label, place): (usize, Label, Span),
+        constraint: Option<String>,
+        found: Found,
+    ) {
+        let of = constraint.clone().unwrap_or_else(|| format!("element {label}"));
+        let message = format!("{of}: {} {}", found.what, self.when());
         let mut about = About {
             components: found.components,
             state: self.state,
             value: Some(found.value),
             ..About::default()
         };
-        if is_constraint {
-            about.mpcs = vec![title];
-        } else {
-            about.elements = vec![label];
+        match constraint {
+            Some(title) => about.mpcs = vec![title],
+            None => about.elements = vec![label],
         }
         let nearer_is_worse = matches!(
             found.code,

@@ -187,11 +187,11 @@ const fn meaning(holds: Holds) -> &'static str {
             "it holds at this singular position (second order excludes the motions that are free to first order because of it)"
         }
         Holds::Large => {
-            "whether it holds at other states was not judged: its part has more than 20 000 degrees of freedom, or fills when it is eliminated; \
+            "whether it holds at other states was not judged: its connected component has more than 20 000 degrees of freedom, or fills when it is eliminated; \
              audit its loop as a scene of its own"
         }
         Holds::Spent => {
-            "whether it holds at other states was not judged: the operations that may be spent on that, of those of the assembly the share of its part, were spent"
+            "whether it holds at other states was not judged: the operations that may be spent on that, of those of the assembly the share of its connected component, were spent"
         }
         Holds::Unjudged => "whether it holds at other states was not judged",
     }
@@ -253,7 +253,7 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
                 " from boundary conditions and what is held".to_string()
             }
             [] if redundant.iter().all(|one| one.from.is_empty()) => format!(
-                " from others, which are named in parts of up to {} equations with up to {EXPLAINED} redundant ones",
+                " from others, which are named in connected components of up to {} equations with up to {EXPLAINED} redundant ones",
                 dense::LARGEST
             ),
             [] => " from the others".to_string(),
@@ -316,7 +316,7 @@ fn unnamed(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
         agree(more, ["is", "are"]),
     );
     let reason = "the rank of the constraint Jacobian";
-    let remedy = "audit smaller pieces of the part as scenes of their own to have them named";
+    let remedy = "audit smaller pieces of the connected component as scenes of their own to have them named";
     Some(Finding::new(scene, Code::AssemblyRedundantUnjudged, Span::default(), message, reason, remedy))
 }
 
@@ -451,40 +451,40 @@ fn overdriven(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     Some(finding.about(about(&assembly.overdriven.iter().collect::<Vec<_>>())))
 }
 
-/// Parts that were not looked at.
+/// Connected components that were not looked at.
 fn skipped(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    let largest = assembly.skipped.iter().max_by_key(|part| part.degrees_of_freedom)?;
-    let others = assembly.parts.saturating_sub(assembly.skipped.len());
+    let largest = assembly.skipped.iter().max_by_key(|component| component.degrees_of_freedom)?;
+    let others = assembly.connected_components.saturating_sub(assembly.skipped.len());
     let more = match assembly.skipped.len() - 1 {
         0 => String::new(),
-        more => format!(" (and of {})", count(more, "part like it")),
+        more => format!(" (and of {})", count(more, "connected component like it")),
     };
     let rest = match others {
         0 => String::new(),
         others => format!(
             "; what is said besides is of the {} that {} looked at",
-            count(others, "other part"),
+            count(others, "other connected component"),
             agree(others, ["was", "were"])
         ),
     };
     let message = format!(
-        "the rank of the constraints is undecided for the part of node {}, with {} and {}{more}: its elimination would take more than {:.0e} operations, or 1.3 GB{rest}",
+        "the rank of the constraints is undecided for the connected component of node {}, with {} and {}{more}: its elimination would take more than {:.0e} operations, or 1.3 GB{rest}",
         largest.node,
         count(largest.connectors, "connector"),
         count(largest.degrees_of_freedom, "degree of freedom"),
         OPERATIONS as f64
     );
     let reason = "the nodes are joined so densely that the constraint Jacobian fills when it is eliminated";
-    let remedy = "audit smaller pieces of the part as scenes of their own";
+    let remedy = "audit smaller pieces of the connected component as scenes of their own";
     let finding = Finding::new(scene, Code::AssemblyUndecided, Span::default(), message, reason, remedy);
     Some(finding.about(About {
-        nodes: assembly.skipped.iter().map(|part| part.node).take(100).collect(),
+        nodes: assembly.skipped.iter().map(|component| component.node).take(100).collect(),
         ..About::default()
     }))
 }
 
 fn undecided(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
-    // Parts that were not looked at are told by themselves.
+    // Connected components that were not looked at are told by themselves.
     let is_open = |position: &&Position| {
         !position.decided
             && position.without_derivative.is_empty()
@@ -681,7 +681,7 @@ fn motion(mode: &Mode) -> String {
 fn mechanism(scene: &Scene, assembly: &Assembly) -> Option<Finding> {
     let initial = assembly.positions.first()?;
     let modes: Vec<&Mode> = assembly.modes.iter().filter(|mode| mode.decided).collect();
-    // Where a part was not looked at, those of the others.
+    // Where a connected component was not looked at, those of the others.
     let undriven = initial.undriven.map_or(modes.len(), |all| all - initial.undriven_undecided);
     if undriven == 0 {
         return None;
@@ -712,7 +712,7 @@ fn named(modes: &[&Mode], undriven: usize) -> String {
     let words: Vec<String> = modes.iter().take(NAMED).map(|mode| motion(mode)).collect();
     let more = if undriven > NAMED { format!("; and {} more", undriven - NAMED) } else { String::new() };
     let short = if modes.iter().take(NAMED).any(|mode| mode.moving.is_none()) {
-        format!(" (all that moves is named for the first {MODES} motions of a part)")
+        format!(" (all that moves is named for the first {MODES} motions of a connected component)")
     } else {
         String::new()
     };

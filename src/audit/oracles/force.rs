@@ -5,8 +5,8 @@
 //! a constraint moment is printed about. [`Quantity::GeometricStiffness`] holds their derivatives: second derivatives where the row
 //! is a gradient.
 
-use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, Quantity};
+use crate::case::{AtEnd, Case};
 use crate::oracles::truth::{Displaced, Truth};
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::Loading;
@@ -48,10 +48,15 @@ pub fn add_forces_of<R: Differentiable>(
 
 /// The product's numbers at the end of a case; `None` for an empty path.
 pub fn product_with_forces(case: &Case) -> Option<Numbers<f64>> {
-    let (evaluation, _) = case.evaluation(&crate::case::quantity::request())?;
+    Some(product_at(&case.at_end()?))
+}
+
+/// The same where the end is at hand.
+pub fn product_at(end: &AtEnd<'_>) -> Numbers<f64> {
+    let (evaluation, _) = end.evaluation(&crate::case::quantity::request());
     let mut numbers = Numbers::of(&evaluation);
-    add_forces(&mut numbers, &case.connector(), &case.last()?.state, &evaluation.branch);
-    Some(numbers)
+    add_forces(&mut numbers, &end.connector, &end.step.state, &evaluation.branch);
+    numbers
 }
 
 impl Truth {

@@ -9,14 +9,14 @@
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::case::{Case, Step};
 use crate::judge::bound::{Bound, C};
-use crate::judge::components::AtRotations;
-use crate::judge::components::Surroundings;
+use crate::judge::components::{Exact, Surroundings};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::outcome::Check;
 use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::{Summand, Wanted};
-use crate::oracles::force::product_with_forces as product;
-use crate::oracles::oracle::{Answer, Narrow, Oracle};
+use crate::oracles::force::product_at;
+use crate::oracles::oracle::{Answer, Narrow, Oracle, WideAnswers};
+use crate::oracles::truth::Truth;
 use crate::settings::Settings;
 use flate2::read::DeflateDecoder;
 use pintle_kinematics::catalog::{ConnectionType, FORCE, TABLE};
@@ -29,6 +29,7 @@ use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Matrix, Vector, product as matrix_product, scale, sub};
 use serde::Deserialize;
 use serde_json::value::RawValue;
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::sync::LazyLock;
@@ -257,7 +258,8 @@ impl Golden {
     /// The checks of every quantity that JAX has here, each with mutants.
     fn audit(&self, settings: &Settings) -> Vec<Check> {
         let Self { case, given, .. } = self;
-        let (Some(mut numbers), Some(narrow)) = (product(case), Narrow::of(case)) else { return Vec::new() };
+        let Some(end) = case.at_end() else { return Vec::new() };
+        let (mut numbers, narrow) = (product_at(&end), Narrow::at(&end));
         if let Some(planted) = settings.planted {
             planted.spoil(&mut numbers);
         }
@@ -273,10 +275,9 @@ impl Golden {
             };
             trusted.set(quantity, numbers.entries(quantity).map(of));
         }
-        let examined = Examined::new(case, &numbers, Trusted::Others(trusted), &narrow, &nearness);
-        let Some(examined) = examined else { return Vec::new() };
-        let rotations = AtRotations::new(case);
-        let exact = |quantity: Quantity| rotations.exact(quantity);
+        let examined = Examined::new(&end, &numbers, Trusted::Others(trusted), &nearness);
+        let answers = LazyCell::new(|| WideAnswers::of(&Truth::at(&end)));
+        let exact = |quantity: Quantity| Some(Exact::of(&answers, quantity));
         let around = Surroundings { exact: Some(&exact), ..Surroundings::new(&examined.bound, nearness) };
         let mut checks = Vec::new();
         for quantity in Quantity::ALL {

@@ -1,7 +1,7 @@
 //! Who else can say what a number must be, and what each shares with the product.
 
 use crate::case::quantity::{Entries, Numbers, Quantity};
-use crate::case::{Case, moved};
+use crate::case::{AtEnd, Case, moved};
 use crate::judge::bound::{Bound, C};
 use crate::judge::verdict::Wanted;
 use crate::oracles::truth::Truth;
@@ -267,14 +267,16 @@ pub struct Narrow {
 impl Narrow {
     /// The end of a case; `None` for an empty path.
     pub fn of(case: &Case) -> Option<Self> {
-        let connector = case.connector();
-        let end = case.last()?;
-        let branch = connector.advance(&end.state, &end.increment, &case.branch_before(&connector));
+        Some(Self::at(&case.at_end()?))
+    }
+
+    /// The same where the end is at hand.
+    pub fn at(end: &AtEnd<'_>) -> Self {
         // Only the difference of the displacements counts: far from the origin a step would be lost in either of them.
-        let mut state = end.state;
+        let mut state = end.step.state;
         state.pair.b.displacement = sub(state.pair.b.displacement, state.pair.a.displacement);
         state.pair.a.displacement = [0.0; 3];
-        Some(Self { state, branch, length: case.length, connector })
+        Self { state, branch: end.after, length: end.case.length, connector: end.connector.clone() }
     }
 
     /// The values after the nodes moved by finite amounts from the end of the case.
@@ -364,12 +366,6 @@ impl Narrow {
     /// The distance of each component to its singular sets.
     pub fn margins(&self) -> Components<Margin> {
         self.connector.margins(&self.state, &self.branch, [true; 6])
-    }
-
-    /// Where displacements count from what rounding decided, that.
-    pub fn undetermined_origins(&self) -> [Option<f64>; 6] {
-        let sets = self.connector.undetermined_origins();
-        [0, 1, 2, 3, 4, 5].map(|k| sets[k].and_then(|_| self.connector.counts_from(k)))
     }
 
     /// The nodal degrees of freedom that the connector has.

@@ -2,7 +2,7 @@
 //! decide by itself that a number is wrong. Near singular sets it may have lost digits that the product keeps. What it calls wrong
 //! is put before an independent oracle on 237 bits, if one was asked; where that passes the number, the oracle is undecided.
 
-use crate::case::Case;
+use crate::case::AtEnd;
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::judge::components::{Surroundings, judge};
 use crate::judge::outcome::Check;
@@ -23,32 +23,32 @@ const OUT_OF_RANGE: &str = "it calls a number wrong that it forms of powers of l
 
 /// An independent oracle on 237 bits at the end of a case, asked where another one calls a number wrong.
 pub struct Referee<'a> {
-    case: &'a Case,
+    end: &'a AtEnd<'a>,
     oracle: Option<Oracle>,
     known: Option<&'a Truth>,
-    made: OnceCell<Option<Truth>>,
+    made: OnceCell<Truth>,
     /// What it said, by quantity.
     said: RefCell<BTreeMap<Quantity, bool>>,
 }
 
 impl<'a> Referee<'a> {
-    /// Of a case, with the truth where it is known already.
-    pub fn new(case: &'a Case, settings: &Settings, known: Option<&'a Truth>) -> Self {
+    /// At the end of a case, with the truth where it is known already.
+    pub fn new(end: &'a AtEnd<'a>, settings: &Settings, known: Option<&'a Truth>) -> Self {
         let is_one = |oracle: &Oracle| {
             settings.oracles.contains(oracle)
                 && oracle.is_independent()
                 && oracle.answers(Quantity::FirstDerivatives)
         };
         let oracle = Oracle::ALL.into_iter().find(is_one);
-        Self { case, oracle, known, made: OnceCell::new(), said: RefCell::default() }
+        Self { end, oracle, known, made: OnceCell::new(), said: RefCell::default() }
     }
 
-    fn truth(&self) -> Option<&Truth> {
-        self.known.or_else(|| self.made.get_or_init(|| Truth::of(self.case)).as_ref())
+    fn truth(&self) -> &Truth {
+        self.known.unwrap_or_else(|| self.made.get_or_init(|| Truth::at(self.end)))
     }
 
     fn answer(&self, quantity: Quantity, around: &Surroundings<'_>) -> Option<Answer> {
-        let truth = self.truth()?;
+        let truth = self.truth();
         let oracle = self.oracle?;
         let numbers = match (oracle, quantity) {
             (Oracle::WideSymbolic, _) => truth.symbolic().entries(quantity).clone(),
@@ -85,7 +85,7 @@ impl<'a> Referee<'a> {
         around: &Surroundings<'_>,
     ) -> Option<&'static str> {
         if self.oracle.is_none() {
-            return self.case.is_out_of_range().then_some(OUT_OF_RANGE);
+            return self.end.case.is_out_of_range().then_some(OUT_OF_RANGE);
         }
         self.passes(quantity, got, around).then_some(OVERRULED)
     }

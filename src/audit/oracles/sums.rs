@@ -9,7 +9,7 @@ use crate::judge::judged::decided;
 use crate::judge::outcome::{Against, Check};
 use crate::judge::verdict::{Finding, Judgement, Score, Summand, Verdict};
 use crate::mutants::mutant::Mutant;
-use crate::oracles::force::product_with_forces as product;
+use crate::oracles::force::product_at;
 use crate::oracles::oracle::{Narrow, Oracle, Remainder, WideAnswers, remainders};
 use crate::oracles::truth::Truth;
 use pintle_kinematics::catalog::COMPONENT;
@@ -77,11 +77,11 @@ fn direction(draw: &mut Draw, length: f64, active: &[bool; DOFS]) -> [f64; DOFS]
 
 /// Taylor's remainder of a component of the product along a direction.
 pub fn remainder_along(case: &Case, component: usize, v: &[f64; DOFS]) -> Option<Remainder> {
-    let (numbers, truth, step) = (product(case)?, Truth::of(case)?, case.last()?);
+    let end = case.at_end()?;
+    let (numbers, truth) = (product_at(&end), Truth::at(&end));
     let nearness = truth.nearness_of_components();
     let trusted = WideAnswers::of(&truth).trusted(&nearness.map(|near| near > 0.0));
-    let state = &step.state;
-    let bound = Bound::of_components(&trusted, state, case.length, &nearness);
+    let bound = Bound::of_components(&trusted, &end.step.state, case.length, &nearness);
     let rows = numbers.entries(Quantity::FirstDerivatives);
     let mut all = remainders(&truth, rows, &bound, v, &nearness).into_iter();
     all.find(|remainder| remainder.component == component)

@@ -7,10 +7,11 @@
 //! freedom. What is left of rounding is told with the answer (`Truth::own_error`).
 
 use crate::case::quantity::{Entries, Numbers, Quantity, request};
-use crate::case::{Case, exact_branch, exact_state, moved};
+use crate::case::{AtEnd, Case, exact_branch, exact_state, moved};
 use crate::judge::bound::Bound;
 use crate::oracles::differences;
 use crate::oracles::differences::{FIRST_STEP, NOISE};
+use crate::oracles::oracle::Narrow;
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{
     Branch, Components, Connector, Evaluation, Increment, Mask, NodalRow, Output, Request, State, Tally,
@@ -131,13 +132,16 @@ pub struct Displaced {
 impl Truth {
     /// The end of a case; `None` for an empty path.
     pub fn of(case: &Case) -> Option<Self> {
-        let narrow = case.connector();
-        let end = case.last()?;
-        let after = narrow.advance(&end.state, &end.increment, &case.branch_before(&narrow));
-        let at_end = crate::oracles::oracle::Narrow::of(case)?;
+        Some(Self::at(&case.at_end()?))
+    }
+
+    /// The same where the end is at hand.
+    pub fn at(end: &AtEnd<'_>) -> Self {
+        let AtEnd { case, connector: narrow, step, after, .. } = end;
+        let at_end = Narrow::at(end);
         let mut of_components = at_end.nearness_of_components();
-        let mut state = exact_state(&end.state);
-        if end.state.pair.separation() == [0.0; 3] {
+        let mut state = exact_state(&step.state);
+        if step.state.pair.separation() == [0.0; 3] {
             // Nodes that coincide on doubles, and not to their last digits: that they coincide is what is meant.
             state.pair.b.displacement = sub(state.pair.a.displacement, state.pair.reference);
         }
@@ -173,7 +177,7 @@ impl Truth {
             *near = if locks { 0.0 } else { *near };
         }
         let mut connector = connector;
-        for (k, origin) in at_end.undetermined_origins().into_iter().enumerate() {
+        for (k, origin) in end.undetermined_origins().into_iter().enumerate() {
             // What rounding decided is taken as it is: what has happened since is judged.
             if let Some(origin) = origin {
                 connector = connector.counting_from(k, Wide::from_f64(origin));
@@ -182,7 +186,7 @@ impl Truth {
         let given = (connector.clone(), given);
         let connector = connector.oriented_from(initial);
         // Rounding may have put an angle of half a turn on the other side of it.
-        let branch = connector.advance(&state, &Increment::none(), &exact_branch(&after));
+        let branch = connector.advance(&state, &Increment::none(), &exact_branch(after));
         let is_reversible = |k: usize| {
             let on_set = margins[k].filter(|margin| margin.set.class == SingularClass::Reversal);
             on_set.is_some_and(|margin| margin.distance == 0.0) && !locked.everything[k]
@@ -215,12 +219,12 @@ impl Truth {
         let misaligned = truth.misaligned().filter(|places| places.iter().all(|k| is_at_half_a_turn(*k)));
         truth.opposite = misaligned.filter(|places| {
             let asked = Request::new(&[Output::RES], [true; 6], 0);
-            let got = narrow.evaluate_on(&end.state, after, &asked, &mut Tally::default()).residual;
+            let got = narrow.evaluate_on(&step.state, *after, &asked, &mut Tally::default()).residual;
             let here = truth.values(truth.at_rest());
             let parts = places.iter().filter_map(|k| Some(Wide::from_f64(got[*k]?) * here[*k]?));
             parts.fold(Wide::zero(), |sum, part| sum + part) < Wide::zero()
         });
-        Some(truth)
+        truth
     }
 
     /// The places of a rotation vector without history.

@@ -316,9 +316,8 @@ mod tests {
             let draw = &mut Draw::new(&connection.name);
             for (k, site) in sites(connection) {
                 let case = beside(connection, &site, 1e-3, 0.4, draw).unwrap();
-                let (connector, step) = (case.connector(), *case.last().unwrap());
-                let after = connector.advance(&step.state, &step.increment, &case.branch_before(&connector));
-                let margin = connector.margins(&step.state, &after, [true; 6])[k];
+                let end = case.at_end().unwrap();
+                let margin = end.connector.margins(&end.step.state, &end.after, [true; 6])[k];
                 let is_there = margin.is_some_and(|margin| (margin.distance - 1e-3).abs() < 1e-9);
                 let is_declared = site.measure.singular_sets().any(|set| set == site.set);
                 assert!(is_there || !is_declared, "{} {k} {}: {margin:?}", connection.name, site.at);

@@ -1,7 +1,7 @@
 //! Tests at states whose direction cosines are exactly 0 and ±1, where formulas meet their singular sets without rounding.
 
 use crate::case::quantity::{Entries, Quantity};
-use crate::case::{Case, Step};
+use crate::case::{AtEnd, Case, Step};
 use crate::engine::audit_case;
 use crate::judge::bound::Bound;
 use crate::judge::components::{Surroundings, judge};
@@ -43,9 +43,7 @@ fn all() -> impl Iterator<Item = Case> {
 
 /// The singular set that each component is told to be on.
 fn told(case: &Case) -> [Option<SingularClass>; 6] {
-    let connector = case.connector();
-    let (step, before) = (case.last().unwrap(), case.branch_before(&connector));
-    let after = connector.advance(&step.state, &step.increment, &before);
+    let AtEnd { connector, step, before, after, .. } = case.at_end().unwrap();
     let margins = connector.margins(&step.state, &after, [true; 6]);
     let flags = connector.flags(&margins, &step.increment, &step.state, &before, &after);
     COMPONENT.map(|name| {

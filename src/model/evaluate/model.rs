@@ -68,25 +68,49 @@ struct Shared {
     /// The last of all, with the same: mostly the next one agrees with it.
     last: Option<(Agreeing, Arc<Definition>, Connector<f64>)>,
     /// The warnings of each rule that a section breaks.
-    warned: HashMap<(usize, Rule, String), Range<usize>>,
+    warned: HashMap<(usize, Broken), Range<usize>>,
     /// What refuses the last connector.
     refused: Vec<Refusal>,
     freedom: NodeFreedom,
 }
 
+impl Shared {
+    fn of(scene: &Scene) -> Self {
+        Self {
+            types: HashMap::new(),
+            actions: rules::actions(scene),
+            drives: BTreeMap::new(),
+            behaviors: HashMap::new(),
+            mean_length: OnceCell::new(),
+            common: HashMap::new(),
+            last: None,
+            warned: HashMap::new(),
+            refused: Vec::new(),
+            freedom: NodeFreedom::of(scene),
+        }
+    }
+}
+
+/// What is broken, whichever element breaks it: it tells a refusal from others of its code at the same place.
+#[derive(PartialEq, Eq, Hash)]
+enum Broken {
+    /// A rule of connection types, with what is wrong: others of it may be warned of at the same place.
+    Rule(Rule, String),
+    /// A law, with what is wrong.
+    Law(String),
+    /// All that is refused with that code at the place.
+    Other,
+}
+
 /// What refuses a scene.
 struct Refusal {
     diagnostic: Diagnostic,
-    /// What is broken, whichever element breaks it, where that tells it from others of its code at the same place: of one behaviour, each
-    /// connection type that it does not suit.
-    breach: String,
-    /// Whether that is a rule of connection types, of which others may be warned of at the same place.
-    is_rule: bool,
+    broken: Broken,
 }
 
 impl From<Diagnostic> for Refusal {
     fn from(diagnostic: Diagnostic) -> Self {
-        Self { diagnostic, breach: String::new(), is_rule: false }
+        Self { diagnostic, broken: Broken::Other }
     }
 }
 
@@ -128,7 +152,7 @@ impl Model {
     /// orientation that defines no directions.
     pub fn compile(scene: &Scene) -> Result<Self, Diagnostic> {
         let mut first = None;
-        let model = Self::resolve(scene, &mut |error| {
+        let model = Self::resolve(scene, &mut Shared::of(scene), &mut |error| {
             first = Some(error.diagnostic);
             false
         });
@@ -138,59 +162,54 @@ impl Model {
     /// Resolves a scene as far as it goes, with every error: a connector that breaks a rule is left out. What several connectors of
     /// one type break alike at one place is told once, of the first, with all of them ([`Diagnostic::elements`]).
     pub fn examine(scene: &Scene) -> (Self, Vec<Diagnostic>) {
-        /// A breach, whether it is one of a rule, and its place among the errors.
-        type Known = (String, bool, usize);
         let mut errors: Vec<Diagnostic> = Vec::new();
-        let mut seen: HashMap<(Code, Span), Vec<Known>> = HashMap::new();
-        let mut model = Self::resolve(scene, &mut |Refusal { diagnostic, breach, is_rule }| {
+        // What is broken, with its place among the errors.
+        let mut seen: HashMap<(Code, Span), Vec<(Broken, usize)>> = HashMap::new();
+        let mut shared = Shared::of(scene);
+        let mut model = Self::resolve(scene, &mut shared, &mut |Refusal { diagnostic, broken }| {
             let at_place = seen.entry((diagnostic.code(), diagnostic.span())).or_default();
-            let known = at_place.iter().find(|(known, ..)| *known == breach).map(|(.., index)| *index);
+            let known = at_place.iter().find(|(known, _)| *known == broken).map(|(_, index)| *index);
             match known.and_then(|index| errors.get_mut(index)) {
                 Some(error) => error.concern(diagnostic.elements()),
                 None => {
-                    at_place.push((breach, is_rule, errors.len()));
+                    at_place.push((broken, errors.len()));
                     errors.push(diagnostic);
                 }
             }
             true
         });
         // What refuses a scene is not a warning besides.
+        let warned = shared.warned.iter();
+        let warned: HashMap<usize, &Broken> = warned
+            .flat_map(|((_, broken), places)| places.clone().map(move |place| (place, broken)))
+            .collect();
+        let mut place = 0..;
         model.warnings.retain(|warning| {
+            let broken = place.next().and_then(|place| warned.get(&place));
             let refused = seen.get(&(warning.code(), warning.span()));
-            let is_it = |(breach, is_rule, _): &Known| !is_rule || warning.message().ends_with(breach);
+            let is_it = |(known, _): &(Broken, usize)| {
+                !matches!(known, Broken::Rule(..)) || broken.is_some_and(|broken| *broken == known)
+            };
             !refused.is_some_and(|all| all.iter().any(is_it))
         });
         (model, errors)
     }
 
     /// Resolves a scene. Each error is told, which says whether to go on.
-    fn resolve(scene: &Scene, tell: &mut dyn FnMut(Refusal) -> bool) -> Self {
+    fn resolve(scene: &Scene, shared: &mut Shared, tell: &mut dyn FnMut(Refusal) -> bool) -> Self {
         let extent = extent(scene);
         let mut model =
             Self { schedule: Schedule::new(scene), length: extent.unwrap_or(1.0), extent, ..Self::default() };
         let drives = drives(scene, &model.schedule, |target| rules::labels(scene, target).to_vec())
             .map_err(|error| error.in_file(&scene.name));
-        let drives = match drives {
-            Ok(drives) => drives,
+        match drives {
+            Ok(drives) => shared.drives = drives,
             Err(error) => {
                 if !tell(error.into()) {
                     return model;
                 }
-                BTreeMap::new()
             }
-        };
-        let mut shared = Shared {
-            types: HashMap::new(),
-            actions: rules::actions(scene),
-            drives,
-            behaviors: HashMap::new(),
-            mean_length: OnceCell::new(),
-            common: HashMap::new(),
-            last: None,
-            warned: HashMap::new(),
-            refused: Vec::new(),
-            freedom: NodeFreedom::of(scene),
-        };
+        }
         for error in scene.orientation_errors() {
             if !tell(error.into()) {
                 return model;
@@ -200,8 +219,7 @@ impl Model {
         let position = scene.positions();
         for (label, element) in &scene.connectors {
             let ends = [End::A, End::B].map(|end| position(element, end).unwrap_or_default());
-            let broken =
-                model.connector(scene, (*label, element), ends, &mut shared).err().map(Refusal::from);
+            let broken = model.connector(scene, (*label, element), ends, shared).err().map(Refusal::from);
             for mut error in shared.refused.drain(..).chain(broken) {
                 error.diagnostic.concern(&[*label]);
                 if !tell(error) {
@@ -306,17 +324,18 @@ impl Model {
             if breach.refuses() {
                 for diagnostic in told {
                     is_left_out |= !diagnostic.code().leaves_numbers();
-                    refused.push(Refusal { diagnostic, breach: breach.message.clone(), is_rule: true });
+                    let broken = Broken::Rule(breach.rule, breach.message.clone());
+                    refused.push(Refusal { diagnostic, broken });
                 }
                 continue;
             }
             // Once for all elements of a section.
             let first = self.warnings.len();
-            let known =
-                warned.entry((element.section, breach.rule, breach.message.clone())).or_insert_with(|| {
-                    self.warnings.extend(told);
-                    first..self.warnings.len()
-                });
+            let broken = Broken::Rule(breach.rule, breach.message.clone());
+            let known = warned.entry((element.section, broken)).or_insert_with(|| {
+                self.warnings.extend(told);
+                first..self.warnings.len()
+            });
             let warnings = self.warnings.get_mut(known.clone()).into_iter().flatten();
             warnings.for_each(|warning| warning.concern(&[label]));
         }
@@ -395,8 +414,8 @@ impl Model {
                         };
                         let errors: Vec<Diagnostic> = errors.filter(is_new).collect();
                         refused.extend(errors.into_iter().map(|diagnostic| {
-                            let breach = diagnostic.message().to_string();
-                            Refusal { diagnostic, breach, is_rule: false }
+                            let broken = Broken::Law(diagnostic.message().to_string());
+                            Refusal { diagnostic, broken }
                         }));
                         return Ok(());
                     }

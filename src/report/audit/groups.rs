@@ -116,14 +116,6 @@ fn is_mild(check: &Check) -> bool {
     !check.verdict.is_mismatch() && check.score.survived == 0
 }
 
-/// The type of a subject: its name without its number.
-fn kind(subject: &Subject) -> &str {
-    match subject.scene {
-        Some(_) => subject.name.rsplit_once(' ').map_or(subject.name.as_str(), |(kind, _)| kind),
-        None => &subject.name,
-    }
-}
-
 /// What makes two checks of different connectors the same fault.
 fn is_same(one: (&Subject, &Check), other: (&Subject, &Check)) -> bool {
     let entry =
@@ -132,13 +124,14 @@ fn is_same(one: (&Subject, &Check), other: (&Subject, &Check)) -> bool {
         let told = check.diagnosis.iter().flat_map(|diagnosis| diagnosis.lines());
         told.map(|(_, code)| code.as_str()).collect::<Vec<_>>()
     };
-    let key = |(subject, check): (&Subject, &Check)| {
+    let key = |check: &Check| {
         let open: Vec<String> = check.undecided.keys().cloned().collect();
         let lack = check.worst.as_ref().and_then(|worst| worst.lack);
         let what = (check.quantity, check.verdict, entry(check), causes(check));
-        (kind(subject).to_string(), subject.scene.clone(), what, open, lack)
+        (what, open, lack)
     };
-    key(one) == key(other)
+    let owner = |subject: &Subject| (subject.type_name.clone(), subject.scene.clone());
+    owner(one.0) == owner(other.0) && key(one.1) == key(other.1)
 }
 
 /// Everything that needs a look, each thing once. Of a connector the checks of one kind of numbers are one, told by the one that tells

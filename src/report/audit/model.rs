@@ -132,7 +132,7 @@ pub(super) fn besides(assembly: &Assembly) -> Vec<String> {
         lines.push(format!(
             "{} of {} not looked at, for elimination would take too much memory or time",
             assembly.skipped.len(),
-            count(assembly.parts, "part")
+            count(assembly.connected_components, "connected component")
         ));
     }
     if assembly.unnamed > 0 {

@@ -13,6 +13,7 @@ pub(super) const LEGEND: &str = "independent: of the states, those at which ever
 /// The line of a subject in the table of verdicts.
 pub(super) struct SubjectRow {
     pub(super) name: String,
+    type_name: String,
     /// On derivative, formula, declaration.
     pub(super) verdicts: [Verdict; 3],
     pub(super) states: u64,
@@ -78,6 +79,7 @@ impl SubjectRow {
     pub(super) fn of(subject: &Subject) -> Self {
         Self {
             name: subject.name.clone(),
+            type_name: subject.type_name.clone(),
             verdicts: [subject.derivative, subject.formula, subject.declaration],
             states: subject.cases,
             independent: subject.judged_independently,
@@ -92,14 +94,11 @@ impl SubjectRow {
 
     /// One row for those of a type that came out alike: states together, errors the largest.
     pub(super) fn by_type(rows: Vec<Self>) -> Vec<Self> {
-        let kind = |name: &str| name.rsplit_once(' ').map_or(name, |(kind, _)| kind).to_string();
-        let mut found: Vec<(String, usize, Self)> = Vec::new();
+        let mut found: Vec<(usize, Self)> = Vec::new();
         for row in rows {
-            let of = kind(&row.name);
-            let same =
-                found.iter_mut().find(|(known, _, first)| *known == of && first.verdicts == row.verdicts);
-            let Some((_, count, known)) = same else {
-                found.push((of, 1, row));
+            let is_same = |known: &Self| (&known.type_name, known.verdicts) == (&row.type_name, row.verdicts);
+            let Some((count, known)) = found.iter_mut().find(|(_, known)| is_same(known)) else {
+                found.push((1, row));
                 continue;
             };
             *count += 1;
@@ -111,8 +110,9 @@ impl SubjectRow {
             }
             known.seen = larger(known.seen, row.seen);
         }
-        let several = |(kind, count, row): (String, usize, Self)| {
-            if count == 1 { row } else { Self { name: format!("{kind} × {count}"), ..row } }
+        let several = |(count, row): (usize, Self)| match count {
+            1 => row,
+            _ => Self { name: format!("{} × {count}", row.type_name), ..row },
         };
         found.into_iter().map(several).collect()
     }

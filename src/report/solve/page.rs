@@ -58,7 +58,7 @@ impl<'a, R: Number> Drawn<'a, R> {
 
     fn curve(&self, name: String, of: impl Fn(&Frame<R>) -> R) -> Curve {
         let points = self.solution.frames.iter().map(|frame| [frame.time.to_f64(), of(frame).to_f64()]);
-        Curve { name, points: points.collect() }
+        Curve { name, points: points.collect(), is_friction: false }
     }
 
     /// Events, of one connector or of all.
@@ -118,7 +118,8 @@ impl<'a, R: Number> Drawn<'a, R> {
                 });
                 let rubs_open = |k: &usize| frames.iter().any(|frame| frame.connectors[c].open_friction[*k]);
                 let friction = range.clone().filter(|k| !rubs_open(k)).map(|k| {
-                    self.curve(format!("CSF {}", COMPONENT[k]), |frame| frame.connectors[c].friction[k])
+                    let of = |frame: &Frame<R>| frame.connectors[c].friction[k];
+                    Curve { is_friction: true, ..self.curve(format!("CSF {}", COMPONENT[k]), of) }
                 });
                 plots.extend(self.plot(format!("{title} ({unit})"), total.chain(friction), Some(c)));
             }
@@ -166,8 +167,7 @@ impl<'a, R: Number> Drawn<'a, R> {
 /// What rubs is shown first, else what moves most.
 pub fn picture<R: Number>(solution: &Solution<R>, title: &str) -> String {
     let drawn = Drawn::of(solution);
-    let rubs =
-        |plot: &Plot| !plot.shaded.is_empty() || plot.curves.iter().any(|of| of.name.starts_with("CSF"));
+    let rubs = |plot: &Plot| !plot.shaded.is_empty() || plot.curves.iter().any(|of| of.is_friction);
     let first = |mut plots: Vec<Plot>| {
         plots.sort_by_key(|plot| !rubs(plot));
         plots.into_iter().next()

@@ -20,6 +20,8 @@ const HEIGHT: f64 = 176.0;
 pub(super) struct Curve {
     pub(super) name: String,
     pub(super) points: Vec<[f64; 2]>,
+    /// Whether it is the friction of a component.
+    pub(super) is_friction: bool,
 }
 
 /// Curves of one unit.

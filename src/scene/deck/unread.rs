@@ -46,6 +46,10 @@ struct OnNodes {
     remedy: String,
     /// Without them the model is another one, or only what acts on it.
     moves_nodes: bool,
+    /// They hold what they act on.
+    holds: bool,
+    /// They may act on nodes of a network of fluids.
+    is_mass_flow: bool,
 }
 
 /// Why an amplitude is not read.
@@ -233,7 +237,8 @@ pub(super) fn lines_on_nodes(deck: &mut Deck<'_>, keyword: &Keyword, parameter: 
     }
     let what = format!("*{}, {parameter}", keyword.name);
     let remedy = format!("write it without {parameter}, with what it stands for on the data lines");
-    deck.unread.lines.push(OnNodes { what, targets, remedy, moves_nodes: false });
+    let (holds, is_mass_flow) = (keyword.name == "BOUNDARY", parameter == "MASS FLOW");
+    deck.unread.lines.push(OnNodes { what, targets, remedy, moves_nodes: false, holds, is_mass_flow });
     Ok(())
 }
 
@@ -244,7 +249,8 @@ pub(super) fn mapping(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     deck.count_skipped(keyword, lines);
     let targets = vec![Spanned::new(Target::Set(set.value), set.span)];
     let remedy = "list the nodes under *NODE, at their final positions".to_owned();
-    deck.unread.lines.push(OnNodes { what: "*NMAP".to_owned(), targets, remedy, moves_nodes: true });
+    let (what, holds, is_mass_flow) = ("*NMAP".to_owned(), false, false);
+    deck.unread.lines.push(OnNodes { what, targets, remedy, moves_nodes: true, holds, is_mass_flow });
     Ok(())
 }
 
@@ -408,9 +414,9 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
     let scene = &deck.scene;
     let ends: LabelSet = ends(scene).collect();
     let mut not_followed = Vec::new();
-    for OnNodes { what, targets, remedy, moves_nodes } in lines {
+    for OnNodes { what, targets, remedy, moves_nodes, holds, is_mass_flow } in lines {
         // Equations also join nodes of a network of fluids, whose degree of freedom 1 is no displacement.
-        let bearing = if what.ends_with("MASS FLOW") { &ends } else { bearing };
+        let bearing = if is_mass_flow { &ends } else { bearing };
         for target in targets {
             if let Some(label) = named(scene, &target.value, |label| bearing.contains(label)) {
                 let message =
@@ -420,7 +426,7 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
                     deck.errors.add(error.help(&remedy));
                 } else {
                     let warning = Diagnostic::warning(Code::NotFollowed, target.span, message, "not read");
-                    not_followed.push((what.starts_with("*BOUNDARY"), warning.help(&remedy)));
+                    not_followed.push((holds, warning.help(&remedy)));
                 }
             }
         }

@@ -207,12 +207,11 @@ fn json_error(error: &serde_json::Error, lines: &Lines<'_>, base: usize) -> Diag
     let start = begin + error.column().saturating_sub(1);
     let message = error.to_string();
     let message = message.split(" at line ").next().unwrap_or_default();
-    let end_of_file = message.starts_with("EOF");
-    let start = if end_of_file { lines.text.trim_end().len().saturating_sub(1) } else { start };
+    let start = if error.is_eof() { lines.text.trim_end().len().saturating_sub(1) } else { start };
     malformed(
         format!("malformed JSON: {message}"),
         lines.place(start, start + 1),
-        if end_of_file {
+        if error.is_eof() {
             "the file ends too early; close every bracket and quotation mark"
         } else {
             "write {\"name\": value, …}; no comments, and no comma after the last value"

@@ -143,10 +143,7 @@ impl Symptoms<'_> {
     fn hypotheses(&self) -> Vec<Hypothesis> {
         let connector = self.case.connector();
         let units: [Option<Unit>; 6] = std::array::from_fn(|k| connector.differentiated(k).map(|m| m.unit()));
-        let turns = self.case.last().map(|step| {
-            let before = self.case.branch_before(&connector);
-            connector.advance(&step.state, &step.increment, &before).turns.map(|turns| turns.turns)
-        });
+        let turns = self.case.at_end().map(|end| end.after.turns.map(|turns| turns.turns));
         let scale = |k: usize, i: usize| self.bound.scale(self.quantity, k, i);
         let scene = Scene {
             numbers: self.want,

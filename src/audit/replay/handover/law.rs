@@ -3,6 +3,7 @@
 use crate::case::Case;
 use crate::judge::bound::Bound;
 use crate::laws::{Claim, Context, Demanded, Invariant, Term, exchanged_entry, turned_terms};
+use crate::oracles::force::product_at;
 use crate::oracles::oracle::Narrow;
 use crate::replay::counterexample::BrokenLaw;
 use crate::replay::counterexample::CounterExample;
@@ -66,12 +67,10 @@ pub(super) fn law(example: &CounterExample, case: &Case) -> Result<Option<Equali
         | Invariant::Halves
         | Invariant::Restricted => {}
     }
-    let (Some(numbers), Some(last), Some(narrow)) = (crate::product(case), case.last(), Narrow::of(case))
-    else {
-        return lost("it has no state");
-    };
-    let bound = Bound::new(&numbers, &last.state, case.length, narrow.nearness());
-    let Some(context) = Context::new(case, &numbers, &bound) else { return lost("it has no state") };
+    let Some(end) = case.at_end() else { return lost("it has no state") };
+    let numbers = product_at(&end);
+    let bound = Bound::new(&numbers, &end.step.state, case.length, Narrow::at(&end).nearness());
+    let context = Context::at(end, &numbers, &bound);
     let all = context.demands(law);
     let found = demanded.and_then(|broken| {
         let demand = all.iter().find(|demand| demand.what.demanded() == Some(broken))?;

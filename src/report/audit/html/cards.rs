@@ -1,7 +1,6 @@
 //! Which figures are shown: matrices, steps, singular points, the smallest errors noticed.
 
 use crate::audit::html::figure::{Curve, LogPlot, Medium};
-use crate::audit::html::prose::full_name;
 use crate::audit::html::{Supplement, figure};
 use crate::audit::model as of_assembly;
 use crate::audit::summary::is_sharp;
@@ -180,12 +179,8 @@ pub(super) fn strip(report: &Report, place: Medium) -> String {
         let most = |of: fn(&pintle_audit::Score) -> Option<f64>| scores().filter_map(of).fold(0.0, f64::max);
         [most(|score| score.detectable_median), most(|score| score.detectable)]
     };
-    let mut all: Vec<(String, [f64; 2])> = report
-        .subjects
-        .iter()
-        .map(|subject| (full_name(subject), sharp(subject)))
-        .filter(|x| x.1[0] > 0.0)
-        .collect();
+    let mut all: Vec<(&Subject, [f64; 2])> =
+        report.subjects.iter().map(|subject| (subject, sharp(subject))).filter(|x| x.1[0] > 0.0).collect();
     if all.len() < 2 {
         return String::new();
     }

@@ -1,8 +1,9 @@
 //! Figures as SVG: plots on log axes, heat maps. In a page they take its colours, light or dark; as files they bring their own.
 
 use crate::audit::html::labels::Area;
+use crate::audit::html::prose::full_name;
 use askama::Template;
-use pintle_audit::{Comparison, Illustration};
+use pintle_audit::{Comparison, Illustration, Subject};
 
 /// The style of figures.
 pub(crate) const STYLE: &str = include_str!("templates/figure.css");
@@ -330,13 +331,10 @@ pub(crate) fn rendered(template: &impl Template) -> String {
 
 /// A connector and its state; a state of a scene names its connector by itself.
 pub(super) fn title(shown: &Illustration) -> String {
-    let Illustration { subject, state, .. } = shown;
-    let (scene, name) =
-        subject.rsplit_once(": ").map_or(("", subject.as_str()), |(scene, name)| (scene, name));
-    if !scene.is_empty() && state.starts_with(name) {
-        format!("{scene}: {state}")
-    } else {
-        format!("{subject}, {state}")
+    let Illustration { scene, subject, state, .. } = shown;
+    match scene {
+        Some(scene) => format!("{scene}: {state}"),
+        None => format!("{subject}, {state}"),
     }
 }
 
@@ -532,7 +530,7 @@ struct StripTemplate<'a> {
 
 /// Pairs of positive numbers by name, side by side on one log axis: the first a dot, the second a ring. A file names what stands where,
 /// as far as there is room.
-pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Medium) -> String {
+pub(super) fn strip(title: &str, all: &[(&Subject, [f64; 2])], place: Medium) -> String {
     /// More names than that are no names any more.
     const NAMED: usize = 80;
     let (width, height, left, right) = (1000.0, 190.0, 48.0, 992.0);
@@ -540,17 +538,17 @@ pub(super) fn strip(title: &str, all: &[(String, [f64; 2])], place: Medium) -> S
     let gap = (right - left) / all.len().max(1) as f64;
     let is_named = place == Medium::File && all.len() <= NAMED;
     // One scene is named once, in the title.
-    let scene = |name: &str| name.rsplit_once(": ").map(|(scene, _)| scene.to_string()).unwrap_or_default();
-    let of = all.first().map(|(name, _)| scene(name)).unwrap_or_default();
-    let is_one = place == Medium::File && !of.is_empty() && all.iter().all(|(name, _)| scene(name) == of);
-    let title = &if is_one { format!("{of}: {title}") } else { title.to_string() };
-    let short = |name: &str| if is_one { name[of.len() + 2..].to_string() } else { name.to_string() };
-    let dots = all.iter().enumerate().map(|(i, (name, [dot, ring]))| StripDot {
+    let scene = all.first().and_then(|(subject, _)| subject.scene.as_deref());
+    let is_of_it = |(subject, _): &(&Subject, _)| subject.scene.as_deref() == scene;
+    let scene = scene.filter(|_| place == Medium::File && all.iter().all(is_of_it));
+    let title = &scene.map_or_else(|| title.to_string(), |scene| format!("{scene}: {title}"));
+    let short = |subject: &Subject| if scene.is_some() { subject.name.clone() } else { full_name(subject) };
+    let dots = all.iter().enumerate().map(|(i, (subject, [dot, ring]))| StripDot {
         x: rounded(left + (i as f64 + 0.5) * gap),
         low: axis.at(*dot),
         high: axis.at(*ring),
-        title: format!("{name}: {dot:.0e} at the median state, {ring:.0e} at the worst"),
-        name: is_named.then(|| short(name)),
+        title: format!("{}: {dot:.0e} at the median state, {ring:.0e} at the worst", full_name(subject)),
+        name: is_named.then(|| short(subject)),
     });
     let dots: Vec<StripDot> = dots.collect();
     let longest =
