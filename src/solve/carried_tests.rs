@@ -257,3 +257,63 @@ fn a_moment_that_is_zero_costs_no_digits() {
     }
     assert_eq!(compared, 8 * times.len());
 }
+
+/// A moment that is zero, and jumps where a step of the scene begins or grows from a break of its amplitude on, presses from there on:
+/// the deceleration of a block on its rail is that of its weight before, and that of both after.
+#[test]
+fn a_moment_that_begins_later_presses_then() {
+    let deck = |steps: &str| {
+        format!(
+            "*NODE\n1, 0., 0., 0.\n2, 0., 0., 0.\n*ELEMENT, TYPE=CONN2D2, ELSET=RAIL\n101, 1, 2\n\
+             *ORIENTATION, NAME=ALONG\n1., 0., 0., 0., 1., 0.\n*CONNECTOR SECTION, ELSET=RAIL, BEHAVIOR=DRY\nTRANSLATOR,\nALONG,\n\
+             *CONNECTOR BEHAVIOR, NAME=DRY\n*CONNECTOR FRICTION, PREDEFINED\n0.05, 0.2\n*FRICTION\n0.2\n\
+             *ELEMENT, TYPE=MASS, ELSET=CART\n201, 2\n*MASS, ELSET=CART\n1.\n*ELEMENT, TYPE=ROTARYI, ELSET=I\n203, 2\n\
+             *ROTARY INERTIA, ELSET=I\n0.01, 0.01, 0.01\n*BOUNDARY\n1, 1, 6\n2, 3, 5\n\
+             *AMPLITUDE, NAME=GROWS\n0., 0., 0.25, 0., 0.5, 1., 1., 1.\n\
+             *INITIAL CONDITIONS, TYPE=VELOCITY\n2, 1, 4.\n{steps}"
+        )
+    };
+    let weight = "*DLOAD\nCART, GRAV, 9.81, 0., -1., 0.\n";
+    let jumps = deck(&format!(
+        "*STEP\n*DYNAMIC\n0.01, 0.25\n{weight}*END STEP\n*STEP\n*DYNAMIC\n0.01, 0.5\n*CLOAD\n2, 6, 0.5\n*END STEP\n"
+    ));
+    let grows = deck(&format!(
+        "*STEP\n*DYNAMIC\n0.01, 0.75\n{weight}*CLOAD, AMPLITUDE=GROWS\n2, 6, 0.5\n*END STEP\n"
+    ));
+    let mut last = Vec::new();
+    for (name, deck) in [("jumps", jumps), ("grows", grows)] {
+        let scene = Scene::parse("deck.inp", &deck).unwrap();
+        for method in [Method::Extrapolation, Method::Collocation] {
+            let options = Options { method, times: vec![0.2, 0.7, 0.75], ..Options::default() };
+            let found: Solution<f64> = solve(&scene, &options).unwrap();
+            let at = |time: f64| {
+                let frame = found.frames.iter().find(|frame| (frame.time - time).abs() < 1e-12).unwrap();
+                let node = &frame.nodes[1];
+                [node.displacement[0], node.velocity[0], node.acceleration[0]]
+            };
+            let ([x0, v0, a0], [x1, v1, a1], [x2, v2, a2]) = (at(0.2), at(0.7), at(0.75));
+            // The weight alone presses, and slows the block evenly.
+            let is_near = |found: f64, wanted: f64, what: &str| {
+                assert!((found - wanted).abs() < 1e-12, "{name}, {method:?}, {what}: {found}, not {wanted}");
+            };
+            is_near(a0, -0.2 * 9.81, "acceleration before");
+            is_near(v0, 4.0 + 0.2 * a0, "velocity before");
+            is_near(x0, 0.2 * 4.0 + 0.02 * a0, "way before");
+            // The moment presses by 0.5 over its lever, whatever that is.
+            assert!(a1 < 1.1 * a0, "{name}, {method:?}: {a1}, {a0} before");
+            is_near(a2, a1, "acceleration after");
+            is_near(v2, v1 + 0.05 * a1, "velocity after");
+            is_near(x2, x1 + 0.05 * v1 + 0.00125 * a1, "way after");
+            if name == "jumps" {
+                is_near(v1, 4.0 + 0.25 * a0 + 0.45 * a1, "velocity across the jump");
+            }
+            last.push([x2, v2, a2]);
+        }
+    }
+    let apart = |one: usize, other: usize, k: usize| (last[one][k] - last[other][k]).abs();
+    for k in 0..3 {
+        assert!(apart(0, 1, k) < 1e-12 && apart(2, 3, k) < 1e-12, "{last:?}");
+    }
+    // Grown, it presses as it does where it jumps to as much.
+    assert!(apart(0, 2, 2) < 1e-12, "{last:?}");
+}

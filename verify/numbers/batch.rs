@@ -456,7 +456,7 @@ fn what_is_watched_is_flagged() {
                 .flat_map(|angle| [0, 3, 6, 7, 8, 9, 12, 15, 17, 400].map(|exponent| (angle, exponent)))
             {
                 let away = 10.0_f64.powi(-exponent);
-                let pairs = four(|lane| {
+                let pairs: [Pair<f64>; 4] = std::array::from_fn(|lane| {
                     let unit = |axis: usize| [0, 1, 2].map(|i| if i == axis { 1.0 } else { 0.0 });
                     let mut random = || [number(), number(), number()];
                     let turn = |by: f64, about| so3::matrix(so3::exp_quaternion(scale(about, by)));
