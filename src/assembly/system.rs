@@ -191,7 +191,7 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Whether the directions of an equation are those of the line of the nodes, and so as uncertain as that is; those of others are given, and
+    /// Whether the directions of an equation are those of the line of the nodes, and so as uncertain as that is. Those of others are given, and
     /// their levers as uncertain as the coordinates.
     fn is_along_line(&self, Equation { source, component }: Equation) -> bool {
         match source {

@@ -341,9 +341,9 @@ fn nothing_decides_nothing() {
     assert!(!Assembly::none(1).is_decided());
 }
 
-/// The constraints of a sheared n by n grid of four-bars: bars of length one between crossings, each with both of its ends, hinged to the next end at
-/// the crossing; the first end is held. Coordinates are rounded, so that the meshes are parallelograms to rounding only, and the more so the farther
-/// the origin.
+/// The constraints of a sheared n by n grid of four-bars. Bars of length one stand between crossings, each with both of its ends, hinged to the next
+/// end at the crossing; the first end is held. Coordinates are rounded, so that the meshes are parallelograms to rounding only, and the more so the
+/// farther the origin.
 fn grid(n: usize, origin: f64) -> Sparse {
     let at = |i: usize, j: usize| [origin + i as f64 + 0.2 * j as f64, origin + j as f64];
     let mut nodes: Vec<[f64; 2]> = Vec::new();
@@ -409,8 +409,8 @@ fn sheared_grids_are_decided() {
     }
 }
 
-/// Far from the origin the rounding of coordinates is no less than that of the elimination: where it is known the rank is certain, and where
-/// it is not, what it leaves of redundant rows looks like more than rounding.
+/// Far from the origin the rounding of coordinates is no less than that of the elimination. Where it is known the rank is certain. Where it
+/// is not, what it leaves of redundant rows looks like more than rounding.
 #[test]
 fn rounded_coordinates_are_uncertain() {
     for origin in [12_345.678, 1e6] {
@@ -469,7 +469,7 @@ fn linkage(nodes: &str, bars: &[[usize; 2]], hinges: &[[usize; 2]], grounded: us
     )
 }
 
-/// A chain of planar four-bars with bars between them, hinged about z, the first bar on the ground; those whose number is in `flat` are
+/// A chain of planar four-bars with bars between them, hinged about z, the first bar on the ground. Those whose number is in `flat` are
 /// parallelograms folded flat, where there is one motion more.
 fn four_bars(count: usize, flat: &[usize]) -> String {
     let (mut nodes, mut bars, mut hinges) = (Vec::<[f64; 2]>::new(), Vec::new(), Vec::new());

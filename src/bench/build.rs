@@ -33,8 +33,8 @@ fn git(arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).trim().to_string())
 }
 
-/// The commit that a release is built of, with a mark where tracked files are others than it has; none where the sources are not a
-/// repository of their own, as those of a registry.
+/// The commit that a release is built of, with a mark where tracked files are others than it has. There is none where the sources
+/// are not a repository of their own, as those of a registry.
 fn commit() -> Option<String> {
     // A build for development would be made anew after each commit.
     let is_for_development = std::env::var("PROFILE").is_ok_and(|profile| profile == "debug");

@@ -1,10 +1,10 @@
 //! What does a value, a Jacobian or a Hessian cost here, and at which error?
 //!
-//! A type ([`Subject`]) is measured at states far from its singular points, near them and at rest ([`Place`]), with every way to get the
-//! numbers ([`Method`]) that the library has ([`Way`]) or the caller brings. The truth is the 237-bit scalar: values by it, derivatives by
-//! differences on it that have no step to tune. Errors come first: those of every way must be within what they come from allows ([`Cause`]). One
-//! of pintle's own that is not is told as wrong ([`Wrong`]), any other way is listed ([`Untimed`]), and neither is timed or drawn. Then rounds
-//! take turns, and of each way the least time counts, so that a machine with other work on it disturbs all alike.
+//! A type ([`Subject`]) is measured at states far from its singular points, near them and at rest ([`Place`]), with every way to get the numbers
+//! ([`Method`]). The library has such ways ([`Way`]), and the caller may bring others. The truth is the 237-bit scalar: values by it,
+//! derivatives by differences on it that have no step to tune. Errors come first: those of every way must be within what they come from allows
+//! ([`Cause`]). One of pintle's own that is not is told as wrong ([`Wrong`]), any other way is listed ([`Untimed`]), and neither is timed or
+//! drawn. Then rounds take turns, and of each way the least time counts, so that a machine with other work on it disturbs all alike.
 //!
 //! ```
 //! use pintle_bench::{Order, Settings, measure};
@@ -32,8 +32,8 @@ pub use method::{Method, Prepared, Way};
 pub use place::{CLEAR, Place, REST, Unmeasured};
 pub use subject::{Element, Order, Subject, worse};
 
-/// The commit of its repository that a release of this crate was built from, with a mark where its sources had changes; none of a build
-/// for development (debug), and of a crate from a registry.
+/// The commit of its repository that a release of this crate was built from, with a mark where its sources had changes. A build for
+/// development (debug) has none, nor has a crate from a registry.
 pub const COMMIT: Option<&str> = option_env!("PINTLE_COMMIT");
 
 /// The packages that the numbers rest on, with their versions.

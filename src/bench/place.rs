@@ -141,8 +141,8 @@ fn still(reference: Vector<f64>) -> Pair<f64> {
     pair(reference, identity(), &identity())
 }
 
-/// A case of one state, whatever the motion that led there, from an initial state that meets the constraints of the type: no rotation of b against
-/// a, where the type is regular there.
+/// A case of one state, whatever the motion that led there, from an initial state that meets the constraints of the type. That has no rotation of
+/// b against a, where the type is regular there.
 fn from_rest(connection: &ConnectionType, end: Pair<f64>, draw: &mut Draw) -> Case {
     let state = State { pair: end, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
     let a0 = draw.triad();

@@ -59,8 +59,8 @@ pub enum Measure {
     FlowConversion,
 }
 
-/// The distance from a lock (rad) within which rounding decides the angles, a few roundings of the entries of Q: nothing of the
-/// direction across the axes is left, and a state counts as locked (`Measure::unlocked`). Of a radius the same part of the distance of the nodes.
+/// The distance from a lock (rad) within which rounding decides the angles, a few roundings of the entries of Q. Nothing of the direction across
+/// the axes is left, and a state counts as locked (`Measure::unlocked`). Of a radius the same part of the distance of the nodes.
 pub const LOCK: f64 = 2e-15;
 
 /// The unit of a measure.
@@ -538,8 +538,8 @@ impl Measure {
 
     /// What the measure becomes when a and b are exchanged: d → −Qᵀd, Q → Qᵀ, Ψ_a ↔ Ψ_b.
     ///
-    /// With Q = Rz(φ) Ry(α) Rz(ψ), Qᵀ = Rz(π − ψ) Ry(α) Rz(−π − φ): the flexion α is the same, torsion φ + ψ the opposite, and the sweep,
-    /// φ but for a constant, becomes −ψ. Euler angles likewise: α → −γ, β → β, γ → −α but for half turns.
+    /// With Q = Rz(φ) Ry(α) Rz(ψ), Qᵀ = Rz(π − ψ) Ry(α) Rz(−π − φ). So the flexion α is the same, torsion φ + ψ the opposite, and the
+    /// sweep, φ but for a constant, becomes −ψ. Euler angles likewise: α → −γ, β → β, γ → −α but for half turns.
     pub const fn exchanged(self) -> Exchanged {
         const fn one(measure: Measure, factor: f64) -> Exchanged {
             Exchanged::Sum([Some((measure, factor)), None])
@@ -767,7 +767,7 @@ impl Measure {
     }
 
     /// The principal value of an angle that winds, as evaluated. So close to a lock that rounding decides it, the first angle keeps
-    /// its value (`first`, where the state before left it), and the third gets what is known of the two, their sum or difference.
+    /// its value (`first`, where the state before left it). The third gets what is known of the two, their sum or difference.
     /// Together they still compose to Q.
     ///
     /// Cardan, β = ±π/2: γ ± α = atan2(Q₂₁, Q₂₂); Euler, β = 0 and π: α ± γ = atan2(Q₂₁, Q₁₁).
@@ -806,13 +806,13 @@ impl Measure {
         matches!(self, Self::Cardan(_) | Self::Euler(_)) && self.locks_at(q)
     }
 
-    /// The gradient of this angle with respect to the relative rotation of the nodes, global components: its product with
+    /// The gradient of this angle with respect to the relative rotation of the nodes, global components. Its product with
     /// whole turns of the nodes is how far they advance the angle. `None` for measures that do not wind.
     ///
     /// The angle is counted about the direction u while b turns about u, and does not move while b turns about w, the axis of
     /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
     /// two is known; the first takes all. The sweep θ is the first of the angles of Rz(φ) Ry(α) Rz(ψ) but for a constant, with
-    /// w = e3b; torsion is the sum of first and third, (e3a + e3b)/(1 + e3a·e3b).
+    /// w = e3b. Torsion is the sum of first and third, (e3a + e3b)/(1 + e3a·e3b).
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {
         // The square of the sine of the angle between the axes.
         const LOCK: (i32, i32) = (1, 1_000_000);

@@ -334,8 +334,8 @@ impl<R: Real> Pair<R> {
     /// The nodal second derivatives ∂²f/∂q_j∂q_k of a measure from its relative gradient and relative second derivatives
     /// (order δ, ρ, Ψ_a, Ψ_b).
     ///
-    /// Besides Lᵀ H L, the second variations of the map: δ has −θ_a × (x_b − x_a variation) + ½ θ_a × (θ_a × D), ρ has
-    /// −½ θ_a × θ_b (Baker, Campbell and Hausdorff).
+    /// Besides Lᵀ H L, the second variations of the map: δ has −θ_a × (x_b − x_a variation) + ½ θ_a × (θ_a × D).
+    /// Of ρ it is −½ θ_a × θ_b (Baker, Campbell and Hausdorff).
     ///
     /// Rows and columns of degrees of freedom that are not `active` are zero, and not computed.
     pub fn nodal_hessian(

@@ -67,7 +67,7 @@ pub fn exp<S: Scalar>(phi: Vector<S>) -> Matrix<S> {
     matrix(exp_quaternion(phi))
 }
 
-/// exp(ε^) R₀ of a constant rotation matrix R₀ and a variation ε, which is zero and carries derivatives: those of what follows are by rotations of
+/// exp(ε^) R₀ of a constant rotation matrix R₀ and a variation ε, which is zero and carries derivatives. Those of what follows are by rotations of
 /// R₀ about the fixed axes, as rows of nodes are.
 ///
 /// ```
@@ -272,8 +272,8 @@ fn stretched<S: Scalar>(q0: Quaternion<S::Real>, e: Quaternion<S>, c: S) -> Quat
     q
 }
 
-/// 4 M by rows, (1 + tr R, a), (a, R + Rᵀ + (1 − tr R) I) with a = (R₃₂ − R₂₃, …), for a rotation (`one` = 1) or a change of
-/// one (`one` = 0).
+/// 4 M by rows, (1 + tr R, a), (a, R + Rᵀ + (1 − tr R) I) with a = (R₃₂ − R₂₃, …). Its 1 is `one`: 1 for a rotation, and
+/// 0 for a change of one.
 #[inline(always)]
 fn eigen_matrix<S: Scalar>(one: S, r: &Matrix<S>) -> [Quaternion<S>; 4] {
     let [x, y, z] = twice_axial(r);
@@ -438,11 +438,11 @@ pub struct ContinuousLog<S: Scalar> {
 ///
 /// With the principal φ_p = θ_p d, |d| = 1: φ = (θ_p + 2πk) d.
 ///
-/// *Turn rule.* The set |φ| = 2πk, k ≠ 0, is a single rotation, the identity: the exact continuation of a path that misses it
-/// by any distance swings around it and never counts a turn. Continuation therefore means counting turns at the resolution
-/// of the history. Away from whole turns k makes φ nearest to the reference. Where |sin(|φ|/2)| < 0.05 and the reference is
-/// beyond half a turn, k stays on the turn of the reference: k = ±round(|reference|/2π). The caller keeps a reference
-/// taken outside that zone ([`ContinuousLog::is_reference`]).
+/// *Turn rule.* The set |φ| = 2πk, k ≠ 0, is a single rotation, the identity. The exact continuation of a path that misses it
+/// by any distance swings around it and never counts a turn. Continuation therefore means counting turns at the resolution of
+/// the history. Away from whole turns k makes φ nearest to the reference. Where |sin(|φ|/2)| < 0.05 and the reference is
+/// beyond half a turn, k stays on the turn of the reference: k = ±round(|reference|/2π). The caller keeps a reference taken
+/// outside that zone ([`ContinuousLog::is_reference`]).
 ///
 /// At R = I exactly with k ≠ 0 the axis is the reference's, and derivatives are taken along it only (those across do not
 /// exist; `lateral` is 0).

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use std::iter;
 
 /// The pages: tables whose first column is the word, or words, and whose second is the meaning, or what a field holds.
-const PAGES: [&str; 10] = [
+const PAGES: [&str; 12] = [
     include_str!("../../docs/reference/words.md"),
     include_str!("../../docs/reference/verdicts.md"),
     include_str!("../../docs/reference/outputs.md"),
@@ -18,7 +18,9 @@ const PAGES: [&str; 10] = [
     include_str!("../../docs/how-to/sweep.md"),
     include_str!("../../docs/reference/json.md"),
     include_str!("../../docs/reference/protocol.md"),
+    include_str!("../../docs/reference/protocol-answers.md"),
     include_str!("../../docs/reference/keywords.md"),
+    include_str!("../../docs/reference/keywords-not-read.md"),
 ];
 
 /// The titles of a second column that has meanings.

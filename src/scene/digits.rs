@@ -286,7 +286,7 @@ impl Digits {
     }
 }
 
-/// How exact the numbers of a state are that is given. They are results, of single precision as a rule: where that has not all of
+/// How exact the numbers of a state are that is given. They are results, of single precision as a rule. Where that has not all of
 /// the digits that a number is written with, its last decimal is uncertain by a unit, and not by half of one.
 #[derive(Clone, Copy, Debug)]
 pub struct DigitsOfState {

@@ -59,7 +59,7 @@ impl WrittenNode<'_> {
     /// Lengths, for each coordinate: times the rounding unit u they bound what reading and computing it leaves open, beside u times
     /// its own size. Of r cos θ that is r (5 + |θ|): of r, of θ itself, of its conversion to rad and of the cosine. Of a rotation
     /// `R (x − a) + a` it is the same for all three. It is the length of what x is known to, of x and twice of a, and 32 times that
-    /// of the arm x − a, for entries of R of 16 u and sums of three.
+    /// of the arm x − a. The 32 are for entries of R of 16 u and sums of three.
     pub fn sizes(&self) -> [f64; 3] {
         /// Of a sine or cosine, beside the angle.
         const TURN: f64 = 5.0;

@@ -225,8 +225,8 @@ fn a_state_that_does_not_fit_its_beams_is_a_violation() {
     assert!(fits < 1e-13 && elsewhere > 0.01, "{fits} {elsewhere}");
 }
 
-/// A moment that is zero presses nothing, and costs no digits: the cart whose rail bears none, in the plane and in space, with a beam that is
-/// carried and with one that is an equation. Events are those that two methods on 237 bits give.
+/// A moment that is zero presses nothing, and costs no digits. The cart has a rail that bears none, in the plane and in space, with a beam
+/// that is carried and with one that is an equation. Events are those that two methods on 237 bits give.
 #[test]
 fn a_moment_that_is_zero_costs_no_digits() {
     let [deck, stored] = ["deck.inp", "solution.json"].map(|name| {

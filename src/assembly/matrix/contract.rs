@@ -2,14 +2,16 @@
 //!
 //! Two nodes whose relative motion a connector fixes altogether (BEAM, WELD …) are one rigid body, and so are all that are joined so, one after the
 //! other. Eliminated node by node does not know: of a lattice of BEAMs it fills, as that of any lattice. So what each node of
-//! a body does is put in beforehand, by that of one of them: with r the arm from that to another, the other's displacement is u + θ × r, and its rotation is θ.
-//! What is left are rows of two bodies, whatever the number of nodes. Of a connector within a body nothing is left: its rows depend on others.
+//! a body does is put in beforehand, by that of one of them. With r the arm from that to another, the other's displacement is u + θ × r and its
+//! rotation θ. What is left are rows of two bodies, whatever the number of nodes. Of a connector within a body nothing is left: its rows depend on
+//! others.
 //!
 //! *In part.* Columns fall apart where whatever would join them is zero to the last bit, as in and out of the plane of a planar
 //! linkage. Each set of columns is looked at by itself: out of the plane hinges make one body of all bars.
 //!
-//! *Which rows?* Rows that make a body are taken to hold first: those of connectors that fix all six components, in the order of the deck, then
-//! those of others that fix all that moves in one set of columns. Each of them joins two bodies; what joins one with itself is redundant.
+//! *Which rows?* Rows that make a body are taken to hold first. Those of connectors that fix all six components begin, in the order of the
+//! deck. Those of others follow that fix all that moves in one set of columns. Each of them joins two bodies; what joins one with itself is
+//! redundant.
 //!
 //! *Certain.* Let J_a, J_b be such rows of the two nodes, and T the rigid map. They count only where `J_a + J_b T` is zero to what
 //! rounding leaves of what is computed ([`COMPUTED`]), and the least pivot of J_b is far from zero. So only its numbers decide about a

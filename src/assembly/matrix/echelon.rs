@@ -1,8 +1,8 @@
 //! Which rows depend on those before them?
 //!
 //! Rows are put in one after the other. What is left of a row where the pivots so far have taken their columns from it becomes a pivot itself, or is
-//! nothing: then the row depends on those that were put in before. So what is named does not depend on the order of elimination, but on that
-//! of the rows alone. The columns are taken in an order of least degree, which keeps rows sparse.
+//! nothing. Where it is nothing, the row depends on those that were put in before. So what is named does not depend on the order of elimination, but
+//! on that of the rows alone. The columns are taken in an order of least degree, which keeps rows sparse.
 //!
 //! What a pivot has in common with a row is taken from it by a rotation (George and Heath, 1980), so that rounding does not grow from pivot to pivot.
 //! An entry does not know how uncertain it is, as it does in [`crate::matrix::eliminate`]: rows are named where as many are found as are known to depend.

@@ -34,7 +34,7 @@ pub(crate) const ROUNDINGS: f64 = 1e4;
 pub(crate) const CERTAIN: f64 = 1e3;
 /// An entry that is not zero should exceed what counts as zero by this factor.
 pub(crate) const GAP: f64 = 1e3;
-/// An entry of so many rounding units, in units of the estimated condition, that a subtraction left, is what rounding leaves: one that is
+/// An entry of so many rounding units, in units of the estimated condition, that a subtraction left, is what rounding leaves. One that is
 /// zero exceeds it with probability 4e-7, and is then kept, which is no harm.
 pub(crate) const REMAINS: f64 = 64.0;
 /// What a subtraction leaves of numbers larger by this factor is looked at.

@@ -7,7 +7,7 @@
 //! by u·n times a random number of Student's distribution with four degrees of freedom, which exceeds x with probability 6/x⁴ for
 //! large x.
 //!
-//! Roundings must be told apart, each with directions of its own: were those of two entries taken for one, they would cancel where the
+//! Roundings must be told apart, each with directions of its own. Were those of two entries taken for one, they would cancel where the
 //! entries are subtracted, and what rounding left would look certain.
 
 use pintle_kinematics::draw::splitmix64;

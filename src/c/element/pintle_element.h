@@ -79,7 +79,7 @@ extern const unsigned pintle_offers;
 /* How many numbers it keeps from state to state; may be left out. */
 extern const int pintle_svars;
 
-/* What differs from the conventions above, as JSON (docs/reference/protocol.md); may be left out. */
+/* What differs from the conventions above, as JSON (docs/reference/protocol-answers.md); may be left out. */
 extern const char *const pintle_convention;
 
 /* Gives what is wanted at a state; svars are the routine's own, zero before the first state.

@@ -150,9 +150,8 @@ pub(super) struct Order {
 const AXES: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
 
 impl Order {
-    /// Every declared order of so many columns: nodes apart, kinds apart or degrees of freedom apart; displacements or rotations
-    /// first; b before a; axes in any order; flow with its node, last, or left out; one node alone. Angles of hinges last, first, or left
-    /// out.
+    /// Every declared order of so many columns. Nodes apart, kinds apart or degrees of freedom apart; displacements or rotations first; b
+    /// before a; axes in any order. Flow with its node, last, or left out; one node alone. Angles of hinges last, first, or left out.
     pub(super) fn all(count: usize, hinges: usize) -> Vec<Self> {
         let mut found = Self::of_nodes(count);
         let last: Vec<usize> = (PHI..PHI + hinges).collect();

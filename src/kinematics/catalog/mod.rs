@@ -1,8 +1,8 @@
 //! Connection types as data: the only place that knows them.
 //!
-//! A connection type is six [`Slot`]s, one for each component of relative motion u1, u2, u3, ur1, ur2, ur3, with the
-//! fields of the manual's summary table that no formula implies: orientation rules, where it is available, predefined
-//! friction. Values, derivatives, validation, listing and tests iterate over [`table::TABLE`].
+//! A connection type is six [`Slot`]s, one for each component of relative motion u1, u2, u3, ur1, ur2, ur3. With them
+//! go the fields of the manual's summary table that no formula implies: orientation rules, where it is available,
+//! predefined friction. Values, derivatives, validation, listing and tests iterate over [`table::TABLE`].
 //!
 //! To add a type: write its half or its slots in `table.rs` (and a new [`Measure`] if none fits), then its double entries:
 //! a row in `verify/numbers/manual.rs` and one in `scripts/reference/reference.py`. A test fails while either is missing.
@@ -123,8 +123,9 @@ pub enum Loading {
     /// A moment along e_i^a on b, and its opposite on a: m2 and m3 of REVOLUTE. For every frozen angle these span the moments
     /// that do no work on the free rotation about e1a.
     AlongA(usize),
-    /// A moment on b whose component along the i-th axis of the Cardan angles frozen initially, m_i = M·(e1a, cos α₀ e2a + sin α₀ e3a,
-    /// e3b), is the reported one, and the others zero: ALIGN. Along e_i^a where the directions coincide initially.
+    /// A moment on b whose component along the i-th axis of the Cardan angles frozen initially is the reported one, and the others
+    /// zero: ALIGN. These components are m_i = M·(e1a, cos α₀ e2a + sin α₀ e3a, e3b). The moment is along e_i^a where the directions
+    /// coincide initially.
     FrozenAxis(usize),
     /// A tension along d, with the flow forces −f1 at a and +f1 at b: f1 (δ|d| − δΨ_a + δΨ_b). SLIPRING, whose u1 is a strain.
     Tension,

@@ -263,8 +263,8 @@ pub struct Breach {
     pub evidence: Evidence,
     /// Whether the scene can be evaluated all the same: what is given is not used.
     pub harmless: bool,
-    /// What it is about, if it is about one: a component (0-based); of an orientation, the node, 0 for a and 1 for b; of a failure or
-    /// lock, its place in [`Facts::failures`] or [`Facts::locks`].
+    /// What it is about, if it is about one: a component (0-based). Of an orientation it is the node, 0 for a and 1 for b; of a
+    /// failure or lock, its place in [`Facts::failures`] or [`Facts::locks`].
     pub item: Option<usize>,
 }
 

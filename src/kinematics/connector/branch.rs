@@ -68,8 +68,8 @@ impl<R: Real> Increment<R> {
     }
 }
 
-/// How far the choice between two equally near sheets leans to where the nodes turned: enough to outweigh rounding at an
-/// increment of half a turn, and no more than to matter within some 3e-6 rad of it.
+/// How far the choice between two equally near sheets leans to where the nodes turned. It is enough to outweigh rounding
+/// at an increment of half a turn, and no more than to matter within some 3e-6 rad of it.
 const LEAN: (i32, i32) = (1, 1_000_000);
 
 impl<R: Duals> Connector<R> {

@@ -113,7 +113,7 @@ impl<R: Duals> Connector<R> {
     }
 
     /// The degrees of freedom by which the row of component k (0-based) can be other than zero: those that the connector has and that
-    /// the measure depends on. `None` where there is no such component.
+    /// the measure depends on. There are none (`None`) where there is no such component.
     pub fn row_pattern(&self, k: usize) -> Option<[bool; DOFS]> {
         let measure = self.kind.rows[k].as_ref()?.differentiated;
         let dependence = measure.dependence();

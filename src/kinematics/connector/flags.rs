@@ -562,8 +562,8 @@ impl Connector<f64> {
 }
 
 impl Connector<f64> {
-    /// The one-form over the increment, for nodes that turn at constant rates between the two states: with the mean direction
-    /// ∫₀¹ exp(−s Δθ_a^) e3a ds = e3a − ½ Δθ_a × e3a + … in place of the midpoint's.
+    /// The one-form over the increment, for nodes that turn at constant rates between the two states. The mean direction ∫₀¹
+    /// exp(−s Δθ_a^) e3a ds = e3a − ½ Δθ_a × e3a + … stands in place of the midpoint's.
     fn steady_accumulation(&self, pair: &Pair<f64>, increment: &Increment<f64>) -> f64 {
         let [of_a, of_b] = increment.rotation;
         // Five Gauss points: an increment of one turn is integrated to 1e-4, and one of a tenth of a turn to rounding.

@@ -220,8 +220,8 @@ impl<R: Duals> Connector<R> {
         )
     }
 
-    /// The axes of the successive rotations of Cardan (e1a, cos α e2a + sin α e3a, e3b) or Euler angles (e3a, cos α e1a + sin α e2a, e3b),
-    /// global components; `None` for other types.
+    /// The axes of the successive rotations, global components. They are (e1a, cos α e2a + sin α e3a, e3b) of Cardan and (e3a, cos α e1a +
+    /// sin α e2a, e3b) of Euler angles; `None` for other types.
     fn axes(&self, a: &Matrix<R>, b: &Matrix<R>, branch: &Branch<R>) -> Option<[Vector<R>; 3]> {
         let (first, [zeroth, right]) = match (3..6).find_map(|k| self.position_measure(k))? {
             Measure::Cardan(_) => (0, [1, 2]),
@@ -301,8 +301,8 @@ impl<R: Real> ForceRows<R> {
 
     /// ∂F_i/∂q_j: how the nodal forces change along x, Ψ and spatial rotations exp(δθ^) C, at constant component forces.
     ///
-    /// This is the geometric stiffness, and for gradient rows, in the rotations of each node, −½ M^ besides, M the moment on that node:
-    /// the second variation is taken along exp(δθ^), successive rotations do not commute.
+    /// This is the geometric stiffness, and for gradient rows, in the rotations of each node, −½ M^ besides, M the moment on that node.
+    /// For the second variation is taken along exp(δθ^), and successive rotations do not commute.
     pub fn derivative(&self, forces: &Components<R>) -> NodalMatrix<R> {
         let mut sum = Box::new([[R::ZERO; DOFS]; DOFS]);
         for (force, row) in self.loaded(forces) {
@@ -370,8 +370,8 @@ impl<R: Real> ForceRows<R> {
     /// The multipliers λ_k of the equations enforced, Σ λ_k ∂res_k = Σ f_k G_k over the constrained components, from reported forces.
     /// A constrained component without a force counts as zero. Needs [`Want::multipliers`] for rotations.
     ///
-    /// Exact in both directions: the moments of REVOLUTE are perpendicular to e1a either way, those of UNIVERSAL parallel. `None` where
-    /// the equations are dependent, such as those of a REVOLUTE whose axes are at a right angle.
+    /// Exact in both directions: the moments of REVOLUTE are perpendicular to e1a either way, those of UNIVERSAL parallel. They are
+    /// `None` where the equations are dependent, such as those of a REVOLUTE whose axes are at a right angle.
     pub fn multipliers(&self, forces: &Components<R>) -> Components<R> {
         let constraint = self.constrained_only(forces);
         let duals = dual_basis(self.residual);

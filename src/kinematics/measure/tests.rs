@@ -19,7 +19,7 @@ fn section() -> Section<f64> {
     }
 }
 
-/// The rotation vector of a first attempt is the principal one, and continues the history where the reference is within half a turn
+/// The rotation vector of a first attempt is the principal one. It continues the history where the reference is within half a turn
 /// of zero and not on the other side; half a turn from a reference at zero does. Where it has not been asked for, nothing is lost.
 #[test]
 fn a_first_attempt_knows_whether_it_holds() {

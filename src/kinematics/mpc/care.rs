@@ -64,8 +64,8 @@ impl Constraint<f64> {
         Margins { angles: [0, 1].map(|i| hinge.filter(|_| i < self.hinges())), rows }
     }
 
-    /// What needs care at a state: no angles about the axes, a violation near half a turn, coincident nodes of a LINK, an
-    /// increment too large to count its turns, a residual beyond rounding of the coordinates.
+    /// What needs care at a state: no angles about the axes, a violation near half a turn, coincident nodes of a LINK. So
+    /// do an increment too large to count its turns, and a residual beyond rounding of the coordinates.
     pub fn flags(
         &self,
         state: &State<f64>,

@@ -62,7 +62,7 @@ inlined_for_doubles! {
 }
 
 inlined_for_doubles! {
-    /// x / y for y ≠ 0, of quotients alone: no power of 1 / y underflows or overflows that the result does not have; at y = 0 the value and
+    /// x / y for y ≠ 0, of quotients alone: no power of 1 / y underflows or overflows that the result does not have. At y = 0 the value and
     /// the derivatives, which do not exist, are 0.
     pub(crate) fn ratio<S: Scalar>(x: S, y: S) -> S {
         let inverse = y.real().reciprocal_or_zero();

@@ -46,7 +46,7 @@ macro_rules! unrolled {
 pub(crate) use unrolled;
 
 /// A function that is inlined where its numbers are doubles or lanes of them, and called where they are anything else
-/// ([`Scalar::IS_INLINED`]): there a call costs nothing beside the arithmetic, and each copy takes the compiler seconds.
+/// ([`Scalar::IS_INLINED`]). There a call costs nothing beside the arithmetic, and each copy takes the compiler seconds.
 macro_rules! inlined_for_doubles {
     ($($(#[$meta:meta])* $visibility:vis fn $name:ident<S: Scalar $(, const $n:ident: usize)?>(
         $($argument:ident: $type:ty),* $(,)?
@@ -385,7 +385,8 @@ pub trait Real: Scalar<Real = Self> + Div<Output = Self> {
     /// exp maps the rotation vector φ to the unit quaternion (w, k φ).
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>);
 
-    /// The Taylor coefficients, to the order asked for, of K(c) = 2 acos(c) / √(1 − c²) at c in [0, 1]: log maps the unit
-    /// quaternion (w, v), w ≥ 0, to the rotation vector K(w) v. K(1) = 2; the function is analytic there and through c = 0.
+    /// The Taylor coefficients, to the order asked for, of K(c) = 2 acos(c) / √(1 − c²) at c in [0, 1]. The logarithm maps
+    /// the unit quaternion (w, v), w ≥ 0, to the rotation vector K(w) v. K(1) = 2; the function is analytic there and
+    /// through c = 0.
     fn log_series(c: Self, order: usize) -> Series<Self>;
 }

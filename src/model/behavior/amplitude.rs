@@ -1,9 +1,9 @@
 //! `*AMPLITUDE`: how what is prescribed changes in time, with exact derivatives.
 //!
 //! Tabular and equally spaced values are linear between the points, and constant before the first and after the last.
-//! SMOOTH STEP goes between points by A + ΔA ξ³(10 − 15ξ + 6ξ²). PERIODIC is A0 + Σ A_n cos nω(t − t0) + B_n sin nω(t − t0),
-//! MODULATED A0 + A sin ω1(t − t0) sin ω2(t − t0), DECAY A0 + A exp(−(t − t0)/t_d), each A0 before t0. Other definitions are no
-//! functions of time that a deck gives.
+//! SMOOTH STEP goes between points by A + ΔA ξ³(10 − 15ξ + 6ξ²). PERIODIC is A0 + Σ A_n cos nω(t − t0) + B_n sin nω(t − t0).
+//! MODULATED is A0 + A sin ω1(t − t0) sin ω2(t − t0), and DECAY A0 + A exp(−(t − t0)/t_d). Each is A0 before t0. Other
+//! definitions are no functions of time that a deck gives.
 //!
 //! *Smoothing.* Time derivatives of a prescribed displacement or velocity count in direct-integration dynamics. There a parabola
 //! that meets both lines tangentially replaces a fraction of the shorter interval on each side of a point of a tabular or equally

@@ -1,8 +1,8 @@
 //! What a connector does besides its kinematics: forces from motions.
 //!
-//! CTF = CEF + CVF + CSF + CRF − CCF: elastic, viscous, friction force, reaction, minus the applied load, each internal (positive
-//! resists growth of its component) but the load, which drives its component. Everything is generic over the scalar: on numbers
-//! with derivatives the same functions give exact tangents.
+//! CTF = CEF + CVF + CSF + CRF − CCF: elastic, viscous, friction force, reaction, minus the applied load. Each is internal
+//! (positive resists growth of its component) but the load, which drives its component. Everything is generic over the scalar: on
+//! numbers with derivatives the same functions give exact tangents.
 //!
 //! | module | question |
 //! |---|---|

@@ -247,8 +247,8 @@ impl Table {
         kinks
     }
 
-    /// ∫₀ˣ of the dependent value `output` along the first variable, the others being at `rest`: the sum of trapezoids up to the
-    /// last row before x, exact, and from there a polynomial of x. Its derivative at x is [`Table::evaluate`].
+    /// ∫₀ˣ of the dependent value `output` along the first variable, the others being at `rest`. It is the sum of trapezoids up
+    /// to the last row before x, exact, and from there a polynomial of x. Its derivative at x is [`Table::evaluate`].
     pub fn integral<S: Scalar>(&self, output: usize, x: S, rest: impl Fn(Variable) -> S) -> S {
         let Some((first, true)) = self.variables.first().copied() else {
             return x * self.evaluate(output, rest);

@@ -12,8 +12,8 @@ use std::io::{self, Write};
 
 /// Writes the audit as JUnit XML. Mismatches are failures, surviving mutants errors, what is undecided is skipped, and a failure
 /// where the audit was asked to be strict. A suite for each model has a case for the rank of its assembly, and one for each of its
-/// findings. A finding that is an error fails, others pass and are told on standard output. `classname` is what a test is of: the
-/// connector, the constraint or the type, the model, the code of a finding. No test has a `time`. Each gathers numbers of many
+/// findings. A finding that is an error fails, others pass and are told on standard output. The `classname` is what a test is of:
+/// the connector, the constraint or the type, the model, the code of a finding. No test has a `time`. Each gathers numbers of many
 /// states, judged in parallel with those of others, and two reports of the same numbers are the same to the byte.
 ///
 /// # Errors

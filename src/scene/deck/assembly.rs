@@ -1,7 +1,7 @@
 //! Parts, their instances, and the assembly of these.
 //!
-//! A part is read like a deck of its own. An instance is a copy of it, moved and turned, whose nodes and elements are called
-//! `INSTANCE.NUMBER` and whose sets and orientations `INSTANCE.NAME`; what its own lines add counts in the axes of the part, too.
+//! A part is read like a deck of its own. An instance is a copy of it, moved and turned. Its nodes and elements are called
+//! `INSTANCE.NUMBER`, its sets and orientations `INSTANCE.NAME`. What its own lines add counts in the axes of the part, too.
 
 use crate::deck::connector::RawMpc;
 use crate::deck::constraint::Raw;

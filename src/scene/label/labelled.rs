@@ -19,9 +19,9 @@ const BLOCK: u64 = 64;
 
 /// Puts labels into tables such that neighbours, in number, are neighbours in memory.
 ///
-/// Decks number in rows, and go through elements and nodes in that order: with a million of them, a table in which each label stood by
-/// itself would have every second look-up wait for memory. Which block goes where is random, and not the same in two runs, so that no deck is slow
-/// on purpose; nothing that is shown follows the order of such a table.
+/// Decks number in rows, and go through elements and nodes in that order. With a million of them, a table in which each label stood by itself
+/// would have every second look-up wait for memory. Which block goes where is random, and not the same in two runs, so that no deck is slow on
+/// purpose; nothing that is shown follows the order of such a table.
 #[derive(Clone, Copy, Debug)]
 pub struct LabelState {
     seed: u64,

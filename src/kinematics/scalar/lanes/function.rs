@@ -62,8 +62,8 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
 
 /// The angle of (x, y), 2.4 u; signs of zeros as IEEE 754 asks.
 ///
-/// With t = smaller/larger of |x|, |y| in [0, 1]: atan t, or π/4 + atan((t − 1)/(t + 1)) beyond π/8, each by one division; then
-/// the octant as a multiple of π/4.
+/// With t = smaller/larger of |x|, |y| in [0, 1]: atan t, or π/4 + atan((t − 1)/(t + 1)) beyond π/8, each by one division. Then
+/// comes the octant as a multiple of π/4.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) -> Lanes<FUSED> {
     let (one, two, four) = (Lanes::splat(1.0), Lanes::splat(2.0), Lanes::splat(4.0));

@@ -281,8 +281,8 @@ fn derivatives_of_products<const FUSED: bool>() {
     }
 }
 
-/// The angles of (x, −y) and (|(x, z)|, y) on first derivatives, for which lanes have formulas of their own: those of doubles, at right angles and beside
-/// the lock too, and zero at it.
+/// The angles of (x, −y) and (|(x, z)|, y) on first derivatives, for which lanes have formulas of their own. They are those of doubles, at right
+/// angles and beside the lock too, and zero at it.
 fn angles_of_cosines<const FUSED: bool>() {
     let points = [
         [[1.0, 0.0, -1e-3, 0.6], [0.5, -2.0, 1.0, -0.8], [0.0, 0.3, -0.0, 0.1]],
@@ -356,8 +356,8 @@ fn derivatives_of_angles_and_norms<const FUSED: bool>() {
     check(norm(lanes), norm);
 }
 
-/// Logs, torsions and component flexions of rotations on lanes, with first and second derivatives, are those of doubles: at no
-/// rotation and near it, at exact quarter and half turns about every axis, near half turns, anywhere.
+/// Logs, torsions and component flexions of rotations on lanes, with first and second derivatives, are those of doubles. They
+/// are compared at no rotation and near it, at exact quarter and half turns about every axis, near half turns, anywhere.
 fn rotations_are_those_of_doubles<const FUSED: bool>() {
     let axes: [[f64; 3]; 6] = [
         [1.0, 0.0, 0.0],

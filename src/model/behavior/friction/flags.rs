@@ -57,7 +57,7 @@ pub enum Flag {
     Threshold,
     /// The coefficient depends on the slip rate, and the increment has no duration: the rate is taken as zero.
     NoDuration,
-    /// The traction was returned along its own direction, and not against the gradient of the potential, which has no solution
+    /// The traction was returned along its own direction, and not against the gradient of the potential. That has no solution
     /// that Newton's method finds: at an edge of the potential, or where this is not convex.
     ReturnedAlongTraction,
     /// The limit falls faster with slip than the stick stiffness can carry, or than P of a potential that is not convex does: the

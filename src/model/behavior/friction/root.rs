@@ -183,8 +183,8 @@ mod tests {
         assert_eq!(counted(8.0, |x| (8.0 - x, -1.0)).0, 8.0);
     }
 
-    /// (6 − 1)/K − x = (3 − 3 exp(−x/2))/K: the slope of the limit counts among the steps and in the derivatives, 1/(K + L′) by the trial
-    /// force and −x/(K + L′) by the stiffness.
+    /// (6 − 1)/K − x = (3 − 3 exp(−x/2))/K: the slope of the limit counts among the steps and in the derivatives. These are 1/(K + L′) by
+    /// the trial force and −x/(K + L′) by the stiffness.
     #[test]
     fn slips_have_their_derivatives() {
         type Number = <f64 as Duals>::Gradient<2>;
