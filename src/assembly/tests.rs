@@ -320,8 +320,9 @@ fn what_is_too_large_is_undecided_and_nothing_else_is() {
     let mut system = read.system();
     system.components[0].most.work = 100;
     let component = analysed(&system);
-    let counted =
-        |of: &Assembly| (of.degrees_of_freedom, of.held, of.constraints, of.drives, of.gruebler, of.connected_components);
+    let counted = |of: &Assembly| {
+        (of.degrees_of_freedom, of.held, of.constraints, of.drives, of.gruebler, of.connected_components)
+    };
     assert_eq!(counted(&component), (21, 6, 15, 0, 0, 2));
     assert_eq!(counted(&component), counted(&whole));
     assert_eq!((component.redundant.len(), component.redundant == whole.redundant), (6, true));
