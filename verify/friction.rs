@@ -65,7 +65,10 @@ fn criterion(tangential: Tangential, pressing: Pressing, internal: Internal) -> 
 fn scales() -> Table {
     let row = |x: f64, y: f64| {
         let factor = 1.0 + 0.3 * x - 0.2 * y;
-        pintle_scene::Row { values: [factor, 2.0 * factor, x, y].map(Some).to_vec(), ..Default::default() }
+        pintle_scene::TableRow {
+            values: [factor, 2.0 * factor, x, y].map(Some).to_vec(),
+            ..Default::default()
+        }
     };
     let grid = [-1.0, 0.2, 1.1].iter().flat_map(|y| [-1.0, 0.4, 1.2].map(|x| row(x, *y)));
     Table::new(&grid.collect::<Vec<_>>(), 2, &["u1", "u2"], Extrapolation::Linear).unwrap()
@@ -218,7 +221,7 @@ pub(crate) fn users() -> Vec<(&'static str, Criterion)> {
 
 /// Coefficients of every kind, by name.
 pub(crate) fn coefficients() -> Vec<(&'static str, Coefficient)> {
-    let row = |mu: f64, rate: f64, force: f64| pintle_scene::Row {
+    let row = |mu: f64, rate: f64, force: f64| pintle_scene::TableRow {
         values: [mu, rate, force].map(Some).to_vec(),
         ..Default::default()
     };

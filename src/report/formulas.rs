@@ -1,9 +1,11 @@
 //! The formulas of a connection type, traced: what is computed, in the sources' symbols.
 
 use crate::layout::{BOLD, labelled, styled};
-use pintle_kinematics::catalog::ConnectionType;
+use pintle_kinematics::catalog::{COMPONENT, ConnectionType};
 use pintle_symbolic::print::{Language, Latex, Unicode, named_listing};
-use pintle_symbolic::{Condition, Frame, FrictionModel, FrictionTraceError, Graph, Id, Inputs, Model, POINT};
+use pintle_symbolic::{
+    Condition, Frame, FrictionModel, FrictionTraceError, Function, Graph, Id, Inputs, Model, POINT,
+};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -43,19 +45,23 @@ impl Notation {
         if !self.is_latex {
             return name.to_string();
         }
-        let (name, constraint) = match name.strip_suffix("_constraint") {
-            Some(name) => (name, "^{\\mathrm{constraint}}"),
-            None => (name, ""),
-        };
-        let symbol = match name.strip_prefix("ur") {
+        match name.strip_prefix("ur") {
             Some(i) => format!("u_{{r{i}}}"),
             None => Latex::symbol(name),
-        };
-        symbol + constraint
+        }
     }
 
+    fn function(self, function: &Function) -> String {
+        if !self.is_latex {
+            return function.name();
+        }
+        let constraint = if function.is_constraint { "^{\\mathrm{constraint}}" } else { "" };
+        self.symbol(COMPONENT[function.component]) + constraint
+    }
+
+    /// The derivative of what is so written.
     fn derivative(self, of: &str, by: &str) -> String {
-        let (of, by) = (self.symbol(of), self.symbol(by));
+        let by = self.symbol(by);
         if self.is_latex {
             format!("\\frac{{\\partial {of}}}{{\\partial {by}}}")
         } else {
@@ -67,13 +73,15 @@ impl Notation {
         let first = of.first().map_or("", String::as_str);
         let second = of.get(1).map_or("", String::as_str);
         let [not, least] = if self.is_latex { ["\\ne", "\\ge"] } else { ["≠", "≥"] };
-        match condition {
-            Condition::Branch(..) => format!("{first} < {second} decides"),
-            Condition::NotZero(_) => format!("{first} {not} 0"),
-            Condition::NotBothZero(..) => format!("({second}, {first}) {not} 0"),
-            Condition::NotNegative(_) => format!("{first} {least} 0"),
-            Condition::AboveMinusOne(_) => format!("{first} > -1"),
-        }
+        let math = if self.is_latex { "$" } else { "" };
+        let (formula, words) = match condition {
+            Condition::Branch(..) => (format!("{first} < {second}"), " decides"),
+            Condition::NotZero(_) => (format!("{first} {not} 0"), ""),
+            Condition::NotBothZero(..) => (format!("({second}, {first}) {not} 0"), ""),
+            Condition::NotNegative(_) => (format!("{first} {least} 0"), ""),
+            Condition::AboveMinusOne(_) => (format!("{first} > -1"), ""),
+        };
+        format!("{math}{formula}{math}{words}")
     }
 
     fn group(self, title: &str, graph: &Graph, inputs: &Inputs, roots: &[(String, Id)]) -> Group {
@@ -112,7 +120,7 @@ impl Notation {
         let Model { graph, inputs, functions, values, jacobian, .. } = &model;
         let named = functions.iter().zip(values).enumerate().filter(|(k, _)| model.has_value(*k));
         let values: Vec<(String, Id)> =
-            named.map(|(_, (function, id))| (self.symbol(&function.name()), *id)).collect();
+            named.map(|(_, (function, id))| (self.function(function), *id)).collect();
         let mut found = Vec::new();
         if !values.is_empty() {
             found.push(self.group("Positions and constraints", graph, inputs, &values));
@@ -120,7 +128,7 @@ impl Notation {
         let mut rows: Vec<(String, Id)> = Vec::new();
         for (function, row) in functions.iter().zip(jacobian) {
             let columns = Frame::Relative.directions().iter().zip(row);
-            rows.extend(columns.map(|(by, id)| (self.derivative(&function.name(), by), *id)));
+            rows.extend(columns.map(|(by, id)| (self.derivative(&self.function(function), by), *id)));
         }
         if rows.iter().any(|(_, id)| !graph.is(*id, 0)) {
             found.push(self.group("Rows of derivatives", graph, inputs, &rows));
@@ -132,11 +140,11 @@ impl Notation {
         for (i, friction) in frictions.iter().enumerate() {
             let FrictionModel { graph, inputs, point, names, gradient, .. } = friction;
             let point = POINT.iter().zip(point).map(|(name, id)| (self.symbol(name), *id));
-            let gradient = names.iter().zip(gradient).map(|(by, id)| (self.derivative("Φ", by), *id));
-            let title = match frictions.len() {
-                1 => "Friction Φ = P − μ F_N and its gradient".to_string(),
-                _ => format!("Friction Φ = P − μ F_N and its gradient, criterion {}", i + 1),
-            };
+            let phi = self.symbol("Φ");
+            let gradient = names.iter().zip(gradient).map(|(by, id)| (self.derivative(&phi, by), *id));
+            let criterion = if self.is_latex { "$\\Phi = P - \\mu F_N$" } else { "Φ = P − μ F_N" };
+            let number = if frictions.len() > 1 { format!(", criterion {}", i + 1) } else { String::new() };
+            let title = format!("Friction {criterion} and its gradient{number}");
             found.push(self.group(&title, graph, inputs, &point.chain(gradient).collect::<Vec<_>>()));
         }
         Ok(found)
@@ -190,16 +198,12 @@ pub fn latex(connection: &ConnectionType, out: &mut dyn Write) -> io::Result<()>
         "% Derivatives: \\delta_i, \\rho_i are translation and spatial rotation of b against a along e_i^a."
     )?;
     for Group { title, equations, conditions } in groups {
-        let title =
-            title.replace("Φ = P − μ F_N", "$\\Phi = P - \\mu F_N$").replace("_constraint", " (constraint)");
         writeln!(out, "\n\\paragraph{{{title}}}\n\\begin{{align*}}")?;
         let lines: Vec<String> =
             equations.iter().map(|Equation { left, right }| format!("{left} &= {right}")).collect();
         writeln!(out, "{}\n\\end{{align*}}", lines.join("\\\\\n"))?;
         if !conditions.is_empty() {
-            let list: Vec<String> =
-                conditions.iter().map(|text| format!("${text}$").replace(" decides$", "$ decides")).collect();
-            writeln!(out, "where {}.", list.join("; "))?;
+            writeln!(out, "where {}.", conditions.join("; "))?;
         }
     }
     Ok(())

@@ -376,7 +376,7 @@ pub struct TableOptions {
 
 /// One row of a table: the columns that its owner names, then temperature and field variables.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Row {
+pub struct TableRow {
     /// The columns; none where the deck leaves an item empty.
     pub values: Vec<Option<f64>>,
     /// The temperature, if the row depends on it.
@@ -406,7 +406,7 @@ pub enum Law {
         /// The component.
         component: u8,
         /// The table.
-        rows: Vec<Row>,
+        rows: Vec<TableRow>,
     },
     /// All components. Columns: the matrix, then the frequency if there is one. A symmetric matrix has 21
     /// terms, D11, D12, D22, D13, D23, D33 … (columns of the upper triangle); an unsymmetric one 36.
@@ -416,7 +416,7 @@ pub enum Law {
         /// `FREQUENCY DEPENDENCE`: a column more.
         frequency: bool,
         /// The table.
-        rows: Vec<Row>,
+        rows: Vec<TableRow>,
     },
     /// One component. Columns of an elasticity: force, then displacement, or one column per independent component; of a
     /// damping: force, velocity, then one column per independent component.
@@ -426,7 +426,7 @@ pub enum Law {
         /// The components on which the force depends, if not on its own.
         independent: Option<Independent>,
         /// The table.
-        rows: Vec<Row>,
+        rows: Vec<TableRow>,
     },
     /// No motion at all.
     Rigid {
@@ -534,7 +534,7 @@ pub struct FrictionCoefficient {
 #[serde(rename_all = "snake_case")]
 pub enum FrictionLaw {
     /// Columns: μ, slip rate, contact force.
-    Table(Vec<Row>),
+    Table(Vec<TableRow>),
     /// μ = μ_k + (μ_s − μ_k) exp(−d_c·slip rate).
     Exponential {
         /// μ_s.
@@ -560,7 +560,7 @@ pub struct DerivedTerm {
     /// The components on which the scale factors depend.
     pub independent: Option<Independent>,
     /// Columns: one scale factor per component, then one value per independent component. No row: factors 1.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TableRow>,
     /// Between and beyond the rows.
     pub table: TableOptions,
     /// The keyword.
@@ -625,7 +625,7 @@ pub struct Hardening {
     /// `RATE INTERPOLATION=`.
     pub rate_interpolation: Option<RateInterpolation>,
     /// The table, with the columns of [`HardeningDefinition::columns`].
-    pub rows: Vec<Row>,
+    pub rows: Vec<TableRow>,
     /// Between and beyond the rows.
     pub table: TableOptions,
 }

@@ -73,7 +73,7 @@ pub use behavior::{
     DampingKind, Degradation, DerivedTerm, Elasticity, Extrapolation, Failure, Friction, FrictionCoefficient,
     FrictionKind, FrictionLaw, Hardening, HardeningDefinition, HardeningKind, Independent, Integration, Law,
     Limits, Lock, Operator, Plasticity, Potential, PotentialFunction, PotentialOperator, PotentialTerm,
-    RateInterpolation, Row, Softening, Source, Stop, TableOptions,
+    RateInterpolation, Softening, Source, Stop, TableOptions, TableRow,
 };
 pub use choice::Choice;
 pub use deck::MAX_MEMBERS;

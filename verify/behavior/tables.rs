@@ -6,7 +6,7 @@ use pintle_model::behavior::ground::Ground;
 use pintle_model::behavior::table::{Table, Variable};
 use pintle_model::behavior::{Conditions, Motion, Unknown};
 use pintle_model::evaluate::Model;
-use pintle_scene::{Extrapolation, Row};
+use pintle_scene::{Extrapolation, TableRow};
 
 /// Every row is met bit for bit, at the ends too, where the segment goes on or the value stays.
 #[test]
@@ -31,10 +31,10 @@ fn rows_are_met_bit_for_bit() {
 
 /// One dependent value and two columns, and a temperature where it is given.
 fn table(data: &[([f64; 3], Option<f64>)], extrapolation: Extrapolation) -> Table {
-    let row = |(values, temperature): &([f64; 3], Option<f64>)| Row {
+    let row = |(values, temperature): &([f64; 3], Option<f64>)| TableRow {
         values: values.map(Some).to_vec(),
         temperature: *temperature,
-        ..Row::default()
+        ..TableRow::default()
     };
     Table::new(&data.iter().map(row).collect::<Vec<_>>(), 1, &["x", "y"], extrapolation).unwrap()
 }
@@ -142,8 +142,8 @@ fn what_is_refused_is_helped() {
     let curve = |points: &[(f64, f64)]| Table::curve(points, Extrapolation::Linear);
     assert!(curve(&[(0.0, 1e308), (1.0, 1.5e308)]).is_ok());
     assert!(curve(&[(0.0, 1e300), (1e-9, 1e300)]).is_ok());
-    let row = |x: f64, y: f64| Row { values: vec![Some(1.0), Some(x), Some(y)], ..Row::default() };
-    let refused = |rows: &[Row]| Table::new(rows, 1, &["x", "y"], Extrapolation::Constant).unwrap_err();
+    let row = |x: f64, y: f64| TableRow { values: vec![Some(1.0), Some(x), Some(y)], ..TableRow::default() };
+    let refused = |rows: &[TableRow]| Table::new(rows, 1, &["x", "y"], Extrapolation::Constant).unwrap_err();
     assert_eq!(refused(&[row(1.0, 0.0), row(0.0, 0.0)]).remedy(), "order the rows so that x increases");
     let blocks = refused(&[row(0.0, 1.0), row(1.0, 1.0), row(0.0, 0.0)]);
     assert!(blocks.remedy().starts_with("give all rows of one value of y together"), "{}", blocks.remedy());

@@ -6,7 +6,7 @@ use pintle_model::behavior::friction::{
     StickStiffness, Tangential,
 };
 use pintle_model::behavior::table::Table;
-use pintle_scene::{Basis, Extrapolation, Row};
+use pintle_scene::{Basis, Extrapolation, TableRow};
 
 /// A decay through test data meets them; data through which there is none are refused.
 #[test]
@@ -51,8 +51,8 @@ fn decays_meet_test_data() {
 }
 
 fn rows(data: &[[f64; 3]]) -> Coefficient {
-    let row = |values: &[f64; 3]| Row { values: values.map(Some).to_vec(), ..Row::default() };
-    let rows: Vec<Row> = data.iter().map(row).collect();
+    let row = |values: &[f64; 3]| TableRow { values: values.map(Some).to_vec(), ..TableRow::default() };
+    let rows: Vec<TableRow> = data.iter().map(row).collect();
     Coefficient::Table(Table::new(&rows, 1, &["rate", "force"], Extrapolation::Constant).unwrap())
 }
 

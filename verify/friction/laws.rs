@@ -303,8 +303,10 @@ fn the_slip_rate_is_that_of_the_increment() {
 /// A table with a sudden fall has several slips that satisfy the equation: the first is taken. At its far side nothing jumps.
 #[test]
 fn the_first_slip_is_taken() {
-    let row =
-        |mu: f64, rate: f64| pintle_scene::Row { values: vec![Some(mu), Some(rate)], ..Default::default() };
+    let row = |mu: f64, rate: f64| pintle_scene::TableRow {
+        values: vec![Some(mu), Some(rate)],
+        ..Default::default()
+    };
     let table = Table::new(
         &[row(1.0, 0.0), row(1.0, 1.0), row(0.1, 1.1), row(0.1, 9.0)],
         1,
@@ -323,7 +325,7 @@ fn the_first_slip_is_taken() {
 /// The same over a ring: T (e^(μα) − 1) at its rows is 1, 0.91, 0.91, 0.41, 0.41, so that 1.04 − Δγ meets it at 0.13 and at 0.63.
 #[test]
 fn the_first_slip_over_a_ring_is_taken() {
-    let row = |limit: f64, slip: f64| pintle_scene::Row {
+    let row = |limit: f64, slip: f64| pintle_scene::TableRow {
         values: vec![Some(limit.ln_1p()), Some(slip / 0.5)],
         ..Default::default()
     };

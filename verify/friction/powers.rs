@@ -3,8 +3,8 @@
 use super::{component, criterion, friction, widened};
 use pintle_kinematics::scalar::Wide;
 use pintle_model::behavior::friction::{
-    Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, Flag, Form, Friction, Input,
-    Internal, Outcome, Potential, Pressing, State, Status, StickStiffness, Tangential,
+    Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, Flag, Form, Friction,
+    FrictionOutcome, Input, Internal, Potential, Pressing, State, Status, StickStiffness, Tangential,
 };
 use pintle_scene::{Operator, PotentialFunction, PotentialOperator};
 
@@ -36,7 +36,7 @@ fn input(u1: f64, u2: f64) -> Input<'static, f64> {
 }
 
 /// What is left of f + K Δγ ∂P/∂f = f_tr beside the largest of its terms, of each component, with the gradient typed by hand.
-fn left(outcome: &Outcome<f64>, alpha: f64, beta: f64, moved: [f64; 2]) -> [f64; 2] {
+fn left(outcome: &FrictionOutcome<f64>, alpha: f64, beta: f64, moved: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|k| {
         let (f, p) = (outcome.force[k], 1.0_f64);
         let slope = alpha / beta * p.powf(1.0 - beta) * f.abs().powf(alpha - 1.0) * f.signum();

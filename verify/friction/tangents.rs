@@ -7,8 +7,8 @@ use pintle_kinematics::scalar::Wide;
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::friction::{
     Belt, BeltInput, Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, FLOW, Flag,
-    Form, Friction, Input, Internal, Outcome, Potential, Pressing, State, Status, StickStiffness, Tangential,
-    wrap_angle,
+    Form, Friction, FrictionOutcome, Input, Internal, Potential, Pressing, State, Status, StickStiffness,
+    Tangential, wrap_angle,
 };
 use pintle_scene::{Basis, Operator, PotentialFunction, PotentialOperator};
 use std::collections::BTreeMap;
@@ -42,7 +42,7 @@ fn agree(
     state: &State<f64>,
     numbers: &Numbers,
     worst: &mut (f64, String),
-) -> Outcome<f64> {
+) -> FrictionOutcome<f64> {
     let (outcome, tangent) = friction.tangent(state, &numbers.input(), Branch::Decided);
     let wide = widened(state);
     assert!(outcome.force.iter().all(|x| x.is_finite()), "{name}: {outcome:?}");

@@ -20,7 +20,8 @@ use crate::settings::Settings;
 use pintle_kinematics::scalar::elementary::exp;
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_model::behavior::friction::{
-    BeltInput, BeltTangent, Branch, Derivatives, FLOW, Frictional, Outcome, State, Status, StickStiffness,
+    BeltInput, BeltTangent, Branch, Derivatives, FLOW, FrictionOutcome, Frictional, State, Status,
+    StickStiffness,
 };
 
 /// What an increment of a belt depends on.
@@ -32,7 +33,7 @@ pub(super) const POINT: [&str; 3] = ["T1", "T2", "α"];
 /// What an increment gives.
 pub(super) const RESULTS: [&str; 5] = ["CSF2", "Δγ", "CNF", "limit", "CASU"];
 
-fn results<R: Copy>(outcome: &Outcome<R>) -> Vec<R> {
+fn results<R: Copy>(outcome: &FrictionOutcome<R>) -> Vec<R> {
     vec![outcome.force[FLOW], outcome.slip_increment, outcome.normal, outcome.limit, outcome.accumulated_slip]
 }
 
@@ -194,7 +195,7 @@ impl BeltCase {
         &self,
         settings: &Settings,
         wide: bool,
-        outcome: &Outcome<f64>,
+        outcome: &FrictionOutcome<f64>,
         tangent: &BeltTangent<f64>,
     ) -> Vec<Judged> {
         const LEAST: f64 = 1e-9;
@@ -210,7 +211,7 @@ impl BeltCase {
         settings.planted.into_iter().for_each(|planted| planted.spoil_friction(&mut got));
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let wrong = flat(&belt.tangent(&self.before, &self.input(0, 0.0), other).1);
-        let force = |outcome: &Outcome<f64>| vec![outcome.force[FLOW]];
+        let force = |outcome: &FrictionOutcome<f64>| vec![outcome.force[FLOW]];
         let still = belt.update(&self.before, &self.input(0, -self.flow), Branch::Decided);
         let secant = (outcome.force[FLOW] - still.force[FLOW]) / self.flow;
         let mut secants = flat(tangent);
@@ -275,7 +276,7 @@ impl BeltCase {
     fn closed(
         &self,
         before: &State<Wide>,
-        outcome: &Outcome<f64>,
+        outcome: &FrictionOutcome<f64>,
         on: Branch,
     ) -> Result<Vec<Wide>, Unsolved> {
         if let Some(why) = Unsolved::of(&outcome.flags) {

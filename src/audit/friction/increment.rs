@@ -19,7 +19,7 @@ use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::sqrt;
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_model::behavior::friction::{
-    Branch, Context, Flag, Friction, Input, Outcome, Partial, State, Status, StickStiffness, Tangent,
+    Branch, Context, Flag, Friction, FrictionOutcome, Input, Partial, State, Status, StickStiffness, Tangent,
     Tangential,
 };
 
@@ -38,12 +38,12 @@ pub(super) fn exact_state<R: Real>(state: &State<f64>) -> State<R> {
 }
 
 /// The branch on which an increment is differentiated on 237 bits: the one that its criterion tells, unless rounding decides.
-pub(super) fn branch_of(outcome: &Outcome<f64>) -> Branch {
+pub(super) fn branch_of(outcome: &FrictionOutcome<f64>) -> Branch {
     if outcome.flags.contains(&Flag::Threshold) { forced(outcome) } else { Branch::Decided }
 }
 
 /// The branch that was taken, for steps that may lead over the threshold.
-pub(super) const fn forced(outcome: &Outcome<f64>) -> Branch {
+pub(super) const fn forced(outcome: &FrictionOutcome<f64>) -> Branch {
     match outcome.status {
         Status::Stick => Branch::Stick,
         Status::Slip => Branch::Slip,
@@ -51,7 +51,7 @@ pub(super) const fn forced(outcome: &Outcome<f64>) -> Branch {
     }
 }
 
-pub(super) fn results<R: Copy>(outcome: &Outcome<R>) -> [R; RESULTS] {
+pub(super) fn results<R: Copy>(outcome: &FrictionOutcome<R>) -> [R; RESULTS] {
     let [f1, f2, f3, m1, m2, m3] = outcome.force;
     [f1, f2, f3, m1, m2, m3, outcome.slip_increment, outcome.normal, outcome.limit]
 }
@@ -108,7 +108,7 @@ impl FrictionCase {
     }
 
     /// Sizes of the inputs of an increment: Δu in slips that reach the limit, forces, Δt.
-    fn input_sizes(&self, outcome: &Outcome<f64>) -> [f64; INPUTS] {
+    fn input_sizes(&self, outcome: &FrictionOutcome<f64>) -> [f64; INPUTS] {
         /// An increment that has no size of its own: a part of the connector's length, or of a radian.
         const LEAST: f64 = 1e-9;
         let presses = self.friction.criterion.pressing_components();
@@ -126,7 +126,7 @@ impl FrictionCase {
     }
 
     /// How the limit changes with slip, about: for the scale of rounding.
-    fn limit_slope(&self, outcome: &Outcome<f64>) -> f64 {
+    fn limit_slope(&self, outcome: &FrictionOutcome<f64>) -> f64 {
         const STEP: f64 = 1e-6;
         let slip = outcome.slip_increment;
         let limit = |slip: f64| self.friction.limit_after(&self.before, &self.input(0, 0.0), slip)[1];
@@ -134,7 +134,7 @@ impl FrictionCase {
     }
 
     /// The magnitudes of what results are formed from: themselves, and of forces and slip the shift of a potential.
-    fn magnitudes(&self, outcome: &Outcome<f64>) -> Vec<f64> {
+    fn magnitudes(&self, outcome: &FrictionOutcome<f64>) -> Vec<f64> {
         let shift = self.shift();
         let mut found = results(outcome).map(f64::abs);
         for (k, radius) in self.friction.radii() {
@@ -151,7 +151,7 @@ impl FrictionCase {
     /// The tractions at the end are formed beside the shift of a potential, and rounded as it is: as if each displacement were rounded by
     /// what makes a traction as large as that. Of a slip that returns from P to a limit L, displacements move the tractions by L/P of
     /// what stick would make of them.
-    fn beside(&self, outcome: &Outcome<f64>) -> Vec<f64> {
+    fn beside(&self, outcome: &FrictionOutcome<f64>) -> Vec<f64> {
         let mut found = vec![0.0; INPUTS];
         let (shift, Some(stiffness)) = (self.shift(), outcome.stick_stiffness) else { return found };
         let radii = self.friction.radii();
@@ -231,7 +231,7 @@ impl FrictionCase {
     }
 
     /// The same numbers with mistakes in them.
-    fn mistaken(&self, outcome: &Outcome<f64>) -> Vec<(Mistake, Vec<Vec<f64>>)> {
+    fn mistaken(&self, outcome: &FrictionOutcome<f64>) -> Vec<(Mistake, Vec<Vec<f64>>)> {
         let (friction, input) = (&self.friction, &self.input(0, 0.0));
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let mut found = vec![
@@ -246,7 +246,7 @@ impl FrictionCase {
     }
 
     /// The slopes where each displacement is taken back as a whole, and what that changes divided by it; those by what presses as they are.
-    fn secants(&self, outcome: &Outcome<f64>) -> Vec<Vec<f64>> {
+    fn secants(&self, outcome: &FrictionOutcome<f64>) -> Vec<Vec<f64>> {
         let after = results(outcome);
         let mut found = partials_of(&self.friction, &self.before, &self.input(0, 0.0), Branch::Decided);
         for (j, by) in self.displacement.iter().enumerate() {
@@ -265,7 +265,7 @@ impl FrictionCase {
     fn force_tables(
         &self,
         settings: &Settings,
-        outcome: &Outcome<f64>,
+        outcome: &FrictionOutcome<f64>,
         on: Branch,
         scales: &[f64],
     ) -> Vec<Judged> {
@@ -273,7 +273,7 @@ impl FrictionCase {
         let input = self.input(0, Wide::zero());
         let on_wide = self.friction.update(&before, &input, on);
         let sliding = self.friction.criterion.tangential.components();
-        let listed = |outcome: &Outcome<f64>| {
+        let listed = |outcome: &FrictionOutcome<f64>| {
             let mut all: Vec<f64> = sliding.iter().map(|k| outcome.force[*k]).collect();
             all.extend([outcome.slip_increment, outcome.normal, outcome.limit, outcome.accumulated_slip]);
             all
@@ -303,7 +303,7 @@ impl FrictionCase {
                 continue;
             }
             let want = if oracle == Oracle::WideDual {
-                let Outcome { slip_increment, normal, limit, .. } = on_wide;
+                let FrictionOutcome { slip_increment, normal, limit, .. } = on_wide;
                 of_wide(on_wide.force, [slip_increment, normal, limit])
             } else {
                 match solved() {
@@ -343,7 +343,7 @@ struct Equations<'a> {
     case: &'a FrictionCase,
     before: &'a State<Wide>,
     input: &'a Input<'a, Wide>,
-    outcome: &'a Outcome<f64>,
+    outcome: &'a FrictionOutcome<f64>,
     /// K_k of the sliding components.
     stiffness: Vec<(usize, Wide)>,
     /// K_s.
@@ -357,7 +357,7 @@ impl<'a> Equations<'a> {
         case: &'a FrictionCase,
         before: &'a State<Wide>,
         input: &'a Input<'a, Wide>,
-        outcome: &'a Outcome<f64>,
+        outcome: &'a FrictionOutcome<f64>,
     ) -> Self {
         let friction = &case.friction;
         let [_, at_rest] = friction.limit_after(before, input, Wide::zero());

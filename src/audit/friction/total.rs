@@ -38,9 +38,9 @@ pub(super) struct Total<'a> {
 type SlidingSlopes<R> = (usize, [R; 6], [R; 6], R, R, R);
 
 /// Which branch an increment takes.
-type OnBranch = fn(&friction::Outcome<f64>) -> Branch;
+type OnBranch = fn(&friction::FrictionOutcome<f64>) -> Branch;
 
-fn other(outcome: &friction::Outcome<f64>) -> Branch {
+fn other(outcome: &friction::FrictionOutcome<f64>) -> Branch {
     if forced(outcome) == Branch::Slip { Branch::Stick } else { Branch::Slip }
 }
 
@@ -71,7 +71,9 @@ impl Total<'_> {
     }
 
     /// The frictions whose increment is known, in the order of the behaviour, then that of a belt.
-    fn slips(&self) -> impl Iterator<Item = (usize, &Slip, &friction::State<f64>, &friction::Outcome<f64>)> {
+    fn slips(
+        &self,
+    ) -> impl Iterator<Item = (usize, &Slip, &friction::State<f64>, &friction::FrictionOutcome<f64>)> {
         let known = self.outcome.slips.iter().enumerate();
         known.filter_map(|(i, slip)| Some((i, slip, slip.before.as_ref()?, slip.outcome.as_ref().ok()?)))
     }

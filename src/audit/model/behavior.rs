@@ -20,7 +20,8 @@ use pintle_scene as scene;
 use pintle_scene::grammar::agree;
 use pintle_scene::grammar::number as short;
 use pintle_scene::{
-    Behavior, Code, Digits, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Row, Scene, Severity, Span,
+    Behavior, Code, Digits, Extrapolation, FrictionKind, FrictionLaw, Law, Limits, Scene, Severity, Span,
+    TableRow,
 };
 use std::collections::HashSet;
 
@@ -463,13 +464,13 @@ impl Gone {
 
     /// Of a table, whose columns are μ, the slip rate and the contact force: beyond its rows the coefficient is that of the nearest. What vanishes at rest or in
     /// fast slip does so at every contact force, temperature and field variable.
-    fn of_table(rows: &[Row]) -> Self {
-        let of = |row: &Row, column: usize| row.values.get(column).copied().flatten().unwrap_or(0.0);
-        let others = |row: &Row| (of(row, 2), row.temperature, row.fields.clone());
-        let is_alike = |one: &Row, other: &Row| others(one) == others(other);
+    fn of_table(rows: &[TableRow]) -> Self {
+        let of = |row: &TableRow, column: usize| row.values.get(column).copied().flatten().unwrap_or(0.0);
+        let others = |row: &TableRow| (of(row, 2), row.temperature, row.fields.clone());
+        let is_alike = |one: &TableRow, other: &TableRow| others(one) == others(other);
         // Slip rates increase within each, for they run fastest.
         let curves = || rows.chunk_by(is_alike);
-        let is_gone = |row: Option<&Row>| row.is_none_or(|row| of(row, 0) == 0.0);
+        let is_gone = |row: Option<&TableRow>| row.is_none_or(|row| of(row, 0) == 0.0);
         Self {
             always: !rows.is_empty() && rows.iter().all(|row| of(row, 0) == 0.0),
             at_rest: (!rows.is_empty() && curves().all(|curve| is_gone(curve.first()))).then_some("μ(0)"),

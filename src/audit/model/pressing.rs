@@ -3,7 +3,7 @@
 use pintle_kinematics::catalog::{COMPONENT, PLANE, SPATIAL, component_index};
 use pintle_model::behavior::entry;
 use pintle_model::evaluate::ConnectorElement;
-use pintle_scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Row, Source};
+use pintle_scene::{Affected, Behavior, DerivedTerm, Friction, FrictionKind, Law, Source, TableRow};
 
 /// Why a source of contact force is zero in every state; `None` where it need not be.
 pub(super) fn nothing_presses(
@@ -46,7 +46,7 @@ fn laws(behavior: &Behavior) -> impl Iterator<Item = &Law> {
 /// Whether a law may give a component a force: where it is a table, a number of it that is of the component is not zero.
 fn gives_force(law: &Law, k: usize) -> bool {
     let is_it = |component: &u8| component_index(*component) == Some(k);
-    let is_given = |rows: &[Row], at: usize| {
+    let is_given = |rows: &[TableRow], at: usize| {
         // What has no row is refused by a rule.
         rows.is_empty() || rows.iter().any(|row| row.values.get(at).copied().flatten().unwrap_or(0.0) != 0.0)
     };

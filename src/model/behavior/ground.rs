@@ -7,7 +7,7 @@
 use crate::behavior::table::{Table, Variable};
 use crate::behavior::{Conditions, Unknown};
 use pintle_kinematics::scalar::Scalar;
-use pintle_scene::{Diagnostic, Discrete, Extrapolation, Row, Span};
+use pintle_scene::{Diagnostic, Discrete, Extrapolation, Span, TableRow};
 
 /// What gives a force over one variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ struct Law {
 
 impl Law {
     fn new(given: &Discrete, [coefficient, force]: [&str; 2]) -> Result<Self, Diagnostic> {
-        let rows: Vec<Row> = given.rows.iter().map(|row| row_of(row, given.element_set.span)).collect();
+        let rows: Vec<TableRow> = given.rows.iter().map(|row| row_of(row, given.element_set.span)).collect();
         let name = if given.nonlinear { force } else { coefficient };
         let table = Table::new(&rows, 1, &[name], Extrapolation::Constant)?;
         Ok(Self { nonlinear: given.nonlinear, table })
@@ -51,13 +51,13 @@ impl Law {
 }
 
 /// A data line: coefficient and frequency, or force and variable; then temperature and field variables.
-fn row_of(values: &[Option<f64>], span: Span) -> Row {
+fn row_of(values: &[Option<f64>], span: Span) -> TableRow {
     let (own, rest) = values.split_at(values.len().min(2));
     let (temperature, fields) = match rest {
         [temperature, fields @ ..] => (*temperature, fields.to_vec()),
         [] => (None, Vec::new()),
     };
-    Row { values: own.to_vec(), temperature, fields, span }
+    TableRow { values: own.to_vec(), temperature, fields, span }
 }
 
 /// The springs and dashpots of one degree of freedom, side by side.

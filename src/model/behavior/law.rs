@@ -5,7 +5,7 @@ use crate::behavior::{Conditions, Forces, Motion, Unknown};
 use pintle_kinematics::connector::Mask;
 use pintle_kinematics::scalar::{Real, Scalar};
 use pintle_scene as scene;
-use pintle_scene::{Basis, Code, Diagnostic, Extrapolation, Independent, Row, Span, TableOptions};
+use pintle_scene::{Basis, Code, Diagnostic, Extrapolation, Independent, Span, TableOptions, TableRow};
 
 /// What drives a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -380,12 +380,12 @@ pub fn entry(unsymmetric: bool, i: usize, j: usize) -> usize {
 
 /// Rows with zeros for entries of components that are not available, which may be left open.
 fn available_entries(
-    rows: &[Row],
+    rows: &[TableRow],
     outputs: usize,
     unsymmetric: bool,
     available: Mask,
     what: &str,
-) -> Result<Vec<Row>, Diagnostic> {
+) -> Result<Vec<TableRow>, Diagnostic> {
     let mut rows = rows.to_vec();
     for row in &mut rows {
         row.values.resize(row.values.len().max(outputs), None);
@@ -439,7 +439,11 @@ mod tests {
     const MOTION: Motion<f64> = Motion { position: [0.5; 6], constitutive: [0.25; 6], velocity: [-0.5; 6] };
 
     fn constants(values: &[f64], temperature: Option<f64>) -> Table {
-        let row = Row { values: values.iter().copied().map(Some).collect(), temperature, ..Row::default() };
+        let row = TableRow {
+            values: values.iter().copied().map(Some).collect(),
+            temperature,
+            ..TableRow::default()
+        };
         Table::new(&[row], values.len(), &[], Extrapolation::Constant).unwrap()
     }
 
@@ -474,9 +478,9 @@ mod tests {
         only(scales(&linear(Driver::Velocity), none), &[(1, 2, 2, 250.0)]);
         // F3 over the velocity, or displacement, and the position of 1: slopes 2 and −3, and 4.
         let data: [&[f64]; 4] = [&[0.0, -1.0, 0.0], &[4.0, 1.0, 0.0], &[-3.0, -1.0, 1.0], &[1.0, 1.0, 1.0]];
-        let rows: Vec<Row> = data
+        let rows: Vec<TableRow> = data
             .iter()
-            .map(|row| Row { values: row.iter().copied().map(Some).collect(), ..Row::default() })
+            .map(|row| TableRow { values: row.iter().copied().map(Some).collect(), ..TableRow::default() })
             .collect();
         let table = Table::new(&rows, 1, &["x", "y"], Extrapolation::Constant).unwrap();
         let axes = vec![Axis::Own, Axis::Position(0)];
@@ -514,8 +518,9 @@ mod tests {
     /// Nothing is known of a law whose temperature is not given; all laws of a behaviour are asked.
     #[test]
     fn laws_are_asked_one_after_the_other() {
-        let two = Row { values: vec![Some(7.0)], temperature: Some(20.0), ..Row::default() };
-        let rows = [Row { values: vec![Some(5.0)], temperature: Some(10.0), ..Row::default() }, two];
+        let two = TableRow { values: vec![Some(7.0)], temperature: Some(20.0), ..TableRow::default() };
+        let rows =
+            [TableRow { values: vec![Some(5.0)], temperature: Some(10.0), ..TableRow::default() }, two];
         let warm = Table::new(&rows, 1, &[], Extrapolation::Constant).unwrap();
         let laws = [
             law(Kind::Linear { component: 0, table: warm }, Driver::Displacement),

@@ -13,7 +13,7 @@ use crate::behavior::{Conditions, Unknown};
 use pintle_kinematics::catalog::component_index;
 use pintle_kinematics::connector::{Components, Mask};
 use pintle_scene as scene;
-use pintle_scene::{Affected, Code, Diagnostic, Row, Span, TableOptions};
+use pintle_scene::{Affected, Code, Diagnostic, Span, TableOptions, TableRow};
 use serde::Serialize;
 
 /// Which limit was passed.
@@ -86,9 +86,9 @@ impl Criterion {
             if limits.iter().all(|limit| of(limit, passed).is_none()) {
                 continue;
             }
-            let rows: Vec<Row> = limits
+            let rows: Vec<TableRow> = limits
                 .iter()
-                .map(|limit| Row {
+                .map(|limit| TableRow {
                     values: vec![of(limit, passed)],
                     temperature: limit.temperature,
                     fields: limit.fields.clone(),

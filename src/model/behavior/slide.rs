@@ -23,7 +23,7 @@ pub struct Slip {
     /// The belt on the other side of the ring, for the friction of a belt.
     pub beyond: Option<Beyond>,
     /// What it does, or why that is not known.
-    pub outcome: Result<friction::Outcome<f64>, Unknown>,
+    pub outcome: Result<friction::FrictionOutcome<f64>, Unknown>,
 }
 
 /// A belt on the other side of the ring at b.
@@ -161,7 +161,7 @@ impl Behavior {
             };
             slip.outcome = match (&slip.before, now.beyond) {
                 // No belt goes on beyond b: nothing slides there.
-                (Some(state), None) => Ok(friction::Outcome::idle(state)),
+                (Some(state), None) => Ok(friction::FrictionOutcome::idle(state)),
                 (None, _) => Err(Unknown::FrictionHistory),
                 (Some(_), Some(_)) if pressing[0].is_none() => Err(Unknown::ContactForce),
                 (Some(_), Some(Beyond { tension: Err(why), .. })) => Err(why),
@@ -225,7 +225,7 @@ impl Slip {
 }
 
 /// What a friction does, unless something that it depends on is not given.
-fn decided(outcome: friction::Outcome<f64>) -> Result<friction::Outcome<f64>, Unknown> {
+fn decided(outcome: friction::FrictionOutcome<f64>) -> Result<friction::FrictionOutcome<f64>, Unknown> {
     let lacks = outcome.flags.iter().find_map(|flag| match flag {
         friction::Flag::NotGiven { what } => Some(*what),
         _ => None,

@@ -412,7 +412,7 @@ impl Behavior {
             outcome
                 .slips
                 .iter()
-                .map(|slip| slip.outcome.as_ref().ok().map(friction::Outcome::state))
+                .map(|slip| slip.outcome.as_ref().ok().map(friction::FrictionOutcome::state))
                 .collect()
         });
         outcome.history.time = now.time.or(history.time);

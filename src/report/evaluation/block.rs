@@ -620,7 +620,7 @@ pub(crate) fn slopes(tangent: &Tangent<f64>) -> Vec<(&'static str, &'static str,
 }
 
 /// An output of one friction in an increment that has a duration, or has none.
-fn sliding(slip: &friction::Outcome<f64>, duration: Option<f64>, output: Output) -> Option<Value> {
+fn sliding(slip: &friction::FrictionOutcome<f64>, duration: Option<f64>, output: Output) -> Option<Value> {
     Some(Value::Number(match output {
         Output::CSF => slip.tangential,
         Output::CNF => slip.normal,
@@ -635,7 +635,7 @@ fn sliding(slip: &friction::Outcome<f64>, duration: Option<f64>, output: Output)
 fn coupled(outcome: &Outcome, request: &Request) -> Vec<ComponentRow> {
     let wanted = |output: Output| request.outputs().any(|one| one == output);
     let shared = outcome.slips.iter().filter(|slip| slip.components.iter().filter(|one| **one).count() > 1);
-    let row = |slip: &friction::Outcome<f64>| ComponentRow {
+    let row = |slip: &friction::FrictionOutcome<f64>| ComponentRow {
         name: "C",
         role: "slip",
         unit: Unit::Length,

@@ -4,7 +4,7 @@ use crate::behavior::{
     Affected, Behavior, Damage, DamageCriterion, DamageEvolution, DamageEvolutionKind, Damping, DampingKind,
     Degradation, DerivedTerm, Elasticity, Failure, Friction, FrictionCoefficient, FrictionKind, FrictionLaw,
     Hardening, HardeningKind, Independent, Law, Limits, Lock, Operator, Plasticity, Potential,
-    PotentialFunction, PotentialOperator, PotentialTerm, Row, Softening, Source, Stop, TableOptions,
+    PotentialFunction, PotentialOperator, PotentialTerm, Softening, Source, Stop, TableOptions, TableRow,
 };
 use crate::choice::Choice;
 use crate::deck::mesh::not_negative;
@@ -191,7 +191,7 @@ fn spanned_rows(
     columns: &[&str],
     needed: usize,
     fields: usize,
-) -> Result<(Vec<Span>, Vec<Row>)> {
+) -> Result<(Vec<Span>, Vec<TableRow>)> {
     let records = records(&mut deck.lexer, columns.len() + 1 + fields)?;
     if records.is_empty() {
         return Err(no_rows(keyword, columns));
@@ -207,11 +207,11 @@ fn spanned_rows(
 }
 
 /// Column `index` increases from row to row, as long as temperature and fields stay the same.
-fn check_order(rows: &[Row], index: usize, what: &str, spans: &[Span]) -> Result<()> {
+fn check_order(rows: &[TableRow], index: usize, what: &str, spans: &[Span]) -> Result<()> {
     for (pair, span) in rows.windows(2).zip(spans.iter().skip(1)) {
         let [before, after] = pair else { continue };
         let same = before.temperature == after.temperature && before.fields == after.fields;
-        let value = |row: &Row| row.values.get(index).copied().flatten();
+        let value = |row: &TableRow| row.values.get(index).copied().flatten();
         if same && value(after) <= value(before) {
             let (from, to) = (value(before).unwrap_or(0.0), value(after).unwrap_or(0.0));
             let message = format!("{what} goes from {from} to {to}");

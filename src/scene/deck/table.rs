@@ -1,6 +1,6 @@
 //! Tables of numbers: records of several columns, temperature and field variables.
 
-use crate::behavior::Row;
+use crate::behavior::TableRow;
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::lexer::Lexer;
 use crate::span::Span;
@@ -25,12 +25,12 @@ impl Record {
     }
 
     /// Columns, then temperature, then field variables.
-    pub(super) fn row(self, columns: usize) -> Row {
+    pub(super) fn row(self, columns: usize) -> TableRow {
         let mut values = self.values;
         let rest = values.split_off(columns.min(values.len()));
         values.resize(columns, None);
         let mut rest = rest.into_iter();
-        Row { values, temperature: rest.next().flatten(), fields: rest.collect(), span: self.span }
+        TableRow { values, temperature: rest.next().flatten(), fields: rest.collect(), span: self.span }
     }
 }
 
@@ -83,7 +83,7 @@ pub(super) fn rows(
     columns: &[&str],
     needed: usize,
     fields: usize,
-) -> Result<Vec<Row>> {
+) -> Result<Vec<TableRow>> {
     let records = records(lexer, columns.len() + 1 + fields)?;
     if records.is_empty() {
         return Err(no_rows(keyword, columns));

@@ -17,7 +17,7 @@ use crate::behavior::friction::criterion::{Derivatives, Point, parts};
 use crate::behavior::friction::flags::{Flag, Flags};
 use crate::behavior::friction::root::slip_increment;
 use crate::behavior::friction::stick::{Limit, Stick, StickStiffness};
-use crate::behavior::friction::update::{Branch, Outcome, State, Status, THRESHOLD};
+use crate::behavior::friction::update::{Branch, FrictionOutcome, State, Status, THRESHOLD};
 use crate::behavior::friction::{Context, Ordered, capped, is_finite, is_zero};
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::scalar::Duals;
@@ -132,7 +132,7 @@ impl Belt {
         state: &State<R>,
         input: &BeltInput<'_, R>,
         branch: Branch,
-    ) -> (Outcome<R>, BeltTangent<R>) {
+    ) -> (FrictionOutcome<R>, BeltTangent<R>) {
         let seed = <R as Duals>::Gradient::<INPUTS>::seed;
         let seeded = BeltInput {
             flow: seed(input.flow, 0),
@@ -174,7 +174,7 @@ impl Belt {
         state: &State<S::Real>,
         input: &BeltInput<'_, S>,
         branch: Branch,
-    ) -> Outcome<S>
+    ) -> FrictionOutcome<S>
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
@@ -239,7 +239,7 @@ impl Belt {
             }
         }
         let along = |x: S| [S::zero(), x, S::zero(), S::zero(), S::zero(), S::zero()];
-        Outcome {
+        FrictionOutcome {
             status,
             force: along(force),
             tangential: abs(force),

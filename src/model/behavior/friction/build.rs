@@ -15,7 +15,7 @@ use pintle_kinematics::catalog::{COMPONENT, ConnectionType, Contact};
 use pintle_scene as scene;
 use pintle_scene::{
     Behavior, Code, Diagnostic, Extrapolation, FrictionCoefficient, FrictionKind, FrictionLaw, Independent,
-    Row, Source, Span, TableOptions,
+    Source, Span, TableOptions, TableRow,
 };
 
 /// The frictions of a connector.
@@ -371,7 +371,7 @@ impl Builder<'_> {
             .map(|independent| independent.components.iter().map(|component| index(*component)).collect())
             .unwrap_or_default();
         let columns = 1 + components.len() + 1;
-        let rows: Vec<Row> = rows
+        let rows: Vec<TableRow> = rows
             .iter()
             .map(|items| {
                 let mut values = items.clone();
@@ -381,7 +381,7 @@ impl Builder<'_> {
                     values[0] = Some(0.0);
                 }
                 let temperature = rest.next().flatten();
-                Row { values, temperature, fields: rest.collect(), span: self.friction.span }
+                TableRow { values, temperature, fields: rest.collect(), span: self.friction.span }
             })
             .collect();
         let mut names = vec!["an independent component"; components.len()];

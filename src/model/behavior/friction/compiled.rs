@@ -2,7 +2,7 @@
 
 use crate::behavior::friction::belt::{Belt, BeltInput, BeltTangent};
 use crate::behavior::friction::criterion::{Criterion, Derivatives};
-use crate::behavior::friction::update::{Branch, Friction, Input, Outcome, State, Tangent};
+use crate::behavior::friction::update::{Branch, Friction, FrictionOutcome, Input, State, Tangent};
 use crate::behavior::friction::{Context, Flag, Ordered, Point};
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::scalar::Wide;
@@ -11,11 +11,11 @@ use pintle_kinematics::scalar::Wide;
 macro_rules! entry_points {
     ($($code:ident)?) => {
         entry_points! { $($code)?
-            fn updated(friction: &Friction, state: &State<Self>, input: &Input<'_, Self>, branch: Branch) -> Outcome<Self>
+            fn updated(friction: &Friction, state: &State<Self>, input: &Input<'_, Self>, branch: Branch) -> FrictionOutcome<Self>
                 = friction.advance(state, input, branch);
             fn tangent(
                 friction: &Friction, state: &State<Self>, input: &Input<'_, Self>, branch: Branch, failed: [bool; 6]
-            ) -> (Outcome<Self>, Tangent<Self>) = friction.tangent_any(state, input, branch, failed);
+            ) -> (FrictionOutcome<Self>, Tangent<Self>) = friction.tangent_any(state, input, branch, failed);
             fn limit(friction: &Friction, state: &State<Self>, input: &Input<'_, Self>, increment: Self) -> [Self; 2]
                 = friction.limit_any(state, input, increment);
             fn derivatives(
@@ -23,11 +23,11 @@ macro_rules! entry_points {
             ) -> (Point<Derivatives<Self>>, Vec<Flag>) = criterion.derivatives_any(forces, coefficient, maximum, context);
             fn belt(belt: &Belt, tension: [Self; 2], angle: Self, coefficient: Self) -> (Point<Derivatives<Self>>, Vec<Flag>)
                 = belt.derivatives_any(tension, angle, coefficient);
-            fn belt_updated(belt: &Belt, state: &State<Self>, input: &BeltInput<'_, Self>, branch: Branch) -> Outcome<Self>
+            fn belt_updated(belt: &Belt, state: &State<Self>, input: &BeltInput<'_, Self>, branch: Branch) -> FrictionOutcome<Self>
                 = belt.advance(state, input, branch);
             fn belt_tangent(
                 belt: &Belt, state: &State<Self>, input: &BeltInput<'_, Self>, branch: Branch
-            ) -> (Outcome<Self>, BeltTangent<Self>) = belt.tangent_any(state, input, branch);
+            ) -> (FrictionOutcome<Self>, BeltTangent<Self>) = belt.tangent_any(state, input, branch);
         }
     };
     ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty = $body:expr;)+) => { $(
@@ -62,7 +62,7 @@ impl Friction {
         state: &State<R>,
         input: &Input<'_, R>,
         branch: Branch,
-    ) -> Outcome<R> {
+    ) -> FrictionOutcome<R> {
         R::updated(self, state, input, branch)
     }
 
@@ -93,7 +93,7 @@ impl Friction {
         state: &State<R>,
         input: &Input<'_, R>,
         branch: Branch,
-    ) -> (Outcome<R>, Tangent<R>) {
+    ) -> (FrictionOutcome<R>, Tangent<R>) {
         self.tangent_while(state, input, branch, [false; 6])
     }
 
@@ -104,7 +104,7 @@ impl Friction {
         input: &Input<'_, R>,
         branch: Branch,
         failed: [bool; 6],
-    ) -> (Outcome<R>, Tangent<R>) {
+    ) -> (FrictionOutcome<R>, Tangent<R>) {
         R::tangent(self, state, input, branch, failed)
     }
 
@@ -144,7 +144,7 @@ impl Belt {
         state: &State<R>,
         input: &BeltInput<'_, R>,
         branch: Branch,
-    ) -> Outcome<R> {
+    ) -> FrictionOutcome<R> {
         R::belt_updated(self, state, input, branch)
     }
 
@@ -154,7 +154,7 @@ impl Belt {
         state: &State<R>,
         input: &BeltInput<'_, R>,
         branch: Branch,
-    ) -> (Outcome<R>, BeltTangent<R>) {
+    ) -> (FrictionOutcome<R>, BeltTangent<R>) {
         R::belt_tangent(self, state, input, branch)
     }
 }

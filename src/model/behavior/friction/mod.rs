@@ -44,7 +44,7 @@ pub use criterion::{FactorMistake, TermMistake};
 pub use derived::{Contribution, Derived, DerivedPart, Form, Potential, PotentialError};
 pub use flags::Flag;
 pub use stick::{ELASTIC_SLIP, StickStiffness};
-pub use update::{Branch, Friction, Input, Outcome, Partial, State, Status, THRESHOLD, Tangent};
+pub use update::{Branch, Friction, FrictionOutcome, Input, Partial, State, Status, THRESHOLD, Tangent};
 
 use crate::behavior::Conditions;
 use flags::Flags;

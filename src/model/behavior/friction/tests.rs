@@ -114,7 +114,7 @@ fn angles_of_wrap_change_with_every_node() {
 fn terms_are_read_back_or_refused() {
     let table = |outputs: usize| {
         let values = (0..outputs).map(|n| Some(n as f64)).collect();
-        let row = pintle_scene::Row { values, ..Default::default() };
+        let row = pintle_scene::TableRow { values, ..Default::default() };
         Table::new(&[row], outputs, &[], Extrapolation::Constant).unwrap()
     };
     let read = |count: usize, factors: Option<usize>| {

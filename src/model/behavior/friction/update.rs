@@ -112,7 +112,7 @@ pub enum Branch {
 
 /// The result of an increment; that of a belt slides in component 2, the flow past b.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Outcome<S> {
+pub struct FrictionOutcome<S> {
     /// Stick, slip or neither.
     pub status: Status,
     /// Friction forces (CSF1 … CSM3).
@@ -149,10 +149,10 @@ pub struct Outcome<S> {
     pub flags: Vec<Flag>,
 }
 
-impl<S: Copy> Outcome<S> {
+impl<S: Copy> FrictionOutcome<S> {
     /// The same on another scalar.
-    pub(super) fn map<T>(self, to: impl Fn(S) -> T) -> Outcome<T> {
-        Outcome {
+    pub(super) fn map<T>(self, to: impl Fn(S) -> T) -> FrictionOutcome<T> {
+        FrictionOutcome {
             status: self.status,
             force: self.force.map(&to),
             tangential: to(self.tangential),
@@ -174,7 +174,7 @@ impl<S: Copy> Outcome<S> {
     }
 }
 
-impl<R: Real> Outcome<R> {
+impl<R: Real> FrictionOutcome<R> {
     /// Nothing presses and nothing is asked to slide: no force, and what was remembered stays.
     pub(crate) fn idle(state: &State<R>) -> Self {
         let zero = R::ZERO;
@@ -252,7 +252,7 @@ impl Friction {
         input: &Input<'_, R>,
         branch: Branch,
         failed: [bool; 6],
-    ) -> (Outcome<R>, Tangent<R>) {
+    ) -> (FrictionOutcome<R>, Tangent<R>) {
         let constant = R::Gradient::<INPUTS>::from_real;
         let mut seeded = input.map(constant);
         for k in 0..6 {
@@ -343,7 +343,7 @@ impl Friction {
         state: &State<S::Real>,
         input: &Input<'_, S>,
         branch: Branch,
-    ) -> Outcome<S>
+    ) -> FrictionOutcome<S>
     where
         S: Scalar,
         S::Real: Ordered + Differentiable,
@@ -423,7 +423,7 @@ impl Friction {
         force.iter().for_each(|x| finite(*x, "friction force"));
         finite(limit, "limit");
         finite(increment, "slip increment");
-        Outcome {
+        FrictionOutcome {
             status,
             force,
             tangential,

@@ -1,7 +1,7 @@
 //! Tables from rows of a deck, and from what a saved scene holds: what is no table is refused.
 
 use crate::behavior::table::{Block, Table, Variable};
-use pintle_scene::{Code, Diagnostic, Extrapolation, Row, Span};
+use pintle_scene::{Code, Diagnostic, Extrapolation, Span, TableRow};
 
 /// A table as a file has it, which may be of any shape.
 #[derive(serde::Deserialize)]
@@ -72,7 +72,7 @@ impl Table {
     /// - [`Code::NumberOutOfRange`] at a row so near to the one before, or so much higher, that the slope between them is no
     ///   double.
     pub fn new(
-        rows: &[Row],
+        rows: &[TableRow],
         outputs: usize,
         columns: &[&str],
         extrapolation: Extrapolation,
@@ -82,7 +82,7 @@ impl Table {
             .map(Variable::Column)
             .chain(std::iter::once(Variable::Temperature))
             .chain((0..fields).map(Variable::Field));
-        let given = |row: &Row, variable| match variable {
+        let given = |row: &TableRow, variable| match variable {
             Variable::Column(column) => row.values.get(outputs + column).copied().flatten(),
             Variable::Temperature => row.temperature,
             Variable::Field(field) => row.fields.get(field).copied().flatten(),
@@ -119,8 +119,8 @@ impl Table {
     /// # Errors
     /// As [`Table::new`].
     pub fn curve(points: &[(f64, f64)], extrapolation: Extrapolation) -> Result<Self, Diagnostic> {
-        let row = |(x, y): &(f64, f64)| Row { values: vec![Some(*y), Some(*x)], ..Row::default() };
-        let rows: Vec<Row> = points.iter().map(row).collect();
+        let row = |(x, y): &(f64, f64)| TableRow { values: vec![Some(*y), Some(*x)], ..TableRow::default() };
+        let rows: Vec<TableRow> = points.iter().map(row).collect();
         Self::new(&rows, 1, &["the abscissa"], extrapolation)
     }
 }

@@ -2,13 +2,13 @@
 
 use crate::behavior::table::*;
 use num_dual::{Dual2SVec64, DualSVec64};
-use pintle_scene::{Code, Row};
+use pintle_scene::{Code, TableRow};
 
-fn rows(rows: &[(&[f64], Option<f64>)]) -> Vec<Row> {
-    let row = |(values, temperature): &(&[f64], Option<f64>)| Row {
+fn rows(rows: &[(&[f64], Option<f64>)]) -> Vec<TableRow> {
+    let row = |(values, temperature): &(&[f64], Option<f64>)| TableRow {
         values: values.iter().copied().map(Some).collect(),
         temperature: *temperature,
-        ..Row::default()
+        ..TableRow::default()
     };
     rows.iter().map(row).collect()
 }

@@ -3,7 +3,7 @@
 mod behavior;
 mod text;
 
-use crate::behavior::{Independent, Row};
+use crate::behavior::{Independent, TableRow};
 use crate::deck;
 use crate::diagnostic::Result;
 use crate::document::form;
@@ -337,7 +337,7 @@ fn dependencies(rows: &[Vec<Option<f64>>], others: usize) -> Option<Spanned<u64>
     (fields > 0).then(|| placeless(fields))
 }
 
-fn table(rows: &[Row]) -> Vec<Spanned<form::Row>> {
+fn table(rows: &[TableRow]) -> Vec<Spanned<form::Row>> {
     list(rows, |row| form::Row {
         values: trimmed(&row.values),
         temperature: maybe(row.temperature),

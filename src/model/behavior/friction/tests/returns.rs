@@ -4,7 +4,8 @@ use crate::behavior::Conditions;
 use crate::behavior::friction::tests::powers::{sum, term};
 use crate::behavior::friction::{
     Belt, BeltInput, Branch, Coefficient, Context, Contribution, Criterion, Derived, DerivedPart, Flag, Form,
-    Friction, Input, Internal, Outcome, Potential, Pressing, State, Status, StickStiffness, Tangential,
+    Friction, FrictionOutcome, Input, Internal, Potential, Pressing, State, Status, StickStiffness,
+    Tangential,
 };
 use crate::behavior::table::Table;
 use pintle_scene::{Basis, Extrapolation, Operator, PotentialOperator};
@@ -37,7 +38,7 @@ fn input(displacement: [f64; 6], normal: f64) -> Input<'static, f64> {
     }
 }
 
-fn slid(friction: &Friction, input: &Input<'_, f64>) -> Outcome<f64> {
+fn slid(friction: &Friction, input: &Input<'_, f64>) -> FrictionOutcome<f64> {
     let outcome = friction.update(&State::default(), input, Branch::Decided);
     assert_eq!(outcome.status, Status::Slip);
     outcome
@@ -45,10 +46,10 @@ fn slid(friction: &Friction, input: &Input<'_, f64>) -> Outcome<f64> {
 
 /// Tangents of the forces and of the slip are differences of them, from rest: by displacements, which move positions and motions too,
 /// by what presses (f5), and by the duration. Components 5 and 6 neither slide nor move anything.
-fn assert_tangent(name: &str, friction: &Friction, at: &Input<'static, f64>) -> Outcome<f64> {
+fn assert_tangent(name: &str, friction: &Friction, at: &Input<'static, f64>) -> FrictionOutcome<f64> {
     let (outcome, tangent) = friction.tangent(&State::default(), at, Branch::Decided);
     assert_eq!(outcome.status, Status::Slip, "{name}");
-    let results = |outcome: &Outcome<f64>| {
+    let results = |outcome: &FrictionOutcome<f64>| {
         let mut all = outcome.force.to_vec();
         all.push(outcome.slip_increment);
         all
