@@ -9,11 +9,11 @@ Lengths are in the unit of the scene, angles in rad, axes global, arrays float64
 from ._check import Report, RoutineError, check
 from ._pintle import Entry, __version__
 from ._rows import bias, geometric_stiffness, initial, pattern, rows
-from ._scene import Scene, audit, catalog
+from ._scene import Jacobian, Scene, audit, catalog
 from ._sweep import Sweep, sweep, sweep_chunk, sweep_left, sweep_merged, sweep_plan
 
 __all__ = [
-    "Entry", "Report", "RoutineError", "Scene", "Sweep", "__version__", "audit", "bias", "catalog", "check",
+    "Entry", "Jacobian", "Report", "RoutineError", "Scene", "Sweep", "__version__", "audit", "bias", "catalog", "check",
     "geometric_stiffness", "initial", "pattern", "rows",
     "sweep", "sweep_chunk", "sweep_left", "sweep_merged", "sweep_plan",
 ]

@@ -48,6 +48,17 @@ class Connector(TypedDict):
     type: str
     nodes: list[str | None]
 
+class Jacobian:
+    data: _Array
+    indices: _Array
+    indptr: _Array
+    shape: tuple[int, int]
+    @property
+    def rows(self) -> list[str]: ...
+    @property
+    def columns(self) -> list[tuple[str, int]]: ...
+    def matrix(self, state: int = 0) -> Any: ...
+
 class Scene:
     def __init__(self, path_or_text: str | PathLike[str]) -> None: ...
     @property
@@ -62,6 +73,12 @@ class Scene:
         *,
         out: dict[str, _Array] | None = None,
     ) -> dict[str, _Array]: ...
+    def jacobian(
+        self,
+        states: str | PathLike[str] | Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
+        *,
+        out: _Array | None = None,
+    ) -> Jacobian: ...
 
 def audit(
     scene: Scene | str | PathLike[str],

@@ -2,6 +2,7 @@
 
 import json
 import os
+import warnings
 from collections.abc import Mapping
 
 import numpy
@@ -108,6 +109,55 @@ class Scene:
         path, document = (None, None) if is_arrays else _states(states)
         arrays = _arrays(states) if is_arrays else None
         return self._scene.evaluate(path, document, arrays, list(outputs), order, out)
+
+    def jacobian(self, states=None, *, out=None):
+        """The sparse constraint Jacobian at every state, in order, as a Jacobian: `.matrix(k)` is that of state k for SciPy.
+
+        Rows are the constrained components of connectors and the equations of other constraints; columns the degrees
+        of freedom of nodes that `*BOUNDARY` leaves free, along the axes of `*TRANSFORM`. Rotations vary spatially,
+        C → exp(δθ^) C. `states` are as in `evaluate`. `out` (states, entries), in C order, takes the entries.
+        A RuntimeWarning says where entries need care, beside singular points. Raises ValueError as `evaluate` does.
+        """
+        is_arrays = isinstance(states, Mapping)
+        path, document = (None, None) if is_arrays else _states(states)
+        arrays = _arrays(states) if is_arrays else None
+        data, care, first = self._scene.jacobian(path, document, arrays, None if out is None else {"data": out})
+        if care:
+            warnings.warn(f"{care} entries need care; the first: {first}", RuntimeWarning, stacklevel=2)
+        return Jacobian(self._scene, data)
+
+
+class Jacobian:
+    """The sparse constraint Jacobian of a scene, in compressed rows (CSR), whose pattern is the same at all states.
+
+    - `data` (states, entries): the entries at each state; `indices`, `indptr`, `shape` as SciPy has them
+    - `rows`: what each row is, as `HINGE 1 u1`; `columns`: node and degree of freedom (1–6, 10) of each column
+    """
+
+    def __init__(self, scene, data):
+        self._scene, self.data = scene, data
+        self.indptr, self.indices, width = scene.jacobian_pattern()
+        self.shape = len(self.indptr) - 1, width
+
+    @property
+    def rows(self):
+        """What each row is: connector or constraint, and the component."""
+        return self._scene.jacobian_names()[0]
+
+    @property
+    def columns(self):
+        """The node, as text, and the degree of freedom of each column."""
+        return self._scene.jacobian_names()[1]
+
+    def matrix(self, state=0):
+        """The matrix at a state as a `scipy.sparse.csr_array`, which shares its entries. SciPy is needed."""
+        from scipy.sparse import csr_array
+
+        return csr_array((self.data[state], self.indices, self.indptr), shape=self.shape)
+
+    def __repr__(self):
+        rows, columns = self.shape
+        return f"<pintle.Jacobian: {rows} × {columns}, {len(self.indices)} entries, {len(self.data)} states>"
 
 
 def audit(scene, states=None, *, model_only=False, seed="pintle"):

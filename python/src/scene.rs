@@ -5,25 +5,30 @@ use crate::report::Report;
 use crate::work;
 use numpy::PyArray1;
 use pintle::audit::{Settings, audit_scenes};
-use pintle::connector::Output;
+use pintle::connector::{Output, Request};
 use pintle::node::DOFS;
 use pintle::scene::{Scene as Read, State, StateFile};
 use pintle_audit::Target;
 use pintle_audit::model::{Levels, audit_model};
 use pintle_model::behavior::Conditions;
-use pintle_model::evaluate::{Model, Motions, Numbers, Plan, Selection, request};
-use pintle_report::into_arrays;
+use pintle_model::evaluate::{
+    Fixed, ForeignPattern, Jacobian, Model, Motions, NodeArrays, Numbers, Plan, Selection, Sequence, request,
+};
+use pintle_report::{flag_in_words, into_arrays};
 use pintle_scene::Format;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::borrow::Cow;
 use std::fmt::Display;
+use std::sync::OnceLock;
 
 /// A model of connectors and constraints, with its states.
 #[pyclass(frozen, module = "pintle._pintle")]
 pub(crate) struct Scene {
     scene: Read,
     model: Model,
+    pattern: OnceLock<(Plan, Jacobian)>,
 }
 
 fn refused(error: impl Display) -> PyErr {
@@ -33,7 +38,7 @@ fn refused(error: impl Display) -> PyErr {
 impl Scene {
     fn of(scene: Read) -> PyResult<Self> {
         let model = Model::compile(&scene).map_err(refused)?;
-        Ok(Self { scene, model })
+        Ok(Self { scene, model, pattern: OnceLock::new() })
     }
 
     /// The states of a file or a document in JSON; without one, those of the scene.
@@ -44,6 +49,39 @@ impl Scene {
             (None, None) => return Ok(self.scene.states.clone()),
         };
         Ok(found.map_err(refused)?.states)
+    }
+
+    /// The same, or the initial state; none beside arrays, which are checked then.
+    fn given(
+        &self,
+        path: Option<&str>,
+        document: Option<&str>,
+        arrays: Option<&NodeArrays<'_>>,
+    ) -> PyResult<Vec<State>> {
+        if let Some(arrays) = arrays {
+            arrays.check(&self.scene).map_err(|wrong| {
+                let all: Vec<String> = wrong.iter().map(ToString::to_string).collect();
+                PyValueError::new_err(all.join("\n"))
+            })?;
+            return Ok(Vec::new());
+        }
+        let mut states = self.states(path, document)?;
+        if states.is_empty() {
+            states.push(State::default());
+        }
+        self.model.check_forces(&states, 0, &self.scene.name).map_err(refused)?;
+        Ok(states)
+    }
+
+    /// The pattern of its Jacobian, made once.
+    fn pattern(&self) -> PyResult<&(Plan, Jacobian)> {
+        if let Some(known) = self.pattern.get() {
+            return Ok(known);
+        }
+        let plan = Plan::compile(&self.model, &Selection::All, Request::nothing(0)).map_err(refused)?;
+        let fixed = Fixed::of(&self.scene).map_err(refused)?;
+        let jacobian = Jacobian::of_constraints(&self.model, &plan, &fixed);
+        Ok(self.pattern.get_or_init(|| (plan, jacobian)))
     }
 }
 
@@ -101,19 +139,7 @@ impl Scene {
         }
         let moved = arrays.as_ref().map(Moved::new).transpose()?;
         let arrays = moved.as_ref().map(Moved::arrays).transpose()?;
-        let mut states = Vec::new();
-        if let Some(arrays) = &arrays {
-            arrays.check(&self.scene).map_err(|wrong| {
-                let all: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-                PyValueError::new_err(all.join("\n"))
-            })?;
-        } else {
-            states = self.states(path, document)?;
-            if states.is_empty() {
-                states.push(State::default());
-            }
-            self.model.check_forces(&states, 0, &self.scene.name).map_err(refused)?;
-        }
+        let states = self.given(path, document, arrays.as_ref())?;
         let motions = arrays.as_ref().map_or(Motions::States(&states), Motions::Arrays);
         let request = request(outputs.iter().map(String::as_str), order).map_err(refused)?;
         let outputs: Vec<Output> = request.outputs().collect();
@@ -164,6 +190,85 @@ impl Scene {
         Ok(found)
     }
 
+    /// The pattern of the sparse Jacobian in compressed rows: `indptr`, `indices` and the number of columns.
+    fn jacobian_pattern<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
+        let (_, jacobian) = self.pattern()?;
+        let indices = (0..jacobian.rows()).flat_map(|row| jacobian.row(row).iter().copied());
+        let ends = jacobian.offsets().iter().copied();
+        // As SciPy chooses: both of 32 bits where these count all entries.
+        Ok(if i32::try_from(jacobian.entries()).is_ok() {
+            let ends: Vec<i32> = ends.filter_map(|end| end.try_into().ok()).collect();
+            let indices: Vec<i32> = indices.filter_map(|column| column.try_into().ok()).collect();
+            (
+                PyArray1::from_vec(py, ends).into_any(),
+                PyArray1::from_vec(py, indices).into_any(),
+                jacobian.columns(),
+            )
+        } else {
+            let ends: Vec<i64> = ends.filter_map(|end| end.try_into().ok()).collect();
+            let indices: Vec<i64> = indices.map(i64::from).collect();
+            (
+                PyArray1::from_vec(py, ends).into_any(),
+                PyArray1::from_vec(py, indices).into_any(),
+                jacobian.columns(),
+            )
+        })
+    }
+
+    /// What the rows and the columns of the sparse Jacobian are: names, and nodes with numbers.
+    fn jacobian_names(&self) -> PyResult<(Vec<String>, Vec<(String, u8)>)> {
+        let (_, jacobian) = self.pattern()?;
+        let rows = jacobian.equations().iter().map(|equation| equation.title(&self.model));
+        let columns = jacobian.freedoms().iter().map(|freedom| (freedom.node.to_string(), freedom.number));
+        Ok((rows.collect(), columns.collect()))
+    }
+
+    /// The entries of the sparse Jacobian (states, entries), in the order of its pattern; how many values need care, and the first.
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        path: Option<&str>,
+        document: Option<&str>,
+        arrays: Option<Bound<'py, PyDict>>,
+        out: Option<Bound<'py, PyDict>>,
+    ) -> PyResult<(Bound<'py, PyAny>, usize, Option<String>)> {
+        let moved = arrays.as_ref().map(Moved::new).transpose()?;
+        let arrays = moved.as_ref().map(Moved::arrays).transpose()?;
+        let states = self.given(path, document, arrays.as_ref())?;
+        let (plan, jacobian) = self.pattern()?;
+        let count = arrays.as_ref().map_or(states.len(), |arrays| arrays.count);
+        let mut taking = Taking::new(out);
+        taking.add(py, "data", &[count, jacobian.entries()])?;
+        taking.check()?;
+        let mut writable = taking.writable()?;
+        let [data] = writable.as_mut_slice() else { return Err(PyValueError::new_err("no array")) };
+        let data = data.as_slice_mut().map_err(refused)?;
+        let (care, first) = work::apart(py, || {
+            let (mut sequence, mut values) = (Sequence::new(&self.model, plan), Vec::new());
+            let (mut care, mut first) = (0, None);
+            for s in 0..count {
+                let state = match &arrays {
+                    Some(arrays) => Cow::Owned(arrays.state(s)),
+                    None => Cow::Borrowed(&states[s]),
+                };
+                let flags = sequence.assemble(&state, jacobian, &mut values)?;
+                let place = s * values.len();
+                if let Some(to) = data.get_mut(place..place + values.len()) {
+                    to.copy_from_slice(&values);
+                }
+                care += flags.len();
+                if let (None, Some((title, flag))) = (&first, flags.first()) {
+                    first = Some(format!("state {s}, {title}: {}", flag_in_words(flag)));
+                }
+            }
+            Ok::<_, ForeignPattern>((care, first))
+        })?
+        .map_err(refused)?;
+        drop(writable);
+        let array = taking.into_named().pop().map(|(_, array)| array.into_any());
+        Ok((array.ok_or_else(|| PyValueError::new_err("no array"))?, care, first))
+    }
+
     /// The audit of the model, and of every number at its states.
     fn audit(
         &self,
@@ -176,7 +281,7 @@ impl Scene {
         let states = self.states(path, document)?;
         self.model.check_forces(&states, 0, &self.scene.name).map_err(refused)?;
         let settings = Settings { seed, ..Settings::default() };
-        let plan = Plan::compile(&self.model, &Selection::All, pintle::connector::Request::nothing(0))
+        let plan = Plan::compile(&self.model, &Selection::All, Request::nothing(0))
             .map_err(refused)?;
         let name = self.scene.name.as_str();
         let report = work::apart(py, || {

@@ -3,6 +3,7 @@
 import itertools
 import json
 import os
+import pathlib
 import pickle
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy
 import pytest
+import scipy.io
 from hypothesis import given, settings
 
 import pintle
@@ -43,6 +45,57 @@ def test_a_pickled_scene_is_the_same_to_the_last_bit():
     assert ours.keys() == theirs.keys() and len(ours) == 6
     for name in ours:
         assert ours[name].tobytes() == theirs[name].tobytes(), name
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "seat_belt", "parallel_cranks", "revolute_mpc"])
+def test_the_sparse_jacobian_is_that_of_the_command(name, tmp_path):
+    scene = pintle.Scene(f"gallery:{name}")
+    found = scene.jacobian()
+    states = len(found.data)
+    assert found.shape == (len(found.rows), len(found.columns)) and len(found.indices) == found.data.shape[1] > 10
+    program = os.environ.get("PINTLE_PROGRAM") or str(pathlib.Path(sys.executable).parent / "pintle")
+    compared = 0
+    for k in {0, states // 2, states - 1}:
+        path = tmp_path / f"{k}.mtx"
+        words = [program, "eval", f"gallery:{name}", "--show", str(k), "--outputs", "RES", "--jacobian", path]
+        subprocess.run(words, capture_output=True, check=True)
+        expected, matrix = scipy.io.mmread(path).toarray(), found.matrix(k)
+        assert matrix.shape == expected.shape and numpy.array_equal(matrix.toarray(), expected)
+        named = [line[2:].strip().split(": ", 1)[1] for line in path.read_text().splitlines() if line.startswith(("% row ", "% column "))]
+        assert named == found.rows + [f"{node} {number}" for node, number in found.columns]
+        compared += matrix.nnz
+    assert compared > 20, compared
+
+
+def test_the_sparse_jacobian_of_arrays_goes_where_it_is_told():
+    scene, arrays = pintle.Scene("gallery:slider_crank"), _crank(9)
+    turned = [{"nodes": {n + 1: {"u": arrays["u"][k, n].tolist(), "rotation": arrays["rotation_vector"][k, n].tolist()} for n in range(7)}} for k in range(9)]
+    found, listed = scene.jacobian(arrays), scene.jacobian(turned)
+    assert numpy.array_equal(found.data, listed.data) and found.data.shape[0] == 9
+    out = numpy.full(found.data.shape, numpy.nan)
+    assert scene.jacobian(arrays, out=out).data is out and numpy.array_equal(out, found.data)
+    with pytest.raises(ValueError, match="not .9, "):
+        scene.jacobian(arrays, out=out[1:])
+    # Rows as `evaluate` has them, where a row has no more than its own columns.
+    rows, dofs = scene.evaluate(arrays, outputs=["RES"])["jacobian"], "123456"
+    elements = {f"{one['type']} {one['element']}": (c, one["nodes"]) for c, one in enumerate(scene.connectors)}
+    compared, dense = 0, found.matrix(5).toarray()
+    for row, name in enumerate(found.rows):
+        title, _, component = name.rpartition(" ")
+        c, nodes = elements[title]
+        k = ["u1", "u2", "u3", "ur1", "ur2", "ur3"].index(component)
+        for column, (node, number) in enumerate(found.columns):
+            ends = [end for end in (0, 1) if nodes[end] == node]
+            whole = sum(rows[5, c, k, 7 * end + dofs.index(str(number))] for end in ends)
+            assert abs(dense[row, column] - whole) < 1e-15, (name, node, number)
+            compared += 1
+    assert compared > 400, compared
+
+
+def test_entries_beside_a_singular_point_are_a_warning():
+    deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nLINK\n"
+    with pytest.warns(RuntimeWarning, match="1 entries need care; the first: state 0, LINK 7"):
+        pintle.Scene(deck).jacobian([{"nodes": {2: {"u": [-1.0, 0.0, 0.0]}}}])
 
 
 def _crank(states=25):

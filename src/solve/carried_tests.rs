@@ -258,8 +258,8 @@ fn a_moment_that_is_zero_costs_no_digits() {
     assert_eq!(compared, 8 * times.len());
 }
 
-/// A moment that is zero, and jumps where a step of the scene begins or grows from a break of its amplitude on, presses from there on:
-/// the deceleration of a block on its rail is that of its weight before, and that of both after.
+/// A moment that is zero at first presses as soon as it is not. It jumps where a step of the scene begins, or grows from a break of its
+/// amplitude on. Its weight alone slows the block before, and both after.
 #[test]
 fn a_moment_that_begins_later_presses_then() {
     let deck = |steps: &str| {
