@@ -61,7 +61,7 @@ use crate::sampling::{SPECIAL, about_initial_by, along_initial, beside_half_turn
 use crate::settings::Settings;
 use crate::share::spread;
 use crate::singular::near::{has_sites, near_initial};
-use pintle_kinematics::connector::{Components, Connector, Definition, Output, Request, State};
+use pintle_kinematics::connector::{Components, Connector, Definition, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::node::DOFS;
@@ -729,15 +729,13 @@ impl Given {
     /// Angles by whole turns to those that are nearest to the right ones. Components of a rotation vector do not turn each by itself.
     fn continue_angles(&mut self, case: &Case) {
         let connector = case.connector();
-        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let Some((right, _)) = case.evaluation(&asked) else { return };
+        let right = case.values();
         for (k, value) in self.0.entries_mut(Quantity::Value).0.iter_mut().enumerate() {
             let is_angle = connector
                 .differentiated(k)
                 .is_some_and(|measure| measure.unit() == Unit::Angle && !sheet::is_of_vector(&measure));
-            let right = right.residual[k].or(right.displacement[k]);
             if let (Some(value), Some(right), true) =
-                (value.as_mut().and_then(|x| x.first_mut()), right, is_angle)
+                (value.as_mut().and_then(|x| x.first_mut()), right[k], is_angle)
             {
                 *value += TAU * ((right - *value) / TAU).round();
             }

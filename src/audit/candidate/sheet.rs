@@ -6,7 +6,7 @@
 use crate::candidate::Given;
 use crate::case::Case;
 use crate::case::quantity::Quantity;
-use pintle_kinematics::connector::{Components, Output, Request};
+use pintle_kinematics::connector::Components;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
@@ -48,10 +48,11 @@ impl Angles {
         let (components, measures): (Vec<usize>, Vec<Measure>) = kinds.unzip();
         let value = |k: &usize| given.0.entries(Quantity::Value).get(*k, 0).filter(|x| x.is_finite());
         let found: Vec<f64> = components.iter().map(value).collect::<Option<_>>()?;
-        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let (right, _) = case.evaluation(&asked).filter(|_| !found.is_empty())?;
-        let wanted = components.iter().map(|k| right.residual[*k].or(right.displacement[*k]));
-        let wanted = wanted.collect::<Option<_>>()?;
+        if found.is_empty() {
+            return None;
+        }
+        let right = case.values();
+        let wanted = components.iter().map(|k| right[*k]).collect::<Option<_>>()?;
         Some(Self { components, measures, found, wanted, first: case.at_rest().positions() })
     }
 

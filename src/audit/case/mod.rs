@@ -147,6 +147,14 @@ impl Case {
         self.evaluation(&asked).map_or([None; 6], |(found, _)| found.position)
     }
 
+    /// What is right at the end: residuals of constrained components, displacements of others.
+    pub fn values(&self) -> Components<f64> {
+        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
+        let of =
+            |found: Evaluation<f64>| [0, 1, 2, 3, 4, 5].map(|k| found.residual[k].or(found.displacement[k]));
+        self.evaluation(&asked).map_or([None; 6], |(found, _)| of(found))
+    }
+
     /// The same connector where nothing has moved.
     #[must_use]
     pub fn at_rest(&self) -> Self {
@@ -235,7 +243,7 @@ pub fn carried(pair: &Pair<f64>, rotation: &Matrix<f64>, translation: Vector<f64
     moved
 }
 
-/// What is right at the state before the end of a case: residuals of constrained components, displacements of others.
+/// What is right at the state before the end of a case.
 pub fn values_before(case: &Case) -> Components<f64> {
     let mut before = case.clone();
     before.path.pop();
@@ -243,8 +251,5 @@ pub fn values_before(case: &Case) -> Components<f64> {
         let pair = case.definition.initial;
         before.path.push(Step::between(&pair, pair));
     }
-    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-    let found = before.evaluation(&asked).map(|(found, _)| found);
-    let of = |found: Evaluation<f64>| std::array::from_fn(|k| found.residual[k].or(found.displacement[k]));
-    found.map_or([None; 6], of)
+    before.values()
 }

@@ -8,7 +8,7 @@ use crate::mutants::diagnosis::columns::along;
 use crate::mutants::diagnosis::dictionary::PARAMETERS;
 use crate::mutants::diagnosis::matching::Hypothesis;
 use crate::oracles::force::product_with_forces;
-use pintle_kinematics::connector::{Components, Output, Request};
+use pintle_kinematics::connector::Components;
 use pintle_kinematics::measure::{Measure, Unit};
 use pintle_kinematics::node::{DOFS, Pair, XB};
 use pintle_kinematics::scalar::elementary::norm;
@@ -29,10 +29,7 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
     let (now, first) = (case.positions(), case.at_rest().positions());
     let mut earlier = case.clone();
     earlier.path.pop();
-    let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-    let before = earlier
-        .evaluation(&asked)
-        .map_or([None; 6], |(found, _)| std::array::from_fn(|k| found.residual[k].or(found.displacement[k])));
+    let before = earlier.values();
     let mut found = of_rows(case, &before);
     for (k, _, f) in want.iter() {
         let Some(measure) = connector.differentiated(k) else { continue };
