@@ -343,7 +343,7 @@ impl Rows {
         let out = sized(out.as_slice_mut().map_err(|error| unwritable(&error))?, (count, each))?;
         detached(py, || {
             for range in parts(count) {
-                let velocities = velocities(&mut moving, &range);
+                let velocities = at_range(&mut moving, &range);
                 let out = own(out, &range, each);
                 self.at(&mut given, &range, |states| self.batch.bias_of_states(states, velocities, out))?;
             }
@@ -399,7 +399,7 @@ impl Rows {
             for range in parts(count) {
                 let own_multipliers =
                     multipliers.get(range.start * each..range.end * each).unwrap_or_default();
-                let along = velocities(&mut moving, &range);
+                let along = at_range(&mut moving, &range);
                 let out = own(out, &range, 12);
                 self.at(&mut given, &range, |states| {
                     self.batch.geometric_stiffness_along_of_states(states, own_multipliers, along, out)
@@ -411,7 +411,7 @@ impl Rows {
 }
 
 /// The velocities, or variations, of a and of b at some states.
-fn velocities<'a>(moving: &'a mut [Given<'_>; 4], range: &Range<usize>) -> [Velocities<'a>; 2] {
+fn at_range<'a>(moving: &'a mut [Given<'_>; 4], range: &Range<usize>) -> [Velocities<'a>; 2] {
     let [v_a, w_a, v_b, w_b] = moving.each_mut().map(|of| of.array(range));
     [(v_a, w_a), (v_b, w_b)].map(|(velocity, angular_velocity)| Velocities { velocity, angular_velocity })
 }

@@ -23,6 +23,9 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::sync::OnceLock;
 
+/// A node and its degree of freedom.
+type Column = (String, u8);
+
 /// A model of connectors and constraints, with its states.
 #[pyclass(frozen, module = "pintle._pintle")]
 pub(crate) struct Scene {
@@ -191,7 +194,10 @@ impl Scene {
     }
 
     /// The pattern of the sparse Jacobian in compressed rows: `indptr`, `indices` and the number of columns.
-    fn jacobian_pattern<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
+    fn jacobian_pattern<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
         let (_, jacobian) = self.pattern()?;
         let indices = (0..jacobian.rows()).flat_map(|row| jacobian.row(row).iter().copied());
         let ends = jacobian.offsets().iter().copied();
@@ -216,7 +222,7 @@ impl Scene {
     }
 
     /// What the rows and the columns of the sparse Jacobian are: names, and nodes with numbers.
-    fn jacobian_names(&self) -> PyResult<(Vec<String>, Vec<(String, u8)>)> {
+    fn jacobian_names(&self) -> PyResult<(Vec<String>, Vec<Column>)> {
         let (_, jacobian) = self.pattern()?;
         let rows = jacobian.equations().iter().map(|equation| equation.title(&self.model));
         let columns = jacobian.freedoms().iter().map(|freedom| (freedom.node.to_string(), freedom.number));
@@ -281,8 +287,7 @@ impl Scene {
         let states = self.states(path, document)?;
         self.model.check_forces(&states, 0, &self.scene.name).map_err(refused)?;
         let settings = Settings { seed, ..Settings::default() };
-        let plan = Plan::compile(&self.model, &Selection::All, Request::nothing(0))
-            .map_err(refused)?;
+        let plan = Plan::compile(&self.model, &Selection::All, Request::nothing(0)).map_err(refused)?;
         let name = self.scene.name.as_str();
         let report = work::apart(py, || {
             let target = Target { name, model: &self.model, plan: &plan, states: &states };

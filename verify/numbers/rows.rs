@@ -1,8 +1,8 @@
 //! States from arrays of any form, rows into arrays of any form: the numbers of tiles.
 
 use pintle_kinematics::batch::{
-    Array, Batch, BatchError, COMPACT, Columns, Four, HessianRow, History, LANES, Nodes, Orientation, Row,
-    Section, States, Tile, Velocities,
+    Array, Batch, BatchError, COMPACT, Columns, Columns12, Four, HessianRow, History, LANES, Nodes,
+    Orientation, Row, Section, States, Tile, Velocities,
 };
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{Connector, Definition};
@@ -386,7 +386,7 @@ impl Case {
         batch: &Batch,
         velocities: &[[Four; 12]],
         multipliers: &[Four],
-        (bias, stiffness, along): (&[Four], &[[[Four; 12]; 12]], &[[Four; 12]]),
+        (bias, stiffness, along): (&[Four], &[[Columns12; 12]], &[Columns12]),
     ) -> usize {
         let (count, each) = (self.pairs.len(), batch.rows());
         let reference = self.flat(|s| self.pairs[s].reference);
