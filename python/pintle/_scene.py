@@ -123,7 +123,8 @@ class Scene:
         arrays = _arrays(states) if is_arrays else None
         data, care, first = self._scene.jacobian(path, document, arrays, None if out is None else {"data": out})
         if care:
-            warnings.warn(f"{care} entries need care; the first: {first}", RuntimeWarning, stacklevel=2)
+            what = "value needs" if care == 1 else "values need"
+            warnings.warn(f"{care} {what} care; the first: {first}", RuntimeWarning, stacklevel=2)
         return Jacobian(self._scene, data)
 
 

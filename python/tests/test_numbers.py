@@ -69,7 +69,7 @@ def test_the_sparse_jacobian_is_that_of_the_command(name, tmp_path):
 
 def test_the_sparse_jacobian_of_arrays_goes_where_it_is_told():
     scene, arrays = pintle.Scene("gallery:slider_crank"), _crank(9)
-    turned = [{"nodes": {n + 1: {"u": arrays["u"][k, n].tolist(), "rotation": arrays["rotation_vector"][k, n].tolist()} for n in range(7)}} for k in range(9)]
+    turned = [{"nodes": {n + 1: {"displacement": arrays["u"][k, n].tolist(), "rotation": arrays["rotation_vector"][k, n].tolist()} for n in range(7)}} for k in range(9)]
     found, listed = scene.jacobian(arrays), scene.jacobian(turned)
     assert numpy.array_equal(found.data, listed.data) and found.data.shape[0] == 9
     out = numpy.full(found.data.shape, numpy.nan)
@@ -94,8 +94,8 @@ def test_the_sparse_jacobian_of_arrays_goes_where_it_is_told():
 
 def test_entries_beside_a_singular_point_are_a_warning():
     deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN3D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\nLINK\n"
-    with pytest.warns(RuntimeWarning, match="1 entries need care; the first: state 0, LINK 7"):
-        pintle.Scene(deck).jacobian([{"nodes": {2: {"u": [-1.0, 0.0, 0.0]}}}])
+    with pytest.warns(RuntimeWarning, match="1 value needs care; the first: state 0, LINK 7"):
+        pintle.Scene(deck).jacobian([{"nodes": {2: {"displacement": [-1.0, 0.0, 0.0]}}}])
 
 
 def _crank(states=25):
