@@ -19,4 +19,4 @@ def test_the_page_prints_what_it_shows():
             if next_kind == "text":
                 assert out.getvalue() == text
                 shown += 1
-    assert shown == 7
+    assert shown == 8
