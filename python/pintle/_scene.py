@@ -114,9 +114,10 @@ class Scene:
         """The sparse constraint Jacobian at every state, in order, as a Jacobian: `.matrix(k)` is that of state k for SciPy.
 
         Rows are the constrained components of connectors and the equations of other constraints; columns the degrees
-        of freedom of nodes that `*BOUNDARY` leaves free, along the axes of `*TRANSFORM`. Rotations vary spatially,
-        C → exp(δθ^) C. `states` are as in `evaluate`. `out` (states, entries), in C order, takes the entries.
-        A RuntimeWarning says where entries need care, beside singular points. Raises ValueError as `evaluate` does.
+        of freedom of nodes that `*BOUNDARY`, before or in the first step, leaves free, along the axes of `*TRANSFORM`.
+        Rotations vary spatially, C → exp(δθ^) C. `states` are as in `evaluate`. `out` (states, entries), in C order, takes the entries.
+        A RuntimeWarning counts the values that need care, beside singular points, and names the first. Raises ValueError
+        as `evaluate` does.
         """
         is_arrays = isinstance(states, Mapping)
         path, document = (None, None) if is_arrays else _states(states)
@@ -151,10 +152,10 @@ class Jacobian:
         return self._scene.jacobian_names()[1]
 
     def matrix(self, state=0):
-        """The matrix at a state as a `scipy.sparse.csr_array`, which shares its entries. SciPy is needed."""
+        """The matrix at a state as a `scipy.sparse.csr_array` of its own. SciPy is needed."""
         from scipy.sparse import csr_array
 
-        return csr_array((self.data[state], self.indices, self.indptr), shape=self.shape)
+        return csr_array((self.data[state], self.indices, self.indptr), shape=self.shape, copy=True)
 
     def __repr__(self):
         rows, columns = self.shape

@@ -72,6 +72,10 @@ def test_the_sparse_jacobian_of_arrays_goes_where_it_is_told():
     turned = [{"nodes": {n + 1: {"displacement": arrays["u"][k, n].tolist(), "rotation": arrays["rotation_vector"][k, n].tolist()} for n in range(7)}} for k in range(9)]
     found, listed = scene.jacobian(arrays), scene.jacobian(turned)
     assert numpy.array_equal(found.data, listed.data) and found.data.shape[0] == 9
+    # A matrix is its own: what is done to one changes no other.
+    before = found.matrix(4).toarray()
+    found.matrix(3).eliminate_zeros()
+    assert numpy.array_equal(found.matrix(4).toarray(), before)
     out = numpy.full(found.data.shape, numpy.nan)
     assert scene.jacobian(arrays, out=out).data is out and numpy.array_equal(out, found.data)
     with pytest.raises(ValueError, match="not .9, "):

@@ -302,6 +302,22 @@ fn no_rows_have_no_stiffness() {
     none.geometric_stiffness_of(&tiles, &sections, &histories, &[], &mut found).unwrap();
     assert!(!found.is_empty());
     assert_eq!(found, vec![[[[0.0; 4]; 12]; 12]; tiles.len()]);
+    let shared = [0.0; 9];
+    let node = Nodes {
+        displacement: Array::shared(&shared),
+        orientation: Orientation::Triad(Array::shared(&shared)),
+    };
+    let states = States {
+        count: 5,
+        reference: Array::shared(&shared),
+        nodes: [node; 2],
+        sections: &case.sections,
+        histories: &case.histories,
+    };
+    let still = Velocities { velocity: Array::shared(&shared), angular_velocity: Array::shared(&shared) };
+    let mut changes = vec![f64::NAN; 60];
+    none.geometric_stiffness_along_of_states(&states, &[], [still; 2], &mut changes).unwrap();
+    assert_eq!(changes, vec![0.0; 60]);
 }
 
 /// J̇v and Σ λ ∂²c of every type, from tiles and from arrays: the second derivatives of its rows, contracted.

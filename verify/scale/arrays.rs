@@ -7,8 +7,8 @@ use pintle_kinematics::node::DOFS;
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{
-    ArrayError, ByNode, Item, Model, Motions, NodeArrays, Numbers, Plan, Rotations, Selection, Sequence,
-    evaluate_arrays,
+    ArrayError, ArrayWalk, ByNode, Item, Model, Motions, NodeArrays, Numbers, Plan, Rotations, Selection,
+    Sequence, evaluate_arrays,
 };
 use pintle_report::{Value, value_of};
 use pintle_scene::{Label, NodeMotion, Rotation, Scene, State};
@@ -298,6 +298,44 @@ fn threads_change_no_bit_of_arrays() {
     let some = with(2, &states[..3]);
     let all = some.jacobian.len();
     assert!(all > 100_000 && bits(&one.jacobian[..all]) == bits(&some.jacobian));
+}
+
+/// States in parts give what they give at once, bit for bit, whatever of a part is asked for and in whichever order.
+#[test]
+fn a_walk_in_parts_is_the_whole() {
+    const CONNECTORS: usize = 96;
+    let (_, model) = model(CONNECTORS, "");
+    let states = history(9, CONNECTORS + 1);
+    let request = Request::new(&[Output::CU, Output::TURNS], [true; 6], 1);
+    let whole = found(&model, &request, Motions::States(&states));
+    let plan = Plan::compile(&model, &Selection::All, request.clone()).unwrap();
+    let mut walk = ArrayWalk::new(&model, &plan).unwrap();
+    let each = CONNECTORS * 6;
+    let mut compared = 0;
+    for (first, last, is_wanted) in [(0, 1, true), (1, 4, false), (4, 4, true), (4, 9, true)] {
+        let motions = Motions::States(&states[first..last]);
+        if !is_wanted {
+            walk.advance(motions, Numbers::default()).unwrap();
+            continue;
+        }
+        let count = (last - first) * each;
+        let (mut turns, mut moved, mut rows) = (vec![7.0; count], vec![7.0; count], vec![7.0; count * DOFS]);
+        // Not in the order of the request.
+        let values = vec![(Output::TURNS, turns.as_mut_slice()), (Output::CU, moved.as_mut_slice())];
+        walk.advance(motions, Numbers { values, jacobian: Some(&mut rows), hessian: None }).unwrap();
+        for (output, found) in [(Output::TURNS, &turns), (Output::CU, &moved)] {
+            let known = &whole.values[whole.outputs.iter().position(|of| *of == output).unwrap()];
+            for (x, y) in found.iter().zip(&known[first * each..]) {
+                assert_eq!(x.to_bits(), y.to_bits(), "{} of states {first} to {last}", output.name());
+                compared += 1;
+            }
+        }
+        for (x, y) in rows.iter().zip(&whole.jacobian[first * each * DOFS..]) {
+            assert_eq!(x.to_bits(), y.to_bits(), "rows of states {first} to {last}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 6 * each * (2 + DOFS));
 }
 
 /// Arrays of another size, outputs that need more, and behaviours are refused.

@@ -189,6 +189,29 @@ fn assembly_tells_what_needs_care() {
     assert!(refused.unwrap_err().to_string().contains("another plan"));
 }
 
+/// What leaves its plane is told of planar connectors with rows and without.
+#[test]
+fn assembly_tells_what_leaves_its_plane() {
+    let state = {
+        let mut state = pintle_scene::State::default();
+        let moved = pintle_scene::NodeMotion { displacement: [0.0, 0.0, 0.1], ..Default::default() };
+        state.nodes.insert(Label::from(1), moved);
+        state
+    };
+    for (kind, rows) in [("JOIN", 2), ("CARTESIAN", 0)] {
+        let deck = format!(
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=CONN2D2, ELSET=C\n7, 1, 2\n*CONNECTOR SECTION, ELSET=C\n{kind},\n"
+        );
+        let scene = Scene::parse("plane.inp", &deck).unwrap();
+        let model = Model::compile(&scene).unwrap();
+        let plan = Plan::compile(&model, &Selection::All, Request::nothing(0)).unwrap();
+        let jacobian = Jacobian::of_constraints(&model, &plan, &Fixed::none());
+        assert_eq!(jacobian.rows(), rows);
+        let care = Sequence::new(&model, &plan).assemble(&state, &jacobian, &mut Vec::new()).unwrap();
+        assert!(care.iter().any(|(_, flag)| flag.name() == "out-of-plane"), "{kind}: {care:?}");
+    }
+}
+
 /// The Matrix Market file says what it holds, and holds it to the last bit.
 #[test]
 fn matrix_market_reads_back() {

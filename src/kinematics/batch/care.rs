@@ -9,12 +9,14 @@ use crate::vector::{apply_transposed, dot, transposed_product};
 
 /// The singular sets of the components of connectors that share their measures, and a quick look at how far they are.
 ///
-/// A lane that is not beside one is at least a hundred times as far as [`crate::connector::ILL_CONDITIONED`]: it has no flag of
-/// [`Connector::flags_of`]. One that is beside may have one, by its [`Connector::margins`].
+/// A lane that is not beside one is at least a hundred times as far as [`crate::connector::ILL_CONDITIONED`]: [`Connector::flags_of`] has
+/// no flag of a singular set there. One that is beside may have one, by its [`Connector::margins`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watch {
     /// The components that have a set.
     count: usize,
+    /// Whether a tile does not tell how far they are: of a belt it has no flow.
+    is_blind: bool,
     distance: bool,
     radius: bool,
     lock: bool,
@@ -44,7 +46,8 @@ impl Watch {
 
     const fn add(&mut self, measure: Measure) {
         match measure {
-            Measure::Distance | Measure::Strain => self.distance = true,
+            Measure::Strain => self.is_blind = true,
+            Measure::Distance => self.distance = true,
             Measure::RadialDistance => self.radius = true,
             Measure::Cardan(_) => self.lock = true,
             Measure::Euler(_) | Measure::Flexion | Measure::Sweep => self.alignment = true,
@@ -77,7 +80,7 @@ impl Watch {
         /// The square of an angle (rad), or of a length as a part of the largest that it is formed from.
         const NEAR: f64 = 1e-12;
         let pair = tile.pair::<false>();
-        let mut beside = [false; LANES];
+        let mut beside = [self.is_blind; LANES];
         let mut add = |square: Plain, size: Plain, counts: Plain| {
             for lane in 0..LANES {
                 let is_far = square.0[lane] > NEAR * size.0[lane] || counts.0[lane] < 0.0;

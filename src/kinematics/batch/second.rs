@@ -289,6 +289,9 @@ impl Batch {
         }
         same_length("multipliers", multipliers.len(), count.saturating_mul(each))?;
         same_length("changes of forces", out.len(), count.saturating_mul(12))?;
+        if each == 0 {
+            out.fill(0.0);
+        }
         let arrays = along.map(|of| [of.velocity, of.angular_velocity]);
         let mut own = vec![[0.0; LANES]; TILES * each];
         let [mut variations, mut found] = [[[[0.0; LANES]; 12]; TILES]; 2];

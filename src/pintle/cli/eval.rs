@@ -115,8 +115,11 @@ pub(crate) fn run(arguments: &Eval, files: Files) -> Result<(), Failure> {
     }
 }
 
-/// How many numbers of arrays are held at a time.
+/// How many numbers of arrays, and of the states that they are of, are held at a time.
 const HELD: usize = 4_000_000;
+
+/// How many numbers the motion of a node takes.
+const NUMBERS_OF_NODE: usize = 32;
 
 /// Writes numbers of components as arrays, of some states at a time.
 fn arrays(arguments: &Eval, runs: &[Run], request: &Request, out: &mut dyn Write) -> Result<(), Failure> {
@@ -167,8 +170,9 @@ fn arrays(arguments: &Eval, runs: &[Run], request: &Request, out: &mut dyn Write
     let conditions = (&arguments.conditions).into();
     let mut evaluation = ArrayEvaluation::new(model, &plan, &conditions, survey.moves);
     let each: Vec<usize> = growing.iter().map(|of| of.shape[1..].iter().product()).collect();
-    // So many states that their numbers fill some megabytes.
-    let at_once = (HELD / each.iter().sum::<usize>().max(1)).max(1);
+    // So many states that they and their numbers fill some megabytes.
+    let of_state = each.iter().sum::<usize>() + NUMBERS_OF_NODE * scene.nodes.len();
+    let at_once = (HELD / of_state.max(1)).max(1);
     npz_growing(out, &whole, &growing, |put| {
         let (mut held, mut room) = (Vec::with_capacity(at_once.min(states)), Vec::new());
         let mut evaluate = |held: &mut Vec<State>| -> Result<(), Failure> {

@@ -413,7 +413,7 @@ pub fn evaluate_arrays(
     is_kinematic(model, plan)?;
     numbers.check(motions.count(), plan.connectors.len())?;
     let (sorted, given) = (Sorted::new(model, plan), Given::new(motions));
-    let arrays = divided(numbers, plan.connectors.len());
+    let arrays = divided(numbers, (motions.count(), plan.connectors.len()));
     let parts: Vec<_> = sorted.parts().zip(arrays).collect();
     let tallies = parts
         .into_par_iter()
@@ -443,7 +443,7 @@ impl<'a> ArrayWalk<'a> {
         numbers.check(motions.count(), connectors)?;
         let given = Given::new(motions);
         let Self { sorted, parts } = self;
-        let parts: Vec<_> = parts.iter_mut().zip(divided(numbers, connectors)).collect();
+        let parts: Vec<_> = parts.iter_mut().zip(divided(numbers, (motions.count(), connectors))).collect();
         let tallies = parts.into_par_iter().map(|(part, arrays)| part.run(sorted, &given, arrays));
         Ok(tallies.reduce(Tally::default, sum))
     }
@@ -530,13 +530,18 @@ impl<'m> Given<'m> {
 }
 
 /// The arrays of each part, state by state.
-fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Numbers<'_>>> {
+fn divided(numbers: Numbers<'_>, (states, connectors): (usize, usize)) -> Vec<Vec<Numbers<'_>>> {
     let Numbers { values, jacobian, hessian } = numbers;
     let mut parts: Vec<Vec<Numbers<'_>>> = Vec::new();
     if connectors == 0 {
         return parts;
     }
-    parts.resize_with(connectors.div_ceil(part_size(connectors)), Vec::new);
+    // Histories are followed through states of which no number is wanted.
+    parts.resize_with(connectors.div_ceil(part_size(connectors)), || {
+        let mut of_part = Vec::new();
+        of_part.resize_with(states, Numbers::default);
+        of_part
+    });
     fn give<'a>(
         parts: &mut [Vec<Numbers<'a>>],
         (array, connectors, each): (&'a mut [f64], usize, usize),
@@ -545,9 +550,6 @@ fn divided(numbers: Numbers<'_>, connectors: usize) -> Vec<Vec<Numbers<'_>>> {
         let size = part_size(connectors) * each;
         for (s, of_state) in array.chunks_exact_mut(connectors * each).enumerate() {
             for (part, of_part) in parts.iter_mut().zip(of_state.chunks_mut(size)) {
-                if part.len() <= s {
-                    part.push(Numbers::default());
-                }
                 if let Some(numbers) = part.get_mut(s) {
                     put(numbers, of_part);
                 }

@@ -18,7 +18,7 @@ pub(super) struct Quads<'a> {
     /// The components whose histories are followed; none where no history depends on how nodes turn.
     followed: Option<Mask>,
     /// Where the values of each output come from.
-    values: Vec<[Source; 6]>,
+    values: Vec<(Output, [Source; 6])>,
     /// The row of each component in the batch, where it is wanted.
     rows: [Option<usize>; 6],
     all: Vec<Quad<'a>>,
@@ -83,10 +83,11 @@ impl<'a> Quads<'a> {
         let is_with_rows = request.order > 0;
         let row = |k: usize| batch.measures().iter().position(|(of, _)| *of == k);
         let values = request.outputs().map(|output| {
-            [0, 1, 2, 3, 4, 5].map(|k| {
+            let sources = [0, 1, 2, 3, 4, 5].map(|k| {
                 let row = row(k).filter(|_| is_with_rows);
                 if request.wants(output, k) { Source::of(connector, output, k, row) } else { Source::None }
-            })
+            });
+            (output, sources)
         });
         let (components, count) = (request.components(), members.len().div_ceil(LANES));
         let mut quads = Self {
@@ -173,7 +174,9 @@ impl<'a> Quads<'a> {
             for (q, (quad, at)) in quads.iter().zip(tiles.iter().zip(sections)).enumerate() {
                 let own = room.rows.get(q * each..(q + 1) * each).unwrap_or_default();
                 tally.gradients += (quad.members.len() * each) as u64;
-                for ((_, array), sources) in numbers.values.iter_mut().zip(&self.values) {
+                for (output, array) in &mut numbers.values {
+                    let known = self.values.iter().find(|(of, _)| of == output);
+                    let sources = known.map_or([Source::None; 6], |(_, sources)| *sources);
                     for (k, source) in sources.iter().enumerate() {
                         let value = quad.value(*source, k, at, own, tally);
                         for (lane, of) in quad.members.iter().enumerate() {

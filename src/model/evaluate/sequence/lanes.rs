@@ -109,9 +109,11 @@ impl Lanes {
             for at in these {
                 let (index, wanted) = (connectors[at], jacobian.wanted(at));
                 let connector = &model.connectors[index].connector;
-                let is_followed = needed[at].always || connector.history_turns(followed[at]);
+                // What leaves its plane is told of a connector without rows, too.
+                let is_alone =
+                    needed[at].always || connector.history_turns(followed[at]) || connector.is_planar();
                 let way = match wanted {
-                    _ if is_followed => Way::Alone,
+                    _ if is_alone => Way::Alone,
                     [false, false, false, false, false, false] => Way::Nothing,
                     _ => sorter.way(index, wanted, &memories[at]),
                 };
@@ -167,7 +169,8 @@ impl Lanes {
             let (sections, histories) = (std::slice::from_ref(section), std::slice::from_ref(&kind.history));
             let done = kind.batch.rows_of(&room.tiles, sections, histories, &mut room.found);
             debug_assert_eq!(done, Ok(()), "the slices have been made for each other");
-            for (quad, (tile, rows)) in quads.iter().zip(room.tiles.iter().zip(room.found.chunks_exact(each)))
+            for (quad, (tile, rows)) in
+                quads.iter().zip(room.tiles.iter().zip(room.found.chunks_exact(each.max(1))))
             {
                 let takes = kind.batch.takes(tile);
                 let beside = kind.watch.beside(tile, section);
@@ -185,11 +188,6 @@ impl Lanes {
                     let row = |k: usize| rows.get(kind.rows[k]);
                     let of = |k, group: Group| row(k).map_or([f64::NAN; 3], |row| row.group(lane, group));
                     jacobian.write(at, entries.get_mut(these).unwrap_or_default(), of, |_, _| f64::NAN);
-                    if !is_finite {
-                        let own: Components<_> =
-                            [0, 1, 2, 3, 4, 5].map(|k| Some(row(k).filter(|_| kind.wanted[k])?.lane(lane)));
-                        flags.extend(super::assemble::broken(kind.wanted, &own).map(|flag| (at, flag)));
-                    }
                     if beside[lane] {
                         let pair = tile.lane(lane);
                         let state = State { pair, velocity: [0.0; DOFS], acceleration: [0.0; DOFS] };
@@ -200,6 +198,11 @@ impl Lanes {
                         let found =
                             connector.flags_of([false; 6], &margins, &still, &state, [branch, branch]);
                         flags.extend(found.into_iter().map(|flag| (at, flag)));
+                    }
+                    if !is_finite {
+                        let own: Components<_> =
+                            [0, 1, 2, 3, 4, 5].map(|k| Some(row(k).filter(|_| kind.wanted[k])?.lane(lane)));
+                        flags.extend(super::assemble::broken(kind.wanted, &own).map(|flag| (at, flag)));
                     }
                 }
             }
@@ -213,8 +216,7 @@ impl Sorter<'_> {
         /// Rotation vectors that continue a shorter one (rad) are not beside a whole turn.
         const SHORT: f64 = 3.0;
         let connector = &self.model.connectors[index].connector;
-        if connector.is_planar()
-            || connector.undetermined_origins().iter().any(Option::is_some)
+        if connector.undetermined_origins().iter().any(Option::is_some)
             || (0..6).any(|k| wanted[k] && connector.row_has_history(k))
         {
             return Way::Alone;

@@ -109,7 +109,7 @@ pub(crate) fn npz_growing<E: From<io::Error>>(
     };
     let mut spools = Vec::new();
     for _ in 1..growing.len() {
-        spools.push(BufWriter::new(tempfile::tempfile()?));
+        spools.push(BufWriter::new(tempfile::spooled_tempfile(SPOOLED)));
     }
     let mut counts = vec![0; growing.len()];
     within(&mut archive, &growing[largest], |writer| {
@@ -119,7 +119,9 @@ pub(crate) fn npz_growing<E: From<io::Error>>(
                 counts[at] += numbers.len();
                 match at == largest {
                     true => doubles(writer, numbers)?,
-                    false => spools.next().map_or(Ok(()), |spool| doubles(spool, numbers))?,
+                    false => {
+                        spools.next().map_or(Ok(()), |spool| doubles(spool, numbers)).map_err(of_folder)?
+                    }
                 }
             }
             Ok(())
@@ -130,12 +132,21 @@ pub(crate) fn npz_growing<E: From<io::Error>>(
     }
     let others = (0..growing.len()).filter(|at| *at != largest);
     for (at, spool) in others.zip(spools) {
-        let mut file = spool.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let mut file = spool.into_inner().map_err(|error| of_folder(error.into_error()))?;
         file.seek(SeekFrom::Start(0))?;
         within(&mut archive, &growing[at], |mut writer| io::copy(&mut file, &mut writer).map(|_| ()))?;
     }
     archive.finish().map_err(io::Error::other)?;
     Ok(())
+}
+
+/// How many bytes of an array are held before they go to a temporary file.
+const SPOOLED: usize = 8 << 20;
+
+/// What is wrong with a temporary file, with its folder.
+fn of_folder(error: io::Error) -> io::Error {
+    let folder = std::env::temp_dir();
+    io::Error::new(error.kind(), format!("a temporary file in {}: {error}", folder.display()))
 }
 
 type Archive<'w> = ZipArchiveWriter<&'w mut dyn Write>;
