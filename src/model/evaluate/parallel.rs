@@ -34,10 +34,11 @@ pub(super) fn part(count: usize) -> usize {
 
 /// Works on each part on the threads of rayon's current pool, and gives what came of it, in the order of the parts.
 pub(super) fn parts<P: Send, T: Send>(parts: Vec<P>, work: impl Fn(P) -> T + Sync) -> Vec<T> {
-    match parts.len() {
-        0 | 1 => parts.into_iter().map(work).collect(),
-        _ => parts.into_par_iter().with_max_len(1).map(&work).collect(),
+    // By itself a pool of one thread would only be waited for.
+    if parts.len() < 2 || rayon::current_num_threads() == 1 {
+        return parts.into_iter().map(work).collect();
     }
+    parts.into_par_iter().with_max_len(1).map(&work).collect()
 }
 
 /// Works on each item, on the threads of rayon's current pool, and takes the results one after another in the order of the items: what is
