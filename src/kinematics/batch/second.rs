@@ -417,23 +417,26 @@ impl Made for Along<'_> {
             return;
         };
         let motion = Motion::of(v, separation);
-        for turns_with_a in [true, false] {
-            let all = Shape::all(shapes, turns_with_a);
-            if all == Shape::NONE {
+        // Rows of one shape are summed first: the code for it has nothing of what they have not.
+        for k in 0..self.each {
+            let Some((before, [own, ..])) = shapes.split_at_checked(k) else { return };
+            if before.contains(own) {
                 continue;
             }
-            let mut sum = Derivatives { shape: all, separation, ..Derivatives::NONE };
-            for k in 0..self.each {
-                let (Some(row), Some(shape), Some(multiplier)) =
-                    (rows.get(k), shapes.get(k), multipliers.get(k))
-                else {
-                    return;
-                };
-                if shape.turns_with_a == turns_with_a {
-                    sum.add(Lanes(*multiplier), &row.read(*shape, separation));
+            with_constant!(*own, |shape| {
+                let mut sum = Derivatives { shape, separation, ..Derivatives::NONE };
+                for k in k..self.each {
+                    let (Some(row), Some(of), Some(multiplier)) =
+                        (rows.get(k), shapes.get(k), multipliers.get(k))
+                    else {
+                        return;
+                    };
+                    if *of == shape {
+                        sum.add(Lanes(*multiplier), &row.read(shape, separation));
+                    }
                 }
-            }
-            with_constant!(all, |all| Derivatives { shape: all, ..sum }.along(&motion, out));
+                sum.along(&motion, out);
+            });
         }
     }
 }
