@@ -125,6 +125,7 @@ fn markdown_tells_errors_before_what_is_mild() {
     let many = (0..900).map(|n| {
         let mut subject = report.subjects[1].clone();
         subject.name = format!("{} {n}", subject.name);
+        subject.type_name.clone_from(&subject.name);
         subject
     });
     report.subjects.extend(many.collect::<Vec<_>>());
@@ -144,6 +145,7 @@ fn markdown_fits_into_a_comment() {
     for n in 0..900 {
         let mut subject = found.subjects[n % 31].clone();
         subject.name = format!("{} {n}", subject.name);
+        subject.type_name.clone_from(&subject.name);
         found.subjects.push(subject);
     }
     found.subjects.extend(spoiled.subjects.clone());
@@ -161,6 +163,7 @@ fn markdown_fits_into_a_comment() {
     for n in 0..900 {
         let mut subject = spoiled.subjects[0].clone();
         subject.name = format!("{} {n}", subject.name);
+        subject.type_name.clone_from(&subject.name);
         found.subjects.push(subject);
     }
     let page = text(report::markdown, &found);
