@@ -1,8 +1,8 @@
 //! Time and memory of every phase of a run, from one connector to a million: `taskset -c 3 cargo bench --bench scale [CONNECTORS]`.
 //!
 //! A chain of connectors of every type, read from a file, evaluated at one state and written. What is linear is the same number in every
-//! column: microseconds on a core for each connector, the least of rounds; bytes for each connector, those that a phase leaves and the most that it
-//! takes while it is at work. Memory is asserted to be linear; times are for reading. One connector is a HINGE.
+//! column. There are microseconds on a core for each connector, the least of rounds, and bytes for each connector: those that a phase leaves,
+//! and the most that it takes while it is at work. Memory is asserted to be linear; times are for reading. One connector is a HINGE.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a benchmark fails by panicking")]
 
 #[path = "../verify/scale/chain.rs"]

@@ -2,9 +2,11 @@
 //! besides it values, rows and second derivatives by hand: `taskset -c 3 cargo bench --bench work_precision`. All go through the same
 //! states; what takes one state at a time writes its rows into the same memory again, batches into as much as they have rows.
 //!
-//! By itself it prints the tables. For `scripts/measure.py`: `--export FILE` writes states and truth for JAX; `--serve` writes the
-//! points with their errors, then runs a round for each line read, and answers with the times of the points in the same order;
-//! `--draw FILE FOLDER` prints the tables of a report and draws it.
+//! By itself it prints the tables. For `scripts/measure.py` it has three options:
+//!
+//! - `--export FILE` writes states and truth for JAX.
+//! - `--serve` writes the points with their errors. Then it runs a round for each line read, and answers with the times of the points.
+//! - `--draw FILE FOLDER` prints the tables of a report and draws it.
 #![expect(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 #[path = "hand/commit.rs"]

@@ -3,7 +3,7 @@
 use crate::arrays::{Moved, Taking};
 use crate::report::Report;
 use crate::work;
-use numpy::PyArray1;
+use numpy::{Element, PyArray1};
 use pintle::audit::{Settings, audit_scenes};
 use pintle::connector::{Output, Request};
 use pintle::node::DOFS;
@@ -22,6 +22,14 @@ use pyo3::types::PyDict;
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::sync::OnceLock;
+
+/// An array of counts, which fit.
+fn integers<'py, T: Element + TryFrom<usize>>(
+    py: Python<'py>,
+    counts: impl Iterator<Item = usize>,
+) -> Bound<'py, PyAny> {
+    PyArray1::from_vec(py, counts.filter_map(|count| T::try_from(count).ok()).collect()).into_any()
+}
 
 /// A node and its degree of freedom.
 type Column = (String, u8);
@@ -199,26 +207,15 @@ impl Scene {
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
         let (_, jacobian) = self.pattern()?;
-        let indices = (0..jacobian.rows()).flat_map(|row| jacobian.row(row).iter().copied());
+        let indices = (0..jacobian.rows()).flat_map(|row| jacobian.row(row)).map(|column| *column as usize);
         let ends = jacobian.offsets().iter().copied();
         // As SciPy chooses: both of 32 bits where these count all entries.
-        Ok(if i32::try_from(jacobian.entries()).is_ok() {
-            let ends: Vec<i32> = ends.filter_map(|end| end.try_into().ok()).collect();
-            let indices: Vec<i32> = indices.filter_map(|column| column.try_into().ok()).collect();
-            (
-                PyArray1::from_vec(py, ends).into_any(),
-                PyArray1::from_vec(py, indices).into_any(),
-                jacobian.columns(),
-            )
+        let [ends, indices] = if i32::try_from(jacobian.entries()).is_ok() {
+            [integers::<i32>(py, ends), integers::<i32>(py, indices)]
         } else {
-            let ends: Vec<i64> = ends.filter_map(|end| end.try_into().ok()).collect();
-            let indices: Vec<i64> = indices.map(i64::from).collect();
-            (
-                PyArray1::from_vec(py, ends).into_any(),
-                PyArray1::from_vec(py, indices).into_any(),
-                jacobian.columns(),
-            )
-        })
+            [integers::<i64>(py, ends), integers::<i64>(py, indices)]
+        };
+        Ok((ends, indices, jacobian.columns()))
     }
 
     /// What the rows and the columns of the sparse Jacobian are: names, and nodes with numbers.

@@ -60,8 +60,8 @@ pub fn illustrate_catalogue(report: &Report) -> Vec<Illustration> {
     TABLE.par_iter().filter_map(of).collect()
 }
 
-/// The last state of the connectors and constraints of a scene, of each at most so many, those connectors first that did not pass in a report; where a scene has
-/// no states, one drawn about the initial one.
+/// The last state of the connectors and constraints of a scene, of each at most so many. Connectors that did not pass in a report come first.
+/// Where a scene has no states, one is drawn about the initial one.
 pub fn illustrate_scene(target: &Target<'_>, report: &Report, most: usize) -> Vec<Illustration> {
     let passed: HashSet<&str> = report
         .subjects

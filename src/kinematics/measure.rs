@@ -809,8 +809,8 @@ impl Measure {
     /// The gradient of this angle with respect to the relative rotation of the nodes, global components. Its product with
     /// whole turns of the nodes is how far they advance the angle. `None` for measures that do not wind.
     ///
-    /// The angle is counted about the direction u while b turns about u, and does not move while b turns about w, the axis of
-    /// the other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
+    /// The angle is counted about the direction u while b turns about u. It does not move while b turns about w, the axis of the
+    /// other angle that winds: (u − (u·w) w)/(1 − (u·w)²). Close to the lock u ∥ w only the sum or the difference of the
     /// two is known; the first takes all. The sweep θ is the first of the angles of Rz(φ) Ry(α) Rz(ψ) but for a constant, with
     /// w = e3b. Torsion is the sum of first and third, (e3a + e3b)/(1 + e3a·e3b).
     pub(crate) fn winding_axis<R: Real>(self, pair: &Pair<R>) -> Option<Vector<R>> {

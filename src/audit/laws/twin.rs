@@ -377,7 +377,7 @@ mod tests {
         }
     }
 
-    /// Every type has a rule of exchanged nodes or a measure that says why not; the numbers meet it, and each kind of number with an error of
+    /// Every type has a rule of exchanged nodes, or a measure that says why not, and the numbers meet it. Each kind of number with an error of
     /// 1e-6 in its largest entry, or with the wrong sign, does not.
     #[test]
     fn exchanged_nodes_follow_their_rules() {

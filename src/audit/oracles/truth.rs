@@ -46,7 +46,7 @@ pub struct Truth {
     locked: Locked,
     /// The positions whose opposites are as good at the state ([`SingularClass::Reversal`]): what moves from there keeps their signs.
     reversible: Components<Wide>,
-    /// The components of a rotation vector without history that is exactly half a turn, where it is the opposite of the product's: either is right,
+    /// The components of a rotation vector without history that is exactly half a turn, where it is the opposite of the product's. Either is right,
     /// and what moves from there is judged from the side of the product.
     opposite: Option<[usize; 3]>,
     /// The directions along which constraint moments that are printed about one act, components along e_i^a.
