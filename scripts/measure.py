@@ -520,6 +520,62 @@ def audited(program, *arguments):
     return report, sum(getattr(spent, of) - getattr(before, of) for of in ("ru_utime", "ru_stime")), elapsed
 
 
+def swept(program, *parts):
+    """The seconds of time and of processor that sweeps take, all of them at once."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    running = [subprocess.Popen([program, "sweep", "--format", "json", *words], cwd=ROOT, stdout=subprocess.PIPE, text=True) for words in parts]
+    told = [process.communicate()[0] for process in running]
+    if any(process.returncode for process in running):
+        raise SystemExit("a sweep failed")
+    spent, elapsed = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
+    return json.loads(told[0]), sum(getattr(spent, of) - getattr(before, of) for of in ("ru_utime", "ru_stime")), elapsed
+
+
+def sweep(arguments):
+    """Sweeps of all types: what a state costs, how threads and processes divide it, and the picture of very many."""
+    program, cores = command(), os.cpu_count()
+    of_commit = commit(program)
+    few, many = ("1e5", "1e6") if arguments.quick else ("2e7", "1e9")
+    one = ("--states", few, "--threads", "1")
+    with tempfile.TemporaryDirectory() as folder:
+        ways = {
+            "values, rows and laws, one thread": [(*one, "--oracle-share", "0")],
+            "with a thousandth judged, one thread": [one],
+            f"the same, {cores} threads": [("--states", few, "--threads", str(cores))],
+            f"the same, {cores} processes": [(*one, "--range", f"{i}/{cores}", "--out", folder) for i in range(cores)],
+        }
+        lines, digests = [], []
+        for name, parts in ways.items():
+            say(f"sweep: {name}")
+            report, spent, elapsed = swept(program, *parts)
+            if "--out" in parts[0]:
+                report, _, _ = swept(program, ("--merge", folder))
+            digests.append(report["digest"])
+            lines.append((name, few, spent, elapsed))
+    if len(set(digests[1:])) != 1:
+        raise SystemExit(f"one sweep, more than one digest: {digests[1:]}")
+    with tempfile.TemporaryDirectory() as folder:
+        say(f"sweep: {many} states")
+        picture = () if arguments.quick else ("--picture", str(EXPLANATION / "sweep.svg"))
+        report, spent, elapsed = swept(program, ("--states", many, "--out", folder, *picture))
+    lines.append((f"the picture, {cores} threads", many, spent, elapsed))
+    alone = lines[1][3] / float(few)
+
+    def cells(name, states, spent, elapsed):
+        each = elapsed / float(states)
+        width = 1 if name.endswith("one thread") else cores
+        ideal = "" if width == 1 else f"{100 * alone / width / each:.0f} %"
+        return [name, states, duration(spent), duration(elapsed), f"{each * 1e6:.2f} µs", ideal]
+
+    head = ["sweep", "states", "processor", "time", "a state", "of ideal speed"]
+    found = table(head, [cells(*line) for line in lines])
+    wrong = sum(subject["wrong"] for subject in report["subjects"])
+    numbers = sum(subject["numbers"] for subject in report["subjects"])
+    return {
+        "sweep": f"{stamp(of_commit)}, {cores} cores.\n\n{found}\n\nThe last: {numbers:.3g} numbers, {counted(wrong, 'wrong one')}; the digest is\n`{report['digest']}`."
+    }
+
+
 def proof(arguments):
     """The audit at many states: how many numbers, the largest error, what of the mutants was noticed."""
     program, many = command(), 100 if arguments.quick else 10_000
@@ -633,6 +689,8 @@ MEASUREMENTS = {
     printed("forms"): ("forms",),
     solutions: ("solutions",),
     printed("stress", "--picture", str(EXPLANATION / "stress.svg")): ("stress",),
+    printed("notice", "--picture", str(EXPLANATION / "notice.svg")): ("notice",),
+    sweep: ("sweep",),
     proof: ("proof",),
     printed("assembly"): ("assembly",),
     of_peer_rules: (peer_rules.BLOCK,),

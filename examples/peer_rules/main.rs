@@ -9,8 +9,8 @@
 #[path = "../../benches/hand/commit.rs"]
 mod commit;
 mod rules;
+mod subject;
 
-use pintle_audit::case::moved;
 use pintle_audit::judge::verdict::Wanted;
 use pintle_audit::mutants::mutant::{Mistake, Scene, mutants};
 use pintle_audit::oracles::oracle::Narrow;
@@ -18,67 +18,10 @@ use pintle_audit::oracles::truth::Truth;
 use pintle_audit::sampling::{Region, draw_case};
 use pintle_audit::singular::atlas;
 use pintle_audit::{Bound, Case, Entries, Quantity, product};
-use pintle_kinematics::catalog::{ConnectionType, TABLE};
-use pintle_kinematics::connector::{Branch, Connector, Increment, Output, Request, State, Tally};
 use pintle_kinematics::draw::Draw;
-use pintle_kinematics::node::{DOFS, Node, Pair};
 use rules::{Jacobian, NAMES, Peers, Problem, exceeds};
 use std::collections::BTreeMap;
-
-/// A connector at a state: its values as a function of the nodal degrees of freedom that it has.
-struct Subject {
-    connector: Connector<f64>,
-    branch: Branch<f64>,
-    state: State<f64>,
-    /// The degrees of freedom, and the components that have a row.
-    columns: Vec<usize>,
-    components: Vec<usize>,
-}
-
-impl Subject {
-    fn of(case: &Case, rows: &Entries<f64>) -> Option<Self> {
-        let connector = case.connector();
-        let end = case.last()?;
-        let branch = connector.advance(&end.state, &end.increment, &case.branch_before(&connector));
-        let columns = (0..DOFS).filter(|j| connector.active()[*j]).collect();
-        let components = (0..6).filter(|k| rows.0[*k].is_some()).collect();
-        Some(Self { connector, branch, state: end.state, columns, components })
-    }
-
-    /// Displacements and flow as they are, rotations from the present triads on.
-    fn parameters(&self) -> Vec<f64> {
-        let Pair { a, b, .. } = &self.state.pair;
-        let of = |node: &Node<f64>| {
-            let [x, y, z] = node.displacement;
-            [x, y, z, 0.0, 0.0, 0.0, node.flow]
-        };
-        let all = [of(a), of(b)].concat();
-        self.columns.iter().map(|j| all[*j]).collect()
-    }
-
-    fn values(&self, parameters: &[f64]) -> Vec<f64> {
-        let mut at = [0.0; DOFS];
-        for (j, x) in self.columns.iter().zip(parameters) {
-            at[*j] = *x;
-        }
-        let mut state = self.state;
-        for node in [&mut state.pair.a, &mut state.pair.b] {
-            node.displacement = [0.0; 3];
-            node.flow = 0.0;
-        }
-        state.pair = moved(&state.pair, &at);
-        let asked = Request::new(&[Output::CU, Output::RES], [true; 6], 0);
-        let found =
-            self.connector.evaluate(&state, &Increment::none(), &self.branch, &asked, &mut Tally::default());
-        let value = |k: &usize| found.residual[*k].or(found.displacement[*k]).unwrap_or(f64::NAN);
-        self.components.iter().map(value).collect()
-    }
-
-    fn jacobian(&self, entry: impl Fn(usize, usize) -> Option<f64>) -> Jacobian {
-        let row = |k: &usize| self.columns.iter().map(|j| entry(*k, *j).unwrap_or(0.0)).collect();
-        self.components.iter().map(row).collect()
-    }
-}
+use subject::{Subject, functions};
 
 /// Whether each rule calls the Jacobian wrong.
 struct Judges<'a> {
@@ -171,14 +114,6 @@ fn print(title: &str, found: &Tallies) {
     }
     let alarms: Vec<String> = found.false_alarms.iter().map(|n| format!("{n} of {}", found.states)).collect();
     println!("| *false alarms* | {} | |", alarms.join(" | "));
-}
-
-/// Types whose components are functions: a one-form, whose row is given, has no values to be differenced.
-fn functions() -> impl Iterator<Item = &'static ConnectionType> {
-    TABLE.iter().filter(|connection| {
-        let mut positions = connection.slots.iter().filter_map(|slot| slot.position());
-        !positions.any(|measure| measure.is_one_form())
-    })
 }
 
 fn main() {

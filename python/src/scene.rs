@@ -15,7 +15,7 @@ use pintle_model::evaluate::{
     Fixed, ForeignPattern, Jacobian, Model, Motions, NodeArrays, Numbers, Plan, Selection, Sequence, request,
 };
 use pintle_report::{flag_in_words, into_arrays};
-use pintle_scene::Format;
+use pintle_scene::{Format, NodeFreedom};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,6 +38,7 @@ type Column = (String, u8);
 #[pyclass(frozen, module = "pintle._pintle")]
 pub(crate) struct Scene {
     scene: Read,
+    freedom: NodeFreedom,
     model: Model,
     pattern: OnceLock<(Plan, Jacobian)>,
 }
@@ -49,7 +50,8 @@ fn refused(error: impl Display) -> PyErr {
 impl Scene {
     fn of(scene: Read) -> PyResult<Self> {
         let model = Model::compile(&scene).map_err(refused)?;
-        Ok(Self { scene, model, pattern: OnceLock::new() })
+        let freedom = NodeFreedom::of(&scene);
+        Ok(Self { scene, freedom, model, pattern: OnceLock::new() })
     }
 
     /// The states of a file or a document in JSON; without one, those of the scene.
@@ -70,7 +72,7 @@ impl Scene {
         arrays: Option<&NodeArrays<'_>>,
     ) -> PyResult<Vec<State>> {
         if let Some(arrays) = arrays {
-            arrays.check(&self.scene).map_err(|wrong| {
+            arrays.check(&self.scene, &self.freedom).map_err(|wrong| {
                 let all: Vec<String> = wrong.iter().map(ToString::to_string).collect();
                 PyValueError::new_err(all.join("\n"))
             })?;

@@ -191,6 +191,50 @@ def test_arrays_that_cannot_be_are_refused_in_words():
     assert none["CU"].shape == (0, 6, 6)
 
 
+DECK = """*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+*ELEMENT, TYPE={element}, ELSET=E
+1, 1, 2
+*CONNECTOR SECTION, ELSET=E
+{connection}
+"""
+
+
+@pytest.mark.parametrize(
+    "element, connection, has, lacks",
+    (
+        ("CONN3D2", "JOIN", {"u": [1, 2, 3]}, "no rotational degrees of freedom"),
+        ("CONN2D2", "CARTESIAN", {"u": [1, 2, 0], "rotation_vector": [0, 0, 1]}, "leaves the plane"),
+    ),
+)
+def test_nodes_move_only_by_degrees_of_freedom_that_they_have(tmp_path, element, connection, has, lacks):
+    deck = tmp_path / "deck.inp"
+    deck.write_text(DECK.format(element=element, connection=connection))
+    scene = pintle.Scene(deck)
+
+    def moved(**numbers):
+        zeros = {"u": 3, "rotation_vector": 3, "angular_velocity": 3, "acceleration": 3, "quaternion": 4}
+        arrays = {name: numpy.zeros((4, 1, zeros[name])) for name in numbers}
+        for name, of in numbers.items():
+            arrays[name][2:, 0] = of
+            if name == "quaternion":
+                arrays[name][:2, 0] = [1, 0, 0, 0]
+        return {"node": [2], **arrays}
+
+    assert numpy.isfinite(scene.evaluate(moved(**has), ["CP"])["CP"]).any()
+    assert numpy.isfinite(scene.evaluate(moved(quaternion=[1, 0, 0, 0]), ["CP"])["CP"]).any()
+    wrong = [{"rotation_vector": [0, 1e-9, 0]}, {"angular_velocity": [1, 0, 0]}, {"quaternion": [0.6, 0.8, 0, 0]}]
+    if lacks == "leaves the plane":
+        wrong += [{"u": [0, 0, 1]}, {"acceleration": [0, 0, 1]}]
+    for numbers in wrong:
+        [name] = numbers
+        with pytest.raises(ValueError, match=f"{name} of node 2 at state 2 .*{lacks}.*; so are 1 others"):
+            scene.evaluate(moved(**numbers))
+        with pytest.raises(ValueError, match=lacks):
+            scene.jacobian(moved(**numbers))
+
+
 def test_states_of_ones_own_and_what_is_wrong_with_them(tmp_path):
     scene = pintle.Scene("gallery:slider_crank")
     moved = [{"time": 0.5, "nodes": {6: {"displacement": numpy.array([0.1, 0, 0])}}}]

@@ -113,10 +113,53 @@ impl NodeFreedom {
         self.nodes.get(&node).is_some_and(|freedom| freedom.is_connected && !freedom.rotates)
     }
 
+    /// What a node lacks of three displacements and three rotations.
+    #[must_use]
+    pub fn lacks(&self, node: Label) -> [[Option<Lack>; 3]; 2] {
+        let plane = self.is_planar(node).then_some(Lack::Plane);
+        let turn = self.is_fixed_in_rotation(node).then_some(Lack::Rotations);
+        [[None, None, plane], [turn.or(plane), turn.or(plane), turn]]
+    }
+
     /// Whether a node belongs to an element CONN2D2, or to a model of two dimensions.
     #[must_use]
     pub fn is_planar(&self, node: Label) -> bool {
         self.two_dimensional || self.nodes.get(&node).is_some_and(|freedom| freedom.is_planar)
+    }
+}
+
+/// Why a node cannot move along or about an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lack {
+    /// It belongs to connectors, and nothing gives it rotations.
+    Rotations,
+    /// It is confined to the plane: degrees of freedom 3, 4 and 5.
+    Plane,
+}
+
+impl Lack {
+    /// What a node lacks.
+    #[must_use]
+    pub const fn what(self) -> &'static str {
+        match self {
+            Self::Rotations => "has no rotational degrees of freedom",
+            Self::Plane => "of a two-dimensional element or model leaves the plane",
+        }
+    }
+
+    /// How the motion is given right.
+    #[must_use]
+    pub const fn remedy(self) -> &'static str {
+        match self {
+            Self::Rotations => {
+                "leave its rotation and angular rates out; JOIN, AXIAL, LINK and ends without an orientation give none, an \
+                 element ROTARYI does"
+            }
+            Self::Plane => {
+                "CONN2D2 and models of two dimensions have the degrees of freedom 1, 2, 6 and 10: give u1, u2, ur3, flow and \
+                 their rates, or use CONN3D2"
+            }
+        }
     }
 }
 

@@ -84,7 +84,7 @@ pub use document::in_words_of;
 pub use document::schema;
 pub use document::{Converted, Format, MAX_DOCUMENT, SCHEMA_TEXT};
 pub use forces::{ForceFile, ForceStream, StateIndex};
-pub use freedom::NodeFreedom;
+pub use freedom::{Lack, NodeFreedom};
 pub use gallery::{Example, GALLERY};
 pub use include::{Disk, Files, MAX_INCLUDE_DEPTH, MAX_INCLUDED_BYTES, MAX_INCLUDES, NoFiles};
 pub use label::MAX_LABEL;

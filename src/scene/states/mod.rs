@@ -27,7 +27,7 @@ mod vanish;
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::forces;
 use crate::forces::GivenForces;
-use crate::freedom::NodeFreedom;
+use crate::freedom::{Lack, NodeFreedom};
 use crate::label::{Label, LabelError};
 use crate::model::{NodeMotion, Rotation, Scene, State};
 use crate::span::{Span, Spanned};
@@ -223,20 +223,22 @@ fn check_motion(node: Label, motion: &NodeMotion, freedom: &NodeFreedom) -> Resu
     };
     let turns = [rotation, motion.angular_velocity, motion.angular_acceleration];
     let moves = [motion.displacement, motion.velocity, motion.acceleration];
-    if freedom.is_fixed_in_rotation(node) && turns.as_flattened().iter().any(|part| *part != 0.0) {
-        let message = format!("node {node} is turned and has no rotational degrees of freedom");
-        let remedy = "leave its rotation and angular rates out; JOIN, AXIAL, LINK and ends without an orientation give none, an \
-                      element ROTARYI does";
-        return Err(Fault::new(Code::StatesNoRotation, message, remedy));
+    let [of_moves, of_turns] = freedom.lacks(node);
+    let given = |motions: [[f64; 3]; 3], lacks: [Option<Lack>; 3]| {
+        motions.into_iter().flat_map(move |motion| motion.into_iter().zip(lacks))
+    };
+    let lack = given(turns, of_turns).chain(given(moves, of_moves));
+    match lack.filter(|(part, _)| *part != 0.0).find_map(|(_, lack)| lack) {
+        None => Ok(()),
+        Some(lack @ Lack::Rotations) => {
+            let message = format!("node {node} is turned and {}", lack.what());
+            Err(Fault::new(Code::StatesNoRotation, message, lack.remedy()))
+        }
+        Some(lack @ Lack::Plane) => {
+            let message = format!("node {node} {}", lack.what());
+            Err(Fault::new(Code::StatesOutOfPlane, message, lack.remedy()))
+        }
     }
-    let leaves = moves.iter().any(|[_, _, along]| *along != 0.0)
-        || turns.iter().any(|[first, second, _]| *first != 0.0 || *second != 0.0);
-    if freedom.is_planar(node) && leaves {
-        let message = format!("node {node} of a two-dimensional element or model leaves the plane");
-        let remedy = "CONN2D2 and models of two dimensions have the degrees of freedom 1, 2, 6 and 10: give u1, u2, ur3, flow and their rates, or use CONN3D2";
-        return Err(Fault::new(Code::StatesOutOfPlane, message, remedy));
-    }
-    Ok(())
 }
 
 impl Serialize for StateFile {

@@ -17,7 +17,7 @@ use part::Part;
 use pintle_kinematics::batch::Batch;
 use pintle_kinematics::connector::{Connector, Evaluation, Output, Request, Tally};
 use pintle_kinematics::node::DOFS;
-use pintle_scene::{Label, MAX_ROTATION, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State};
+use pintle_scene::{Lack, Label, MAX_ROTATION, NodeFreedom, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -111,10 +111,11 @@ fn more(others: usize) -> String {
 
 impl NodeArrays<'_> {
     /// Whether its nodes are those of a scene, and all numbers finite, rotations up to 1e8 rad and quaternions of norm 1, as in files of states.
+    /// No node moves along or about what it has no degree of freedom for.
     ///
     /// # Errors
     /// All that is wrong: the first of each array, with the number of others.
-    pub fn check(&self, scene: &Scene) -> Result<(), Vec<MotionError>> {
+    pub fn check(&self, scene: &Scene, freedom: &NodeFreedom) -> Result<(), Vec<MotionError>> {
         let mut found = Vec::new();
         let unknown = self.nodes.iter().filter(|node| !scene.nodes.contains_key(*node));
         found.extend(unknown.take(SHOWN).map(|node| MotionError::UnknownNode(*node, scene.name.clone())));
@@ -126,36 +127,49 @@ impl NodeArrays<'_> {
             let wrong = of.iter().find(|x| !x.is_finite())?;
             Some(format!("{wrong} is no finite number"))
         }
-        let three = [
-            ("u", self.displacement),
-            ("velocity", self.velocity),
+        fn held(of: &[f64; 3], lacks: &[Option<Lack>; 3]) -> Option<String> {
+            let held = of.iter().zip(lacks).filter(|(part, _)| **part != 0.0);
+            let lack = held.filter_map(|(_, lack)| *lack).next()?;
+            Some(format!("the node {}; {}", lack.what(), lack.remedy()))
+        }
+        let lacks: Vec<_> = self.nodes.iter().map(|node| freedom.lacks(*node)).collect();
+        let of_moves = |n: usize| lacks.get(n).map_or(&[None; 3], |[moves, _]| moves);
+        let of_turns = |n: usize| lacks.get(n).map_or(&[None; 3], |[_, turns]| turns);
+        for (name, array) in
+            [("u", self.displacement), ("velocity", self.velocity), ("acceleration", self.acceleration)]
+        {
+            let wrong = |n, of: &[f64; 3]| finite(of).or_else(|| held(of, of_moves(n)));
+            self.check_array::<3>((name, array), wrong, &mut found);
+        }
+        for (name, array) in [
             ("angular_velocity", self.angular_velocity),
-            ("acceleration", self.acceleration),
             ("angular_acceleration", self.angular_acceleration),
-        ];
-        for (name, array) in three {
-            self.check_array::<3>((name, array), finite, &mut found);
+        ] {
+            let wrong = |n, of: &[f64; 3]| finite(of).or_else(|| held(of, of_turns(n)));
+            self.check_array::<3>((name, array), wrong, &mut found);
         }
         for (name, array) in ["flow", "flow_velocity", "flow_acceleration"].into_iter().zip(self.flow) {
-            self.check_array::<1>((name, array), finite, &mut found);
+            self.check_array::<1>((name, array), |_, of| finite(of), &mut found);
         }
         match self.rotation {
             Some(Rotations::Vectors(of)) => self.check_array::<3>(
                 ("rotation_vector", Some(of)),
-                |of| {
+                |n, of| {
                     let length = of.iter().fold(0.0_f64, |sum, x| sum.hypot(*x));
                     let is_right = length <= MAX_ROTATION;
-                    (!is_right)
-                        .then(|| format!("a rotation of {length} rad; rotations are in rad, up to 1e8"))
+                    let too_large = || format!("a rotation of {length} rad; rotations are in rad, up to 1e8");
+                    (!is_right).then(too_large).or_else(|| held(of, of_turns(n)))
                 },
                 &mut found,
             ),
             Some(Rotations::Quaternions(of)) => self.check_array::<4>(
                 ("quaternion", Some(of)),
-                |of| {
+                |n, of: &[f64; 4]| {
                     let norm = of.iter().fold(0.0_f64, |sum, x| sum.hypot(*x));
                     let is_right = (norm - 1.0).abs() <= QUATERNION_TOLERANCE;
-                    (!is_right).then(|| format!("a quaternion of norm {norm}; divide w, x, y, z by it"))
+                    let unequal_one = || format!("a quaternion of norm {norm}; divide w, x, y, z by it");
+                    let [_, x, y, z] = *of;
+                    (!is_right).then(unequal_one).or_else(|| held(&[x, y, z], of_turns(n)))
                 },
                 &mut found,
             ),
@@ -167,7 +181,7 @@ impl NodeArrays<'_> {
     fn check_array<const N: usize>(
         &self,
         (array, of): (&'static str, Option<ByNode<'_>>),
-        wrong: impl Fn(&[f64; N]) -> Option<String>,
+        wrong: impl Fn(usize, &[f64; N]) -> Option<String>,
         found: &mut Vec<MotionError>,
     ) {
         let Some(of) = of else { return };
@@ -182,7 +196,7 @@ impl NodeArrays<'_> {
         let mut others = 0;
         for state in 0..self.count {
             for (n, node) in self.nodes.iter().enumerate() {
-                let Some(what) = wrong(&of.at::<N>(state, n)) else { continue };
+                let Some(what) = wrong(n, &of.at::<N>(state, n)) else { continue };
                 match first {
                     None => first = Some((state, *node, what)),
                     Some(_) => others += 1,
