@@ -267,7 +267,7 @@ pub(crate) enum EvalFormat {
     Json,
     /// One table in long form
     Csv,
-    /// Arrays of NumPy by state, connector and component, held in memory until all are known: what
+    /// Arrays of NumPy by state, connector and component, written as states are evaluated: what
     /// pintle.Scene.evaluate gives
     Npz,
 }
