@@ -56,7 +56,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// List the connection types and multi-point constraints
     List(List),
-    /// Explain a connection type, a multi-point constraint (MPC), or the code of a diagnostic
+    /// Explain a connection type, a multi-point constraint (MPC), the code of a diagnostic, or a word of a report
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
