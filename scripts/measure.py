@@ -2,12 +2,13 @@
 
 Usage: python3 scripts/measure.py [BLOCK ...] [--rounds 8] [--quick] [--core N] [--python VENV/bin/python]
                                   [--built FOLDER [--built-best FOLDER]]
-       python3 scripts/measure.py --check
+       python3 scripts/measure.py --check | --shorten
 
 Without a block, all of them. A block is the text between <!-- measured: NAME --> and <!-- end: NAME -->. What is compared is
 measured in rounds that take turns, on one core, and of each the least time counts, so that a busy machine disturbs all alike; every
 participant compares its numbers with the truth before it is timed. --check only verifies that the marks in the documents and the blocks here
-are the same, and that each block tells when it was measured, on what and of which one commit. --built takes the programs from a folder as
+are the same, and that each block tells when it was measured, on what and of which one commit. A short table that follows from a long one is
+written with it; --shorten writes it again from the long one as it stands. --built takes the programs from a folder as
 cargo leaves them, target/release say; each tells the commit that it was built from, which is what is written, and must be of the sources that
 are checked out. What has a better build than they (num-dual: one unit, for this processor) never comes from there: cargo builds it here, or
 has built it in the folder of --built-best by the command that is told where it is not there. Needs gcc, valgrind and, for the first time, a
@@ -38,7 +39,8 @@ WORK = ROOT / "target" / "peers"
 EXPLANATION = ROOT / "docs" / "explanation"
 DOCUMENTS = (
     "README.md",
-    *(f"docs/explanation/{page}.md" for page in ("assembly", "audit", "build", "other-checkers", "performance", "scale", "solutions", "stress", "time-against-error")),
+    *(f"docs/explanation/{page}.md" for page in ("assembly", "audit", "batches-by-hand", "build", "jax-casadi-num-dual", "other-checkers")),
+    *(f"docs/explanation/{page}.md" for page in ("other-checkers-tables", "performance", "scale", "scale-tables", "solutions", "stress", "time-against-error")),
 )
 OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
 OURS = "pintle"
@@ -673,6 +675,35 @@ def build(arguments):
     return {"build": f"{stamp(of_commit)}, {os.cpu_count()} cores, packages fetched before.\n\n{table(['what', 'before', 'now'], lines)}"}
 
 
+# Short tables for pages with an answer
+
+
+def cells(line):
+    return [cell.strip() for cell in line.strip("| ").split(" | ")]
+
+
+def shorter_peers(block):
+    """How many times pintle's time each takes, the geometric mean of the types, by the number of states; and its largest error."""
+    stamp, *tables = block.strip().split("\n\n")
+    times, ratios, errors = ([cells(line) for line in one.splitlines()] for one in tables)
+    times = {(name, batch): [float(ns) for ns in found] for name, batch, *found in times[2:]}
+    at = ratios[0].index("geometric mean")
+    means = {(row[0], row[1]): row[at].strip("*") for row in ratios[2:]}
+    batches = sorted({batch for _, batch in times}, key=lambda batch: int(batch.replace(" ", "")))
+    for (name, batch), found in times.items():
+        means.setdefault((name, batch), f"{mean(ns / of for ns, of in zip(found, times[OURS, batch])):.3g}")
+    lines = [[name, *(means.get((name, batch), "–") for batch in batches), max(found, key=float)] for name, _, *found in errors[2:]]
+    return f"{stamp}\n\n" + table(["times pintle's", *(f"{batch} states" for batch in batches), "largest error"], lines)
+
+
+# The blocks of which each short table is a part.
+SHORT = {"peers-short": ("peers", shorter_peers), "peer-rules-short": (peer_rules.BLOCK, peer_rules.shorter)}
+
+
+def shortened(blocks):
+    return {name: shorter(blocks[long]) for name, (long, shorter) in SHORT.items() if long in blocks}
+
+
 # The blocks that each measurement writes.
 MEASUREMENTS = {
     peers: ("peers", "peers-summary"),
@@ -745,8 +776,8 @@ def check(complete):
     """Whether marks and measurements agree; if `complete`, also whether every block was measured."""
     assert lack(COMPLETE) is None
     assert all(what in (lack(COMPLETE.replace(*change)) or "") for what, change in INCOMPLETE.items())
-    known = {name for names in MEASUREMENTS.values() for name in names}
-    found, wrong = [], []
+    known = {name for names in MEASUREMENTS.values() for name in names} | set(SHORT)
+    found, wrong, all_ = [], [], {}
     for path in documents():
         opened, closed = marks(path.read_text())
         where = path.relative_to(ROOT)
@@ -758,14 +789,22 @@ def check(complete):
         if complete and opened == closed:
             lacking = {name: lack(block) for name, block in blocks(path.read_text()).items()}
             wrong += [f"{where}: {name} {what}: measure.py {name} measures it" for name, what in lacking.items() if what]
+            all_ |= blocks(path.read_text())
         found += opened
     wrong += [f"{name} is in no document" for name in sorted(known - set(found))]
     wrong += [f"{name} is in more than one place" for name in sorted(set(found)) if found.count(name) > 1]
+    stale = [name for name, text in shortened(all_).items() if all_.get(name, "").strip() != text]
+    wrong += [f"{name} does not follow from {SHORT[name][0]}: measure.py --shorten writes it" for name in stale]
     print("\n".join(wrong) or f"{len(found)} measured blocks, each known")
     return not wrong
 
 
-def rewrite(blocks):
+def shorten():
+    rewrite({name: text for path in documents() for name, text in blocks(path.read_text()).items()}, only=SHORT)
+
+
+def rewrite(blocks, only=None):
+    blocks = {name: text for name, text in (blocks | shortened(blocks)).items() if only is None or name in only}
     for document in DOCUMENTS:
         path = ROOT / document
         text = path.read_text()
@@ -788,6 +827,7 @@ def main():
     parser.add_argument("--python", help="an interpreter that has what scripts/peers/requirements.txt names")
     parser.add_argument("--check", action="store_true", help="verify the marks and that each block has a date and a commit; measure nothing")
     parser.add_argument("--built", type=pathlib.Path, metavar="FOLDER", help="take programs from here, as target/release has them")
+    parser.add_argument("--shorten", action="store_true", help="write the short tables again from the long ones; measure nothing")
     of_best = f"take {', '.join(BEST)} from here, which has a better build and never comes from --built"
     parser.add_argument("--built-best", type=pathlib.Path, metavar="FOLDER", help=of_best)
     arguments = parser.parse_args()
@@ -796,6 +836,8 @@ def main():
     arguments.rounds = arguments.rounds or (1 if arguments.quick else 8)
     if unknown := set(arguments.blocks) - set(known):
         parser.error(f"no such block: {', '.join(sorted(unknown))}")
+    if arguments.shorten:
+        return shorten()
     if not check(arguments.check):
         sys.exit(1)
     if not arguments.check:

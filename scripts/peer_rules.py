@@ -1,4 +1,5 @@
-"""What the default rules of other derivative checkers notice: the table in docs/explanation/other-checkers.md, which `scripts/measure.py peer-rules` rewrites.
+"""What the default rules of other derivative checkers notice: the table in docs/explanation/other-checkers-tables.md, which
+`scripts/measure.py peer-rules` rewrites.
 
 Usage: python3 scripts/peer_rules.py --check     (needs cargo, or the example built in PINTLE_PEER_RULES)
 
@@ -14,7 +15,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "explanation" / "other-checkers.md"
+PAGE = ROOT / "docs" / "explanation" / "other-checkers-tables.md"
 BLOCK = "peer-rules"
 BEGIN, END = f"<!-- measured: {BLOCK} -->", f"<!-- end: {BLOCK} -->"
 
@@ -42,6 +43,28 @@ def rows(table):
             name, *cells = (cell.strip() for cell in line.strip("| ").split(" | "))
             found[title, name] = [[float(x) for x in re.findall(r"[\d.]+", cell)] for cell in cells]
     return found
+
+
+# A rule notices an error if it does so in this share of the mutants (%).
+NOTICED = 95.0
+
+
+def shorter(table):
+    """Of each rule the least relative error of an entry that it notices, and its false alarms, by the kind of states."""
+    stamp, head = table.strip().split("\n\n")[0], next(line for line in table.splitlines() if line.startswith("| |"))
+    names = [cell.strip() for cell in head.strip("| ").split(" | ")][:-1]
+    found = {}
+    for (title, name), cells in rows(table).items():
+        if number := re.fullmatch(r"entry × \(1 \+ (.*)\)", name):
+            least = found.setdefault(title, ["none"] * len(names))
+            for rule, (share,) in enumerate(cells[: len(names)]):
+                if share >= NOTICED and (least[rule] == "none" or float(number[1]) < float(least[rule])):
+                    least[rule] = number[1]
+        elif name == "*false alarms*":
+            alarms = [f"{wrong:.0f} of {of:.0f}" for wrong, of in cells[: len(names)]]
+            found[title] = [f"{least}; {alarm}" for least, alarm in zip(found[title], alarms)]
+    lines = [["least relative error noticed; false alarms", *names], ["---"] * (len(names) + 1), *([title, *cells] for title, cells in found.items())]
+    return f"{stamp}\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def check():

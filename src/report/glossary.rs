@@ -8,14 +8,16 @@ use std::io::{self, Write};
 use std::iter;
 
 /// The pages: tables whose first column is the word, or words, and whose second is the meaning, or what a field holds.
-const PAGES: [&str; 12] = [
+const PAGES: [&str; 14] = [
     include_str!("../../docs/reference/words.md"),
+    include_str!("../../docs/reference/words-of-audits.md"),
     include_str!("../../docs/reference/verdicts.md"),
     include_str!("../../docs/reference/outputs.md"),
     include_str!("../../docs/reference/conventions.md"),
     include_str!("../../docs/reference/solution.md"),
     include_str!("../../docs/explanation/audit.md"),
     include_str!("../../docs/how-to/sweep.md"),
+    include_str!("../../docs/reference/sweep-states.md"),
     include_str!("../../docs/reference/json.md"),
     include_str!("../../docs/reference/protocol.md"),
     include_str!("../../docs/reference/protocol-answers.md"),

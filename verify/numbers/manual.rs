@@ -173,7 +173,7 @@ const MANUAL: &[Row] = &[
         constraint_forces: "m3",
         orientation: ["required", "ignored"],
         planar: "Standard only",
-        page: "connectiontypedesc-flowconverter, guide; orientations and m3 from seed RETRACTOR",
+        page: "connectiontypedesc-flowconverter, guide; orientations and m3 from connection type RETRACTOR",
         ..ROTATIONAL
     },
     Row {
@@ -260,7 +260,7 @@ const MANUAL: &[Row] = &[
         constraint_forces: "f1, f2, f3, m3",
         orientation: ["required", "ignored"],
         planar: "Standard only",
-        page: "seed RETRACTOR, Figure 31.1.5–24 and Summary",
+        page: "connection type RETRACTOR, Figure 31.1.5–24 and Summary",
         ..ASSEMBLED
     },
     Row {
@@ -271,7 +271,7 @@ const MANUAL: &[Row] = &[
         kinetic_forces: "m1",
         stops: "θ1min ≤ α ≤ θ1max",
         references: "θ1ref",
-        page: "seed REVOLUTE, Figure 31.1.5–25 and Summary",
+        page: "connection type REVOLUTE, Figure 31.1.5–25 and Summary",
         ..ROTATIONAL
     },
     Row {
@@ -282,14 +282,14 @@ const MANUAL: &[Row] = &[
         stops: "θ1min ≤ φ1 ≤ θ1max, θ2min ≤ φ2 ≤ θ2max, θ3min ≤ φ3 ≤ θ3max",
         references: "θ1ref, θ2ref, θ3ref",
         planar: "yes",
-        page: "seed ROTATION, Figure 31.1.5–26 and Summary",
+        page: "connection type ROTATION, Figure 31.1.5–26 and Summary",
         ..ROTATIONAL
     },
     Row {
         name: "ROTATION-ACCELEROMETER",
         orientation: ["optional", "optional"],
         solvers: "Explicit only",
-        page: "seed ROTATION-ACCELEROMETER, Figure 31.1.5–27 and Summary",
+        page: "connection type ROTATION-ACCELEROMETER, Figure 31.1.5–27 and Summary",
         ..ROTATIONAL
     },
     Row {
@@ -303,7 +303,7 @@ const MANUAL: &[Row] = &[
         references: "l2ref, l3ref",
         friction_parameters: "optional: F_C^int",
         friction: &[["√(f2² + f3²)", "|f1|", "CSFC"]],
-        page: "seed SLIDE-PLANE, Figure 31.1.5–28; Analysis Guide 31.1.5, summary",
+        page: "connection type SLIDE-PLANE, Figure 31.1.5–28; Analysis Guide 31.1.5, summary",
         ..BASIC
     },
     Row {
@@ -344,7 +344,7 @@ const MANUAL: &[Row] = &[
         friction_parameters: "optional: R_r, L, F_C^int",
         friction: &[["|f1|", "|m1|/R_r + √(f2² + f3²) + (2/L) √(m2² + m3²)", "CSF1"]],
         planar: "yes",
-        page: "seed TRANSLATOR, Friction and Summary",
+        page: "connection type TRANSLATOR, Friction and Summary",
         ..ASSEMBLED
     },
     Row {

@@ -222,7 +222,7 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         },
         what: "a contact angle from the positions of the nodes",
         remedy: "give the contact angle in radians as item 2 of the section data; the default of Standard is 0, and then there is no friction",
-        source: "connection type SLIPRING, Friction (decision D-26)",
+        source: "connection type SLIPRING, Friction (our reading)",
         evidence: Evidence::P,
         harmless: true,
     },
@@ -275,9 +275,9 @@ impl Breach {
     }
 }
 
-/// The place of the manual that a source names, without the note of a decision behind it.
+/// The place of the manual that a source names, without the note that it is our reading.
 fn page(source: &str) -> &str {
-    let note = source.rsplit_once(" (").filter(|(_, note)| note.contains("decision"));
+    let note = source.rsplit_once(" (").filter(|(_, note)| note.contains("our reading"));
     note.map_or(source, |(page, _)| page)
 }
 

@@ -53,7 +53,7 @@ static ACCELEROMETER: Half = Half {
     in_standard: Some(&CARTESIAN),
     forces: "none",
     stops: false,
-    source: "connection type ACCELEROMETER, Description (decision D-25)",
+    source: "connection type ACCELEROMETER, Description (our reading)",
     note: "Output only: v_i = (v_b − v_a)·eib, a_i = (a_b − a_a)·eib, which are not time derivatives of u_i. In a Standard analysis \
            it is CARTESIAN.",
     ..TRANSLATIONAL
@@ -111,7 +111,7 @@ static PROJECTION_CARTESIAN: Half = Half {
     ],
     orientation: [rule(Required, P), rule(Optional, P)],
     forces: "f = f1 e1 + f2 e2 + f3 e3",
-    source: "connection type PROJECTION CARTESIAN, Description (decision D-17)",
+    source: "connection type PROJECTION CARTESIAN, Description (our reading)",
     note: "The directions e1, e2, e3 lie midway between those of a and b; forces load the rotations of both nodes.",
     ..TRANSLATIONAL
 };
@@ -133,7 +133,7 @@ static SLIDE_PLANE: Half = Half {
     planar: Never,
     forces: "f = f1 e1a, f_s-p = f2 e2a + f3 e3a",
     friction: Some(friction::SLIDE_PLANE),
-    source: "seed SLIDE-PLANE, Description and Friction; summary in the Analysis Guide 31.1.5",
+    source: "connection type SLIDE-PLANE, Description and Friction; summary in the Analysis Guide 31.1.5",
     ..TRANSLATIONAL
 };
 
@@ -162,7 +162,7 @@ static ALIGN: Half = Half {
     source: "connection type ALIGN, Description and Summary",
     note: "Directions that do not coincide initially keep their relative orientation; the position output is its Cardan angles. Of such, \
            m1, m2, m3 are the components of the moment M on b along axes that a carries: M·e1a, M·(cos α e2a + sin α e3a), M·e, with the \
-           initial α and e3b = e initially; a unit moment of one has no component along the two others (decision D-5).",
+           initial α and e3b = e initially; a unit moment of one has no component along the two others (our reading).",
     ..ROTATIONAL
 };
 
@@ -181,7 +181,7 @@ static CONSTANT_VELOCITY: Half = Half {
     slots: [Absent, Constrained(Torsion, Held), Absent],
     forces: "m = m2 (e3a + e3b)/(1 + e3a·e3b)",
     stops: false,
-    source: "connection type CONSTANT VELOCITY, Description (decision D-8)",
+    source: "connection type CONSTANT VELOCITY, Description (our reading)",
     note: "The shafts are e3a and e3b. The printed angle B is −β: it stays constant.",
     ..ROTATIONAL
 };
@@ -191,7 +191,7 @@ static EULER: Half = Half {
     slots: [Available(Euler(1)), Available(Euler(2)), Available(Euler(3))],
     orientation: [rule(Required, P), rule(Optional, P)],
     forces: "m1 = M·e3a, m2 = M·(cos α e1a + sin α e2a), m3 = M·e3b",
-    source: "connection type EULER, Description; β = ± acos(e3a·e3b) + 2jπ where the page prints + jπ (decision D-3)",
+    source: "connection type EULER, Description; β = ± acos(e3a·e3b) + 2jπ where the page prints + jπ (our reading)",
     note: "Locks where e3a and e3b are parallel: give b an orientation of its own.",
     ..ROTATIONAL
 };
@@ -201,7 +201,7 @@ static FLEXION_TORSION: Half = Half {
     slots: [Available(Flexion), Available(Torsion), Available(Sweep)],
     orientation: [rule(Required, P), rule(Optional, P)],
     forces: "m = m1 q + m2 (e3a + e3b)/(1 + c) + m3 (e3a − c e3b)/sin²α, c = e3a·e3b",
-    source: "connection type FLEXION-TORSION, Description; formulas ours (decision D-16)",
+    source: "connection type FLEXION-TORSION, Description; formulas ours",
     note: "The sweep is meant as an independent variable of the behaviour: it does not exist without flexion.",
     ..ROTATIONAL
 };
@@ -214,7 +214,7 @@ static FLOW_CONVERTER: Half = Half {
     planar: StandardOnly,
     forces: "m3: moment m3 e3a on a, −m3 e3a on b, flow force −βs m3 at b",
     stops: false,
-    source: "connection type FLOW-CONVERTER, Description; seed RETRACTOR, Summary (decisions D-9, D-28)",
+    source: "connection type FLOW-CONVERTER, Description; RETRACTOR, Summary (our reading)",
     note: "Positive from a minus b, opposite to every other rotation; degree of freedom 10 at b must be restrained.",
     ..ROTATIONAL
 };
@@ -240,7 +240,7 @@ static REVOLUTE: Half = Half {
     printed: Some((PrintedMoment::AlongA, S)),
     orientation: [rule(Required, S), rule(Optional, S)],
     forces: "m = m2 e2a + m3 e3a, m_revolute = m1 e1a",
-    source: "seed REVOLUTE, Description and Summary (decisions D-1, D-2)",
+    source: "connection type REVOLUTE, Description and Summary (our reading)",
     note: "Axes that do not align initially keep their second and third Cardan angles.",
     ..ROTATIONAL
 };
@@ -251,8 +251,8 @@ static ROTATION: Half = Half {
     printed: Some((PrintedMoment::AlongA, S)),
     orientation: [rule(Optional, S), rule(Optional, S)],
     planar: Always,
-    forces: "m_i = M·eia as printed; work-conjugate: M = A H⁻ᵀ m (decision D-6)",
-    source: "seed ROTATION, Description and Summary (decisions D-6, D-22)",
+    forces: "m_i = M·eia as printed; work-conjugate: M = A H⁻ᵀ m (our reading)",
+    source: "connection type ROTATION, Description and Summary (our reading)",
     note: "Not suited to behaviour at finite three-dimensional rotation: CARDAN or EULER are.",
     ..ROTATIONAL
 };
@@ -264,7 +264,7 @@ static ROTATION_ACCELEROMETER: Half = Half {
     availability: ExplicitOnly,
     forces: "none",
     stops: false,
-    source: "seed ROTATION-ACCELEROMETER, Description and Summary (decision D-7)",
+    source: "connection type ROTATION-ACCELEROMETER, Description and Summary (our reading)",
     note: "Output only: vr_i = (ω_b − ω_a)·eib, ar_i = (α_b − α_a)·eib, which are not time derivatives of ur_i.",
     ..ROTATIONAL
 };
@@ -274,7 +274,7 @@ static UNIVERSAL: Half = Half {
     slots: [Available(Cardan(1)), Constrained(Cardan(2), ZeroOrHeld(Cosine(1, 3))), Available(Cardan(3))],
     printed: Some((PrintedMoment::CardanAxes, D)),
     forces: "m = m2 (cos α e2a + sin α e3a), m_universal = m1 e1a + m3 e3b",
-    source: "connection type UNIVERSAL, Description and Summary (decision D-5)",
+    source: "connection type UNIVERSAL, Description and Summary (our reading)",
     note: "The shafts are e2a and e2b. A second Cardan angle that is not zero initially is kept.",
     ..ROTATIONAL
 };
@@ -323,22 +323,28 @@ pub static TABLE: &[ConnectionType] = &[
         &SLIDE_PLANE,
         &REVOLUTE,
         Some(friction::PLANAR),
-        "connection type PLANAR (second friction criterion: decision D-11)",
+        "connection type PLANAR (second friction criterion: our reading)",
     ),
-    ConnectionType::assembled("RETRACTOR", &JOIN, &FLOW_CONVERTER, None, "seed RETRACTOR, Summary"),
+    ConnectionType::assembled(
+        "RETRACTOR",
+        &JOIN,
+        &FLOW_CONVERTER,
+        None,
+        "connection type RETRACTOR, Summary",
+    ),
     ConnectionType::assembled(
         "TRANSLATOR",
         &SLOT,
         &ALIGN,
         Some(friction::TRANSLATOR),
-        "seed TRANSLATOR, Friction and Summary (decision D-18)",
+        "connection type TRANSLATOR, Friction and Summary (our reading)",
     ),
     ConnectionType::assembled(
         "UJOINT",
         &JOIN,
         &UNIVERSAL,
         Some(friction::UJOINT),
-        "connection type UJOINT (friction: decision D-13)",
+        "connection type UJOINT (friction: our reading)",
     ),
     ConnectionType::assembled("WELD", &JOIN, &ALIGN, None, "connection type components, WELD"),
     ConnectionType {
@@ -356,7 +362,7 @@ pub static TABLE: &[ConnectionType] = &[
         stops: false,
         flow: [true, true],
         rotations: [false, false],
-        source: ["connection type SLIPRING, Description (decision D-10: strain = λ − 1)", ""],
+        source: ["connection type SLIPRING, Description (our reading: strain = λ − 1)", ""],
         notes: ["Ψa > 0 where material enters the segment, Ψb > 0 where it leaves it.", ""],
     },
 ];

@@ -165,7 +165,7 @@ pub const TABLE: [Entry; 6] = [
         rows: "δρ = δθS − δθM − a δφJ.",
         remarks: &[IMPLIED, NO_TRANSLATIONS, "C(φJ a) C(φM) = C(φM) C(φJ a0), which is what is computed."],
         sources: &[
-            "seed Revolute joint, Eq. 1 and the text around it",
+            "MPC REVOLUTE, Revolute joint, Eq. 1 and the text around it",
             "keyword *MPC, type REVOLUTE (initial axis, solver)",
         ],
     },

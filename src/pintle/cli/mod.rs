@@ -56,7 +56,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// List the connection types and multi-point constraints
     List(List),
-    /// Explain a connection type, a multi-point constraint (MPC), or the code of a diagnostic
+    /// Explain a connection type, a multi-point constraint (MPC), the code of a diagnostic, or a word of a report
     Explain(Explain),
     /// Evaluate the connectors of a scene: positions, displacements, rates, residuals, derivatives
     Eval(Box<Eval>),
@@ -267,7 +267,7 @@ pub(crate) enum EvalFormat {
     Json,
     /// One table in long form
     Csv,
-    /// Arrays of NumPy by state, connector and component, held in memory until all are known: what
+    /// Arrays of NumPy by state, connector and component, written as states are evaluated: what
     /// pintle.Scene.evaluate gives
     Npz,
 }
@@ -432,7 +432,8 @@ Outputs:
   take 1 to 6: RES4 is that of ur1. Derivatives are taken of every component
   named.
   Without --outputs: CP, CU, RES; CV and CA if a state has rates; CSLST, CEF, CVF,
-  CCF, CFAILST, DRIVEN if a connector has what they tell of; CTF, PM, NF if
+  CCF, CFAILST, DRIVEN if a connector has what they tell of; CSF, CNF, CASU if
+  motions tell what presses on a friction, or forces are given; CTF, PM, NF if
   forces are given; in every format. What is not asked for is not computed.
   Velocities of dampers are the rates of the states; if no state has rates, they
   are increments over the time between states, as in statics.

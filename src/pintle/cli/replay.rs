@@ -21,7 +21,7 @@ pub(crate) enum Form {
 
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
-    /// A counter-example, as `pintle audit --counter-examples` writes it
+    /// A counter-example, as `pintle audit --counter-examples` or `pintle sweep --state` writes it
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Plant a fault, to see the state fail
