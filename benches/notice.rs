@@ -10,7 +10,6 @@
 #[path = "hand/commit.rs"]
 mod commit;
 #[path = "../examples/peer_rules/rules.rs"]
-#[expect(dead_code, reason = "the example asks for all rules at once")]
 mod rules;
 #[path = "../examples/peer_rules/subject.rs"]
 mod subject;
@@ -56,10 +55,13 @@ struct Given {
 /// Whether a check calls rows wrong.
 type Judge<'a> = Box<dyn Fn(&Entries<f64>) -> bool + 'a>;
 
-/// A check: what it computes of a state before it sees a Jacobian.
+/// What a check computes of a state before it sees a Jacobian.
+type Prepare = Box<dyn for<'a> Fn(&'a Given) -> Option<Judge<'a>>>;
+
+/// A check.
 struct Way {
     name: String,
-    prepare: Box<dyn for<'a> Fn(&'a Given) -> Option<Judge<'a>>>,
+    prepare: Prepare,
     is_ours: bool,
 }
 
@@ -243,10 +245,9 @@ fn draw(panels: &[(&str, usize, Vec<Found>)], ways: &[Way], told: &str, path: &P
             .light_line_style(WHITE)
             .bold_line_style(RGBColor(225, 225, 225))
             .draw()?;
-        let points = ways.iter().zip(all).filter_map(|(way, found)| {
+        let points = ways.iter().zip(all).map(|(way, found)| {
             let [middle, _] = noticed(found);
-            let y = middle.map_or(0.0, f64::log10);
-            Some((way, found, (found.seconds.log10(), y)))
+            (way, found, (found.seconds.log10(), middle.map_or(0.0, f64::log10)))
         });
         let mut labels: Vec<(f64, f64)> = Vec::new();
         for (way, found, (x, y)) in points {
@@ -308,8 +309,7 @@ fn main() -> Result<()> {
         .filter_map(Given::of)
         .collect();
     let mut panels = Vec::new();
-    for (title, states) in
-        [("both nodes turned and moved", far), ("1e-1 to 1e-12 from a singular set", near)]
+    for (title, states) in [("both nodes turned and moved", far), ("1e-1 to 1e-12 from a singular set", near)]
     {
         assert!(states.len() > 2 * EACH, "{title}: {} states", states.len());
         let all = measured(&ways, &states)?;

@@ -41,6 +41,7 @@ DOCUMENTS = (
     "README.md",
     *(f"docs/explanation/{page}.md" for page in ("assembly", "audit", "batches-by-hand", "build", "jax-casadi-num-dual", "other-checkers")),
     *(f"docs/explanation/{page}.md" for page in ("other-checkers-tables", "performance", "scale", "scale-tables", "solutions", "stress", "time-against-error")),
+    "docs/how-to/sweep.md",
 )
 OPEN, CLOSE = "<!-- measured: {} -->", "<!-- end: {} -->"
 OURS = "pintle"
@@ -571,10 +572,11 @@ def sweep(arguments):
 
     head = ["sweep", "states", "processor", "time", "a state", "of ideal speed"]
     found = table(head, [cells(*line) for line in lines])
-    wrong = sum(subject["wrong"] for subject in report["subjects"])
-    numbers = sum(subject["numbers"] for subject in report["subjects"])
+    numbers, judged, wrong = (sum(subject[of] for subject in report["subjects"]) for of in ("numbers", "judged", "wrong"))
+    hours = spent / float(many) / 3600
     return {
-        "sweep": f"{stamp(of_commit)}, {cores} cores.\n\n{found}\n\nThe last: {numbers:.3g} numbers, {counted(wrong, 'wrong one')}; the digest is\n`{report['digest']}`."
+        "sweep": f"{stamp(of_commit)}, {cores} cores.\n\n{found}\n\nThe picture has {numbers:.3g} numbers. 237 bits judged {judged:,} states; {counted(wrong, 'state')} "
+        f"had a number beyond its bound.\nIt took {hours * float(many):.2f} hours of one core; on paper 1e12 states take {hours * 1e12:.0f}. Its digest is\n`{report['digest']}`."
     }
 
 

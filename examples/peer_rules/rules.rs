@@ -107,6 +107,9 @@ pub(crate) struct Peers {
     jax: Vec<f64>,
 }
 
+/// Computes what one rule needs.
+pub(crate) type Prepare = fn(&mut Peers, &Problem);
+
 /// What a fresh `torch.Generator()` gives to `torch.rand`: the numbers m · 2⁻²⁴ on single precision, always the same, for it starts from
 /// the default seed 67280421310721 (c10/core/GeneratorImpl.h; a Mersenne twister seeded with its lower 32 bits).
 const RAND: [u32; 20] = [
@@ -167,7 +170,7 @@ impl Peers {
     }
 
     /// What each rule computes by itself, by its place among the names. DifferentiationInterfaceTest computes nothing.
-    pub(crate) const PREPARED: [(usize, fn(&mut Self, &Problem)); 4] = [
+    pub(crate) const PREPARED: [(usize, Prepare); 4] = [
         (0, |found, problem| found.slow = problem.jacobian(|_, axis| problem.central(axis, Self::STEPS[0]))),
         (1, |found, problem| found.fast = problem.central(&unit(&RAND[..problem.at.len()]), Self::STEPS[0])),
         (2, |found, problem| found.ridders = problem.jacobian(|j, axis| problem.ridders(j, axis))),

@@ -17,6 +17,9 @@ pub(crate) const CARE: Style = AnsiColor::Yellow.on_default();
 
 /// The number of terminal cells that a text takes; codes of styles take none.
 pub(crate) fn width(text: &str) -> usize {
+    if text.bytes().all(|byte| matches!(byte, b' '..=b'~')) {
+        return text.len();
+    }
     if text.contains('\u{1b}') {
         return anstream::adapter::strip_str(text).map(UnicodeWidthStr::width).sum();
     }
@@ -56,7 +59,13 @@ pub(crate) fn push_left(line: &mut String, text: &str, cells: usize) {
 
 /// Appends blanks.
 pub(crate) fn push_blanks(line: &mut String, count: usize) {
-    line.extend(std::iter::repeat_n(' ', count));
+    const BLANKS: &str = "                                ";
+    let mut left = count;
+    while left > 0 {
+        let now = left.min(BLANKS.len());
+        line.push_str(&BLANKS[..now]);
+        left -= now;
+    }
 }
 
 /// A text in lines of at most `cells`, broken at blanks; a word that is longer stands alone.

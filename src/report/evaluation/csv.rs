@@ -72,8 +72,9 @@ impl Lines<'_, '_> {
     }
 
     /// A cell that is not the first of its line: the shortest decimal that reads back to the same double; a zero has no sign.
-    fn number(&mut self, value: f64) -> io::Result<()> {
-        write!(self.text, ",{:?}", value + 0.0)
+    fn number(&mut self, value: f64) {
+        self.text.push(b',');
+        self.text.extend_from_slice(zmij::Buffer::new().format(value + 0.0).as_bytes());
     }
 
     /// The rows of first and second derivatives of one component; entries that are 0 are left out.
@@ -87,7 +88,7 @@ impl Lines<'_, '_> {
             for cells in [&start, b",".as_slice(), first, b",", second] {
                 self.put(cells);
             }
-            self.number(value)?;
+            self.number(value);
             self.text.push(b'\n');
             Ok::<(), io::Error>(())
         };
@@ -113,7 +114,7 @@ impl Lines<'_, '_> {
             self.put(&start);
             for output in &outputs {
                 match *output == of {
-                    true => self.number(value)?,
+                    true => self.number(value),
                     false => self.put(b","),
                 }
             }
@@ -181,7 +182,7 @@ impl Lines<'_, '_> {
                     None => self.put(b","),
                     Some(Value::Stop(status)) => write!(self.text, ",{}", status.flag())?,
                     Some(Value::Slip(status)) => write!(self.text, ",{}", words::slip(status))?,
-                    Some(value) => self.number(value.number())?,
+                    Some(value) => self.number(value.number()),
                 }
             }
             self.put(self.no_dofs.as_bytes());
@@ -192,7 +193,7 @@ impl Lines<'_, '_> {
             start.resize(start.len() + self.context.outputs.len(), b',');
             self.put(&start);
             write!(self.text, ",{motion},,,")?;
-            self.number(slope)?;
+            self.number(slope);
             self.text.push(b'\n');
         }
         let mut columns: Vec<Column> = Vec::with_capacity(block.columns.len());

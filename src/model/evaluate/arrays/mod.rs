@@ -17,7 +17,9 @@ use part::Part;
 use pintle_kinematics::batch::Batch;
 use pintle_kinematics::connector::{Connector, Evaluation, Output, Request, Tally};
 use pintle_kinematics::node::DOFS;
-use pintle_scene::{Lack, Label, MAX_ROTATION, NodeFreedom, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State};
+use pintle_scene::{
+    Label, Lack, MAX_ROTATION, NodeFreedom, NodeMotion, QUATERNION_TOLERANCE, Rotation, Scene, State,
+};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -141,10 +143,9 @@ impl NodeArrays<'_> {
             let wrong = |n, of: &[f64; 3]| finite(of).or_else(|| held(of, of_moves(n)));
             self.check_array::<3>((name, array), wrong, &mut found);
         }
-        for (name, array) in [
-            ("angular_velocity", self.angular_velocity),
-            ("angular_acceleration", self.angular_acceleration),
-        ] {
+        for (name, array) in
+            [("angular_velocity", self.angular_velocity), ("angular_acceleration", self.angular_acceleration)]
+        {
             let wrong = |n, of: &[f64; 3]| finite(of).or_else(|| held(of, of_turns(n)));
             self.check_array::<3>((name, array), wrong, &mut found);
         }
