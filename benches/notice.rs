@@ -240,9 +240,10 @@ fn draw(panels: &[(&str, usize, Vec<Found>)], ways: &[Way], told: &str, path: &P
             .axis_desc_style(("sans-serif", 14))
             .label_style(("sans-serif", 13))
             .y_labels(16)
+            .x_max_light_lines(0)
+            .y_max_light_lines(0)
             .x_label_formatter(&power)
             .y_label_formatter(&power)
-            .light_line_style(WHITE)
             .bold_line_style(RGBColor(225, 225, 225))
             .draw()?;
         let points = ways.iter().zip(all).map(|(way, found)| {

@@ -506,6 +506,61 @@ fn words_fit_what_they_are_about() {
     assert_eq!(of(&report, Code::FrictionParameters).len(), 1);
 }
 
+/// A door on two connectors, from node 1 on the ground to 2 and from 3 to 4; what ties 2 and 4 to one body, and where the second stands.
+fn door(types: [&str; 2], at: &str, axis: &str, tied: &str) -> ModelReport {
+    let [first, second] = types;
+    let deck = format!(
+        "*NODE\n1,0,0,0\n2,0,0,0\n3,{at}\n4,{at}\n*ORIENTATION,NAME=O\n0,0,1,1,0,0\n*ORIENTATION,NAME=T\n{axis}\n\
+         *ELEMENT,TYPE=CONN3D2,ELSET=A\n1,1,2\n*ELEMENT,TYPE=CONN3D2,ELSET=B\n2,3,4\n\
+         *CONNECTOR SECTION,ELSET=A\n{first}\nO,\n*CONNECTOR SECTION,ELSET=B\n{second}\nT,\n{tied}*BOUNDARY\n1,1,6\n3,1,6\n"
+    );
+    audited("door", &deck, "", &[])
+}
+
+/// Two hinges of one door whose axes are not one line let nothing turn: the audit says so, how far apart they are, and of which.
+#[test]
+fn axes_of_one_door_are_one_line() {
+    const BODY: &str = "*NSET,NSET=D\n4\n*RIGID BODY,REF NODE=2,TIE NSET=D\n";
+    const BEAM: &str = "*ELEMENT,TYPE=CONN3D2,ELSET=C\n3,2,4\n*CONNECTOR SECTION,ELSET=C\nBEAM\n";
+    const UP: &str = "0,0,1,1,0,0";
+    for (types, at, axis, tied, said) in [
+        (
+            ["HINGE"; 2],
+            "0.1,0,2",
+            UP,
+            BODY,
+            Some(
+                "HINGE 1 and HINGE 2 join the same two bodies about axes that are not one line: parallel, 0.1 apart",
+            ),
+        ),
+        (["HINGE"; 2], "0.1,0,2", UP, BEAM, Some("parallel, 0.1 apart")),
+        (["HINGE"; 2], "0.1,0,2", UP, "*MPC\nBEAM,4,2\n", Some("parallel, 0.1 apart")),
+        (["HINGE", "CYLINDRICAL"], "0,1e-3,2", UP, BODY, Some("HINGE 1 and CYLINDRICAL 2 join")),
+        // At the same height, and by e1 the other way round.
+        (["HINGE"; 2], "0.1,0,0", "0,0,-1,1,0,0", BODY, Some("parallel, 0.1 apart")),
+        (["HINGE"; 2], "0,0,2", "0.1,0,1,1,0,-0.1", BODY, Some("5.710593° from parallel, 0 apart")),
+        (["HINGE"; 2], "0,0,2", UP, BODY, None),
+        (["HINGE"; 2], "0,0,2", "0,0,-1,1,0,0", BODY, None),
+        (["HINGE"; 2], "0.1,0,2", UP, "", None),
+        (["HINGE"; 2], "0.1,0,2", "1,0,0,0,1,0", BODY, None),
+        (["HINGE", "JOIN"], "0.1,0,2", UP, BODY, None),
+    ] {
+        let report = door(types, at, axis, tied);
+        let found = of(&report, Code::ModelAxesApart);
+        let told: Vec<&str> = found.iter().map(|finding| finding.message()).collect();
+        match said {
+            None => assert!(told.is_empty(), "{types:?} {at} {axis} {tied}: {told:?}"),
+            Some(said) => {
+                let [message] = told[..] else { panic!("{types:?} {at} {axis} {tied}: {told:?}") };
+                assert!(message.contains(said), "{message}");
+                assert_eq!(found[0].about.elements.len(), 2);
+                let assembly = report.assembly.as_ref().unwrap();
+                assert_eq!(assembly.positions[0].mobility.unwrap_or(0), 0, "{message}");
+            }
+        }
+    }
+}
+
 /// A comment in Markdown says what to do about a finding.
 #[test]
 fn markdown_has_remedies() {

@@ -122,6 +122,16 @@ fn explain() {
     }
     assert!(output(&["explain", "cardan", "Cartesian"]).starts_with("CARTESIAN + CARDAN\n"));
     assert!(output(&["explain", "JOIN", "REVOLUTE"]).starts_with("HINGE\n"));
+    for (asked, said) in [
+        (vec!["undecidd"], "did you mean \"undecided\"?"),
+        (vec!["beem"], "did you mean \"BEAM\"?"),
+        (vec!["no", "such", "word"], "nothing called \"no such word\"; it explains"),
+        (vec!["JOIN", "REVOLUT"], "did you mean REVOLUTE?"),
+    ] {
+        let refused = pintle(&[&["explain"], asked.as_slice()].concat()).assert().code(2);
+        let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(told.contains(said), "{asked:?}: {told}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use crate::model::finding::{About, Finding};
 use crate::model::gather::Gathered;
 use crate::model::levels::Levels;
+use crate::model::still::{Bodies, Still};
 use pintle_kinematics::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
 use pintle_kinematics::connector::{Increment, Output, Request, State, Tally};
 use pintle_kinematics::measure::{Measure, Unit};
@@ -14,8 +15,8 @@ use pintle_kinematics::vector::{Vector, cross, dot, sub};
 use pintle_model::evaluate::{ConnectorElement, Model};
 use pintle_scene::grammar::count;
 use pintle_scene::grammar::number as short;
-use pintle_scene::{Code, Label, Orientation, Scene, Severity, Span, System};
-use std::collections::{BTreeSet, HashMap};
+use pintle_scene::{Code, Diagnostic, Label, Orientation, Scene, Severity, Span, System};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::f64::consts::FRAC_PI_2;
 
 /// How far from right angles (rad) two directions are taken for orthogonal: as a deck of seven digits has them.
@@ -299,6 +300,85 @@ fn misaligned(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<
         ..About::default()
     };
     Some(Finding::new(scene, Code::ModelMisalignedAxes, place, message, reason, remedy).about(about))
+}
+
+/// A connector that leaves one rotation free and holds the line about which it turns.
+struct Hinge<'a> {
+    element: &'a ConnectorElement,
+    point: Vector<f64>,
+    axis: Vector<f64>,
+}
+
+impl<'a> Hinge<'a> {
+    fn of(scene: &Scene, element: &'a ConnectorElement) -> Option<Self> {
+        let connector = &element.connector;
+        let is_held = |k: usize| connector.is_constrained(k);
+        let turns = !is_held(3) && [1, 2, 4, 5].into_iter().all(is_held) && !element.is_planar();
+        let point = scene.position(scene.connectors.get(&element.label)?, pintle_scene::End::B)?;
+        turns.then(|| Self { element, point, axis: element.triads()[0].map(|row| row[0]) })
+    }
+
+    /// The sine of the angle between two axes, and how far the other's point is from this line.
+    fn apart(&self, other: &Self) -> [f64; 2] {
+        [norm(cross(self.axis, other.axis)), norm(cross(self.axis, sub(other.point, self.point)))]
+    }
+
+    fn name(&self) -> String {
+        format!("{} {}", self.element.connector.connection().name, self.element.label)
+    }
+}
+
+/// Hinges between the same two bodies about nearly parallel axes that are not one line: together they let nothing turn.
+pub(super) fn axes_apart(scene: &Scene, model: &Model) -> Result<Vec<Finding>, Diagnostic> {
+    let hinges: Vec<Hinge<'_>> =
+        model.connectors.iter().filter_map(|element| Hinge::of(scene, element)).collect();
+    if hinges.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let bodies = Bodies::of(model, &Still::of(scene, model)?);
+    let mut between: BTreeMap<[Option<Label>; 2], Vec<&Hinge<'_>>> = BTreeMap::new();
+    for hinge in &hinges {
+        let mut ends = hinge.element.nodes.map(|node| bodies.body(node));
+        ends.sort_unstable();
+        if ends[0] != ends[1] {
+            between.entry(ends).or_default().push(hinge);
+        }
+    }
+    let mut found = Vec::new();
+    for group in between.values() {
+        let [first, others @ ..] = group.as_slice() else { continue };
+        let far = others.iter().map(|other| norm(sub(other.point, first.point))).fold(0.0, f64::max);
+        let off = |other: &&&Hinge<'_>| {
+            let [sine, distance] = first.apart(other);
+            sine <= NEARLY.sin() && (sine > ORTHOGONAL || distance > ORTHOGONAL * far)
+        };
+        let others: Vec<&Hinge<'_>> = others.iter().filter(off).copied().collect();
+        let size = |hinge: &&&Hinge<'_>| first.apart(hinge).into_iter().fold(0.0, f64::max);
+        let Some(worst) = others.iter().max_by(|x, y| size(x).total_cmp(&size(y))) else { continue };
+        let [sine, distance] = first.apart(worst);
+        let angle = if sine > ALIGNED { degrees(sine.asin()) } else { "parallel".into() };
+        let more = match others.len() - 1 {
+            0 => String::new(),
+            more => format!(" (and so do {})", count(more, "other connector")),
+        };
+        let message = format!(
+            "{} and {} join the same two bodies about axes that are not one line: {}, {} apart{more}: together they let \
+             nothing turn",
+            first.name(),
+            worst.name(),
+            if sine > ALIGNED { format!("{angle} from parallel") } else { angle },
+            short(distance, 4)
+        );
+        let reason = "two bodies that turn against each other about two lines do not turn";
+        let remedy = "put the nodes of both on one line along the axis, and give both one orientation; where nothing is to turn, one \
+                      WELD or BEAM says so";
+        let elements = std::iter::once(*first).chain(others.iter().copied()).map(|hinge| hinge.element.label);
+        let about =
+            About { elements: elements.collect(), value: Some(distance.max(sine)), ..About::default() };
+        let place = scene.connectors.get(&worst.element.label).map_or_else(Span::default, |given| given.span);
+        found.push(Finding::new(scene, Code::ModelAxesApart, place, message, reason, remedy).about(about));
+    }
+    Ok(found)
 }
 
 /// Nodes so close together that the direction of their line is lost in the rounding of their coordinates.

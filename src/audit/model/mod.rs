@@ -115,6 +115,10 @@ pub fn audit_model(scene: &Scene, states: &[State], levels: &Levels) -> ModelRep
     findings.extend(held::findings(scene, states, model.length));
     let mut steps = Vec::new();
     if !is_refused {
+        match geometry::axes_apart(scene, &model) {
+            Ok(found) => findings.extend(found),
+            Err(error) => findings.push(error.into()),
+        }
         match analyse_steps(scene, &model, states) {
             Ok(found) => {
                 findings.extend(assembly::findings_in_steps(scene, &found, levels));

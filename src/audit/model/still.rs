@@ -96,6 +96,72 @@ impl Still {
     }
 }
 
+/// Which nodes move as one body.
+#[derive(Debug, Default)]
+pub(super) struct Bodies {
+    /// The next node on the way to the one that stands for its body.
+    towards: HashMap<Label, Label>,
+    ground: Option<Label>,
+}
+
+impl Bodies {
+    /// Those that connectors without a free component, rigid bodies and multi-point constraints join, and those that stand still.
+    pub(super) fn of(model: &Model, still: &Still) -> Self {
+        let mut found = Self::default();
+        for element in &model.connectors {
+            let is_rigid = !element.is_planar() && (0..6).all(|k| element.connector.is_constrained(k));
+            match element.nodes {
+                [Some(a), Some(b)] if is_rigid => found.join(a, b),
+                [Some(node), None] | [None, Some(node)] if is_rigid => found.to_ground(node),
+                _ => {}
+            }
+        }
+        for MpcElement { constraint, nodes, .. } in &model.mpcs {
+            let entry = constraint.kind().entry();
+            let is_rigid = entry.hinges == Some(0)
+                && matches!(entry.translation, Translation::Equal | Translation::Carried);
+            if let ([s, m, ..], true) = (nodes.as_slice(), is_rigid) {
+                found.join(*s, *m);
+            }
+        }
+        for RelationElement { relation, nodes, .. } in &model.relations {
+            let is_rigid = matches!(relation.form(), Form::Carried { fixed, .. } if !fixed.contains(&false));
+            if let ([s, m, ..], true) = (nodes.as_slice(), is_rigid) {
+                found.join(*s, *m);
+            }
+        }
+        for node in still.places.intersection(&still.turning) {
+            found.to_ground(*node);
+        }
+        found
+    }
+
+    fn join(&mut self, a: Label, b: Label) {
+        let (a, b) = (self.end(a), self.end(b));
+        if a != b {
+            self.towards.insert(a, b);
+        }
+    }
+
+    fn to_ground(&mut self, node: Label) {
+        match self.ground {
+            None => self.ground = Some(node),
+            Some(ground) => self.join(node, ground),
+        }
+    }
+
+    fn end(&self, node: Label) -> Label {
+        std::iter::successors(Some(node), |at| self.towards.get(at).copied()).last().unwrap_or(node)
+    }
+
+    /// The node that stands for the body of a node; none for the ground.
+    pub(super) fn body(&self, node: Option<Label>) -> Option<Label> {
+        let end = self.end(node?);
+        let is_ground = self.ground.is_some_and(|ground| self.end(ground) == end);
+        (!is_ground).then_some(end)
+    }
+}
+
 /// The directions along which the position of b from a is said.
 enum Directions {
     OfA,

@@ -568,6 +568,26 @@ fn besides(out: &mut dyn Write, name: &str, width: usize) -> io::Result<()> {
     glossary::human(out, &found, width)
 }
 
+/// What is asked of `explain` and begins with no type, with the nearest word that has a meaning.
+fn unknown(asked: &str) -> Option<Failure> {
+    let lower = asked.to_lowercase();
+    let first = lower.split([' ', ',', '+']).next().unwrap_or_default();
+    if TABLE.iter().any(|entry| entry.name.eq_ignore_ascii_case(first)) {
+        return None;
+    }
+    let mut words: Vec<String> = TABLE.iter().map(|entry| entry.name.to_string()).collect();
+    for meaning in glossary::meanings() {
+        words.extend(meaning.word.split(", ").map(|word| word.replace(['`', '…', '*'], "")));
+    }
+    let away = |word: &String| strsim::damerau_levenshtein(&word.to_lowercase(), &lower);
+    let near = words.into_iter().map(|word| (away(&word), word)).min();
+    let near = near.filter(|(away, _)| *away <= 1.max(lower.chars().count() / 4));
+    let meant = near.map_or_else(String::new, |(_, word)| format!("; did you mean {word:?}?"));
+    Some(Failure::Usage(format!(
+        "pintle explains nothing called {asked:?}{meant}; it explains types (pintle list), MPCs, outputs, codes and words of reports"
+    )))
+}
+
 /// `pintle explain`.
 pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     let mut out = BufWriter::new(anstream::stdout().lock());
@@ -621,7 +641,8 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         }
         return Ok(out.flush()?);
     }
-    let connection = connection(&arguments.name, rest.as_deref())?;
+    let connection =
+        connection(&arguments.name, rest.as_deref()).map_err(|refused| unknown(&asked).unwrap_or(refused))?;
     let explanation = || explain::Explanation::of(&connection);
     match arguments.format {
         ExplainFormat::Human => {
