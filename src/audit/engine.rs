@@ -336,15 +336,9 @@ fn judge_numbers(
 /// What relates the numbers to each other; with mutants of them where `wide`.
 fn laws(end: &AtEnd<'_>, examined: &Examined<'_>, wide: bool) -> Vec<Check> {
     let Examined { case, numbers, bound, .. } = examined;
-    let mut checks = Vec::new();
     let context = Context::at(end.clone(), numbers, bound);
     let context = if wide { context } else { context.brief() };
-    for law in Invariant::ALL {
-        let all = context.demands(law);
-        if all.is_empty() {
-            continue;
-        }
-        let asked = invariant::Asked::of(*numbers, all);
+    let score = |law: Invariant, asked: &invariant::Asked| {
         let mut score = Score::default();
         if wide {
             for quantity in asked.spans() {
@@ -357,11 +351,10 @@ fn laws(end: &AtEnd<'_>, examined: &Examined<'_>, wide: bool) -> Vec<Check> {
                 score.count(Mistake::TurnForgotten, noticed, change, || path);
             }
         }
-        let mut check = Check::new(None, Against::Law(law));
-        check.add(asked.judgement, score, case);
-        checks.push(check);
-    }
-    checks
+        score
+    };
+    let at = (case.name.as_str(), Some(*case));
+    invariant::checks::checks(&Invariant::ALL, *numbers, at, |law| context.demands(law), score)
 }
 
 #[cfg(test)]

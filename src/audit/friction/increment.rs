@@ -193,7 +193,7 @@ impl FrictionCase {
             inputs: Argument::list(&inputs, &sizes, &reaches, |j| beside[j]),
             matrices: None,
             demanded: Vec::new(),
-            class: |i, j| (kind(i), j / 3, 0),
+            class: &|i, j| (kind(i), j / 3, 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| results(&update(j, h)).to_vec()),

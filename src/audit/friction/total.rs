@@ -306,7 +306,7 @@ impl Total<'_> {
             inputs: Argument::list(&inputs, &sizes, &reach, |_| 0.0),
             matrices: None,
             demanded: Vec::new(),
-            class: |i, j| (i, j / 3, 0),
+            class: &|i, j| (i, j / 3, 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| pick(self.forces(j, h, branch_of))),

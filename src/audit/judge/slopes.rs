@@ -9,8 +9,7 @@ use crate::mutants::mutant::Mistake;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::{Scalar, Wide};
+use pintle_kinematics::scalar::{Scalar, U, Wide};
 
 /// Where one of its inputs has moved by some amount, what a function gives there.
 type At<'a, T, V> = Box<dyn Fn(usize, T) -> V + 'a>;
@@ -27,7 +26,7 @@ pub(crate) struct Slopes<'a> {
     /// Which slopes must show a relative error of a billionth, whatever is allowed; none where that is not known.
     pub(crate) demanded: Vec<Vec<bool>>,
     /// The class of each slope.
-    pub(crate) class: fn(usize, usize) -> (usize, usize, usize),
+    pub(crate) class: &'a dyn Fn(usize, usize) -> (usize, usize, usize),
     /// The slopes given.
     pub(crate) got: Vec<Vec<f64>>,
     /// The step of differences on 237 bits, in sizes.
@@ -56,6 +55,7 @@ pub(crate) struct Output {
 }
 
 /// What a function depends on.
+#[derive(Clone)]
 pub(crate) struct Argument {
     pub(crate) name: String,
     /// What it is measured by, positive.

@@ -136,13 +136,6 @@ impl ResultTable {
         Self { undecided: Some(why.into()), ..Self::new(quantity) }
     }
 
-    /// Whether a relative error of a billionth must be noticed on an entry of the table of a quantity.
-    pub(crate) fn demands(tables: &[Self], quantity: Quantity, row: usize, i: usize) -> bool {
-        let table = tables.iter().find(|table| table.quantity == quantity);
-        let entry = table.and_then(|table| table.entries.get(row * table.width() + i));
-        entry.is_some_and(|entry| entry.is_demanded)
-    }
-
     /// How many entries a row has.
     pub fn width(&self) -> usize {
         (self.entries.len() / self.rows.len().max(1)).max(1)

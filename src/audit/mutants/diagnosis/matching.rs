@@ -34,8 +34,12 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
-    pub(super) fn one(cause: Cause, (k, i): Cell, x: f64) -> Self {
-        Self { cause, changes: Changes::One([(k, i, x)]), relation: None, is_searched: false }
+    pub(super) const fn new(cause: Cause, changes: Changes) -> Self {
+        Self { cause, changes, relation: None, is_searched: false }
+    }
+
+    pub(super) const fn one(cause: Cause, (k, i): Cell, x: f64) -> Self {
+        Self::new(cause, Changes::One([(k, i, x)]))
     }
 
     /// Changes of row k: place, number.
@@ -44,14 +48,34 @@ impl Hypothesis {
     }
 
     pub(super) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
-        Self { cause, changes: Changes::Many(changes), relation: None, is_searched: false }
+        Self::new(cause, Changes::Many(changes))
     }
 
-    pub(super) fn related(mut self, relation: impl Into<String>) -> Self {
-        self.relation = Some(relation.into());
-        self
+    pub(super) fn related(self, relation: impl Into<String>) -> Self {
+        self.related_if(Some(relation))
+    }
+
+    /// The same where its cause leaves it open what the numbers equal.
+    pub(super) fn related_if(self, relation: Option<impl Into<String>>) -> Self {
+        Self { relation: relation.map(Into::into), ..self }
     }
 }
+
+/// Where mistakes are gathered.
+pub(super) trait Gather: Extend<Hypothesis> {
+    /// Changes of row k, and what they equal.
+    fn row(
+        &mut self,
+        cause: Cause,
+        k: usize,
+        changes: impl IntoIterator<Item = (usize, f64)>,
+        relation: impl Into<String>,
+    ) {
+        self.extend([Hypothesis::of_row(cause, k, changes).related(relation)]);
+    }
+}
+
+impl Gather for Vec<Hypothesis> {}
 
 /// How numbers are called in sentences.
 pub(super) trait Words {
