@@ -17,12 +17,11 @@ use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::judge::conditioned::{CLEAR, Least};
 use crate::judge::outcome::Check;
-use crate::judge::table::{Change, Entry, ResultTable};
+use crate::judge::table::{Entry, ResultTable};
 use crate::laws::checks::{ByRow, checks_of_tables};
 use crate::laws::{Demand, Invariant, Term, about_third, axis, turning};
-use crate::mutants::mutant::{Mistake, of_angle, of_rate};
-use crate::oracles::differences;
-use crate::oracles::differences::FIRST_STEP;
+use crate::mutants::mutant::{Mistake, Mutant, of_angle, of_rate};
+use crate::oracles::differences::{self, FIRST_STEP};
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use pintle_kinematics::Differentiable;
@@ -293,11 +292,13 @@ impl RelationCase {
     }
 
     /// Mistakes in more than a single entry.
-    fn mistakes(&self, table: &ResultTable, got: &[Row<f64>]) -> Vec<Change> {
+    fn mistakes(&self, table: &ResultTable, got: &[Row<f64>]) -> Vec<Mutant> {
         let width = table.width();
         let rows = self.relation.rows();
         let mut found = Vec::new();
-        let mut add = |mistake: Mistake, changes: Vec<(usize, f64)>| found.push(Change { mistake, changes });
+        let mut add = |mistake: Mistake, changes: Vec<(usize, usize, f64)>| {
+            found.push(Mutant::many(mistake, changes));
+        };
         for (k, ((_, unit), row)) in rows.iter().zip(got).enumerate() {
             let is_angle = *unit == Unit::Angle;
             let want = |i: usize| table.want(k, i);
@@ -307,12 +308,11 @@ impl RelationCase {
             };
             match table.quantity {
                 Quantity::Value if is_angle => {
-                    of_angle(want(0), 0.0).for_each(|(mistake, x)| add(mistake, vec![(k, x)]));
+                    of_angle(want(0), 0.0).for_each(|(mistake, x)| add(mistake, vec![(k, 0, x)]));
                 }
                 Quantity::FirstDerivatives => {
                     for i in (0..width.saturating_sub(1)).filter(|i| i % 3 < 2) {
-                        let changes = vec![(k * width + i, want(i + 1)), (k * width + i + 1, want(i))];
-                        add(Mistake::ColumnsSwapped, changes);
+                        add(Mistake::ColumnsSwapped, vec![(k, i, want(i + 1)), (k, i + 1, want(i))]);
                     }
                 }
                 Quantity::Rate | Quantity::Acceleration => {
@@ -320,13 +320,13 @@ impl RelationCase {
                     let rates =
                         if is_acceleration { along(|p| &p.acceleration) } else { along(|p| &p.velocity) };
                     of_rate(want(0), (&row.gradient, &rates), (is_angle, is_acceleration))
-                        .for_each(|(mistake, x)| add(mistake, vec![(k, x)]));
+                        .for_each(|(mistake, x)| add(mistake, vec![(k, 0, x)]));
                 }
                 _ => {}
             }
             for other in (0..k).filter(|other| rows[*other].1 == *unit) {
                 let of = |to: usize, from: usize| {
-                    (0..width).map(move |i| (to * width + i, table.want(from, i))).collect::<Vec<_>>()
+                    (0..width).map(move |i| (to, i, table.want(from, i))).collect::<Vec<_>>()
                 };
                 add(Mistake::RowsSwapped, [of(k, other), of(other, k)].concat());
             }

@@ -11,8 +11,8 @@ use super::tables::diagnosed;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::judge::outcome::Check;
-use crate::judge::table::{Convention, Entry, ResultTable};
-use crate::mutants::diagnosis::Cause;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::diagnosis::{Cause, Hypothesis};
 use pintle_kinematics::connector::Components;
 use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B};
 use pintle_kinematics::scalar::{Real, Wide};
@@ -85,8 +85,8 @@ pub(super) fn tables(
             table.entries.push(Entry::new(name, *got, *want, *scale, (0, class(j), 0)));
         }
         let other = |cause: Cause, relation: &str, of: &dyn Fn(usize) -> Wide| {
-            let changes = (0..DOFS).map(|j| (j, of(j).to_f64())).collect();
-            Convention::new(cause, changes).related(relation)
+            let changes = (0..DOFS).map(|j| (j, 0, of(j).to_f64())).collect();
+            Hypothesis::many(cause, changes).related(relation)
         };
         let half = Wide::ratio(1, 2);
         table.conventions = vec![
@@ -111,8 +111,8 @@ pub(super) fn tables(
         };
         let geometric = |n: usize| slope[n].0 - material[n];
         let other = |cause: Cause, relation: &str, of: &dyn Fn(usize) -> Wide| {
-            let changes = (0..DOFS * DOFS).map(|n| (n, of(n).to_f64())).collect();
-            Convention::new(cause, changes).related(relation)
+            let changes = (0..DOFS * DOFS).map(|n| (n / DOFS, n % DOFS, of(n).to_f64())).collect();
+            Hypothesis::many(cause, changes).related(relation)
         };
         table.conventions = vec![
             other(

@@ -3,8 +3,7 @@
 //!
 //! The force is typed here a second time, in closed form where μ does not depend on the slip rate.
 
-use crate::case::failing::BeltCase;
-use crate::case::failing::Failing;
+use crate::case::failing::{BeltCase, Failing};
 use crate::case::quantity::Quantity;
 use crate::friction::criterion::{Parts, Pressed, parts};
 use crate::friction::increment::{branch_of, exact_state, forced};
@@ -12,8 +11,8 @@ use crate::friction::solve::{Unsolved, root};
 use crate::friction::{Judged, checks, reach};
 use crate::judge::outcome::Check;
 use crate::judge::slopes::{Argument, Held, Output, Slopes};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::mutants::mutant::Mistake;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::mutant::{Mistake, Mutant};
 use crate::oracles::differences::FIRST_STEP;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
@@ -73,21 +72,22 @@ impl Pressed for AtCoefficient<'_> {
 impl BeltCase {
     /// All checks at this state.
     pub(crate) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
-        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
-        let mut tables = self.criterion_tables(settings, wide, outcome.coefficient);
-        tables.extend(self.increment_tables(settings, wide, &outcome, &tangent));
-        let mut found = checks(tables, settings, &self.name, proves);
+        let mut found = checks(self.all_tables(settings, wide), settings, &self.name, proves);
         found.iter_mut().for_each(|check| check.fails_at(|| Failing::Belt(Box::new(self.clone()))));
         found
     }
 
     /// The numbers at this state, and what they must be by differences on 237 bits.
     pub(crate) fn tables(&self) -> Vec<ResultTable> {
-        let settings = crate::friction::by_differences();
-        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
-        let mut tables = self.criterion_tables(&settings, true, outcome.coefficient);
-        tables.extend(self.increment_tables(&settings, true, &outcome, &tangent));
+        let tables = self.all_tables(&crate::friction::by_differences(), true);
         tables.into_iter().map(|(_, table)| table).collect()
+    }
+
+    fn all_tables(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let mut tables = self.criterion_tables(settings, wide, outcome.coefficient);
+        tables.extend(self.increment_tables(settings, wide, &outcome, &tangent));
+        tables
     }
 
     fn sizes(&self) -> [f64; 3] {
@@ -207,8 +207,8 @@ impl BeltCase {
             let mut table = ResultTable::new(Quantity::FrictionForce);
             table.rows = RESULTS.map(String::from).to_vec();
             table.entries = (0..RESULTS.len()).map(entry).collect();
-            let changes = wrong.iter().copied().enumerate().collect();
-            table.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            let changes = wrong.iter().enumerate().map(|(i, x)| (i, 0, *x));
+            table.mistakes = vec![Mutant::many(Mistake::StickForSlip, changes)];
             tables.push((oracle, table));
         }
         tables

@@ -4,8 +4,8 @@ use crate::case::failing::FrictionCase;
 use crate::case::quantity::Quantity;
 use crate::friction::{Judged, group_sizes, reach};
 use crate::judge::slopes::{Argument, Output, Slopes};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::mutants::mutant::Mistake;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::mutant::{Mistake, Mutant};
 use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
@@ -259,9 +259,8 @@ impl<P: Pressed> Parts<'_, P> {
             let mut table = ResultTable::new(Quantity::FrictionCriterion);
             table.rows = PARTS.map(named).to_vec();
             table.entries = (0..4).map(entry).collect();
-            let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| Change {
-                mistake: *mistake,
-                changes: wrong.iter().map(|part| part.value).enumerate().collect(),
+            let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| {
+                Mutant::many(*mistake, wrong.iter().enumerate().map(|(p, part)| (p, 0, part.value)))
             };
             table.mistakes = mistaken.iter().map(of).collect();
             tables.push((Oracle::WideDifferences, table));

@@ -4,8 +4,9 @@ use crate::case::failing::FrictionCase;
 use crate::case::quantity::Quantity;
 use crate::friction::by_differences;
 use crate::friction::increment::{output, partials, result_name, results};
-use crate::judge::table::{Change, Convention, ResultTable};
-use crate::mutants::diagnosis::Cause;
+use crate::judge::table::ResultTable;
+use crate::mutants::diagnosis::{Cause, Hypothesis};
+use crate::mutants::mutant::Mutant;
 use pintle_kinematics::catalog::{ConnectionType, Contact, FORCE};
 use pintle_model::behavior::friction::{
     Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential, TermMistake,
@@ -215,16 +216,15 @@ const fn cause_of(mistake: TermMistake) -> Cause {
     }
 }
 
-/// Some rows and columns of a table, with what may explain them.
+/// Some rows and columns of a table, with the mistakes in them.
 fn selected(table: ResultTable, rows: &[usize], columns: &[usize]) -> ResultTable {
     let width = table.width();
-    let places: Vec<usize> = rows.iter().flat_map(|i| columns.iter().map(move |j| i * width + j)).collect();
-    let moved = |changes: Vec<(usize, f64)>| -> Vec<(usize, f64)> {
-        let at = |place: usize| places.iter().position(|known| *known == place);
-        changes.into_iter().filter_map(|(place, x)| Some((at(place)?, x))).collect()
+    let places = rows.iter().flat_map(|i| columns.iter().map(move |j| i * width + j));
+    let at = |of: &[usize], place: usize| of.iter().position(|known| *known == place);
+    let moved = |Mutant { mistake, changes }| {
+        let to = |(i, j, x): &(usize, usize, f64)| Some((at(rows, *i)?, at(columns, *j)?, *x));
+        Mutant::many(mistake, changes.iter().filter_map(to))
     };
-    let mistakes = table.mistakes.into_iter();
-    let mistakes = mistakes.map(|Change { mistake, changes }| Change { mistake, changes: moved(changes) });
     let names = |of: &[String], chosen: &[usize]| -> Vec<String> {
         chosen.iter().filter_map(|i| of.get(*i).cloned()).collect()
     };
@@ -232,8 +232,8 @@ fn selected(table: ResultTable, rows: &[usize], columns: &[usize]) -> ResultTabl
         quantity: table.quantity,
         rows: names(&table.rows, rows),
         columns: names(&table.columns, columns),
-        entries: places.iter().filter_map(|place| table.entries.get(*place).cloned()).collect(),
-        mistakes: mistakes.filter(|change| !change.changes.is_empty()).collect(),
+        entries: places.filter_map(|place| table.entries.get(place).cloned()).collect(),
+        mistakes: table.mistakes.into_iter().map(moved).filter(|made| !made.changes.is_empty()).collect(),
         conventions: Vec::new(),
         undecided: table.undecided,
     }
@@ -387,15 +387,15 @@ impl FrictionCase {
             for (name, numbers) in rows {
                 let Some(at) = names.iter().position(|known| *known == name) else { continue };
                 let row = numbers.iter().copied().enumerate().take(width);
-                changes.extend(row.map(|(j, x)| (at * width + j, x)));
+                changes.extend(row.map(|(j, x)| (at, j, x)));
             }
             // What it leaves as it is says nothing of it, and a kink has no one number.
-            changes.retain(|(place, x)| {
-                table.entries.get(*place).is_some_and(|entry| {
+            changes.retain(|(at, j, x)| {
+                table.entries.get(at * width + j).is_some_and(|entry| {
                     entry.sides.is_none() && (x - entry.want.to_f64()).abs() > entry.tolerance()
                 })
             });
-            table.conventions.push(Convention::new(cause, changes).related(relation));
+            table.conventions.push(Hypothesis::many(cause, changes).related(relation));
         }
     }
 

@@ -12,8 +12,7 @@ use crate::oracles::differences::FIRST_STEP;
 use crate::settings::Settings;
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
-use pintle_model::behavior::friction;
-use pintle_model::behavior::friction::{BeltInput, Branch, Context, FLOW, Frictional, Input};
+use pintle_model::behavior::friction::{self, BeltInput, Branch, Context, FLOW, Frictional, Input};
 use pintle_model::behavior::state::{Behavior, Outcome};
 use pintle_model::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
 

@@ -3,10 +3,10 @@
 use crate::case::Case;
 use crate::case::quantity::Quantity;
 use crate::judge::outcome::{Against, Check};
-use crate::judge::table::{Change, ResultTable};
+use crate::judge::table::ResultTable;
 use crate::judge::verdict::Score;
 use crate::laws::{Asked, Demand, Invariant, Related, try_mutants};
-use crate::mutants::mutant::{Changes, Mutant};
+use crate::mutants::mutant::Mutant;
 use std::collections::HashSet;
 
 /// Asks laws that demand something; `score` says how mutants fared.
@@ -83,14 +83,16 @@ pub(crate) fn checks_of_tables(
     let (mut made, mut demanded) = (Vec::new(), HashSet::new());
     for table in tables.iter().filter(|_| proves) {
         let (quantity, width) = (table.quantity, table.width());
-        let at = |i: usize| place(quantity, i / width, i % width);
-        let mutant = |Change { mistake, changes }: Change| {
-            let changes = changes.into_iter().map(|(i, x)| at(i).map(|(row, place)| (row, place, x)));
-            Some(Mutant { mistake, changes: Changes::Many(changes.collect::<Option<_>>()?) })
+        let mutant = |mut made: Mutant| {
+            for (row, i, _) in made.changes.iter_mut() {
+                (*row, *i) = place(quantity, *row, *i)?;
+            }
+            Some(made)
         };
         made.push((quantity, table.all_mistakes().into_iter().filter_map(mutant).collect::<Vec<_>>()));
         let all = table.entries.iter().enumerate().filter(|(_, entry)| entry.is_demanded);
-        demanded.extend(all.filter_map(|(i, _)| at(i).map(|(row, place)| (quantity, row, place))));
+        let at = |(i, _): (usize, &_)| place(quantity, i / width, i % width);
+        demanded.extend(all.filter_map(at).map(|(row, place)| (quantity, row, place)));
     }
     let is_demanded = |quantity, row, place, _: f64| demanded.contains(&(quantity, row, place));
     let score = |_: Invariant, asked: &Asked| {

@@ -472,8 +472,7 @@ impl MpcCase {
 mod tests {
     use super::*;
     use crate::judge::verdict::Verdict;
-    use crate::settings::Planted;
-    use crate::settings::Settings;
+    use crate::settings::{Planted, Settings};
     use pintle_kinematics::connector::Turns;
     use pintle_kinematics::draw::Draw;
     use pintle_kinematics::mpc::{Constraint, Kind, Turning};

@@ -1,8 +1,7 @@
 //! Numbers of a connector's components.
 
-use crate::case::Case;
-use crate::case::initial_places;
 use crate::case::quantity::{Entries, Numbers, Quantity};
+use crate::case::{Case, initial_places};
 use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::cells::Cell;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};

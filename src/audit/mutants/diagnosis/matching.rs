@@ -23,18 +23,21 @@ pub(super) struct Datum {
     of_class: f64,
 }
 
-/// What a mistake would make of the numbers.
-pub(super) struct Hypothesis {
-    pub(super) cause: Cause,
-    pub(super) changes: Changes,
+/// What a mistake, or another convention than expected, would make of the numbers.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// The cause that it is.
+    pub cause: Cause,
+    /// The numbers.
+    pub changes: Changes,
     /// What the numbers equal, where the cause leaves it open.
-    pub(super) relation: Option<String>,
+    pub relation: Option<String>,
     /// Whether it was found among many others, so that one that was thought of says more.
     pub(super) is_searched: bool,
 }
 
 impl Hypothesis {
-    pub(super) const fn new(cause: Cause, changes: Changes) -> Self {
+    pub(crate) const fn new(cause: Cause, changes: Changes) -> Self {
         Self { cause, changes, relation: None, is_searched: false }
     }
 
@@ -43,26 +46,26 @@ impl Hypothesis {
     }
 
     /// Changes of row k: place, number.
-    pub(super) fn of_row(cause: Cause, k: usize, changes: impl IntoIterator<Item = (usize, f64)>) -> Self {
+    pub(crate) fn of_row(cause: Cause, k: usize, changes: impl IntoIterator<Item = (usize, f64)>) -> Self {
         Self::many(cause, changes.into_iter().map(|(i, x)| (k, i, x)).collect())
     }
 
-    pub(super) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
+    pub(crate) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
         Self::new(cause, Changes::Many(changes))
     }
 
-    pub(super) fn related(self, relation: impl Into<String>) -> Self {
+    pub(crate) fn related(self, relation: impl Into<String>) -> Self {
         self.related_if(Some(relation))
     }
 
     /// The same where its cause leaves it open what the numbers equal.
-    pub(super) fn related_if(self, relation: Option<impl Into<String>>) -> Self {
+    pub(crate) fn related_if(self, relation: Option<impl Into<String>>) -> Self {
         Self { relation: relation.map(Into::into), ..self }
     }
 }
 
 /// Where mistakes are gathered.
-pub(super) trait Gather: Extend<Hypothesis> {
+pub(crate) trait Gather: Extend<Hypothesis> {
     /// Changes of row k, and what they equal.
     fn row(
         &mut self,
