@@ -114,32 +114,17 @@ pub(super) fn tables(
             let changes = (0..DOFS * DOFS).map(|n| (n / DOFS, n % DOFS, of(n).to_f64())).collect();
             Hypothesis::many(cause, changes).related(relation)
         };
+        let (missing, doubled) = (Cause::GeometricTermMissing, Cause::GeometricTermDoubled);
+        let told = |how: &str| format!("what is expected {how} the geometric stiffness Σ D c ∂²c");
+        let whole = format!("Σ D ∂c ∂c, {}", told("without"));
+        let slack = "the stiffness of springs along positions, slack where these are zero";
+        let half = Wide::ratio(1, 2);
         table.conventions = vec![
-            other(
-                Cause::GeometricTermMissing,
-                "Σ D ∂c ∂c, what is expected without the geometric stiffness Σ D c ∂²c",
-                &|n| material[n],
-            ),
-            other(
-                Cause::LeverReversed,
-                "what is expected with minus the geometric stiffness Σ D c ∂²c",
-                &|n| material[n] - geometric(n),
-            ),
-            other(
-                Cause::GeometricTermDoubled,
-                "what is expected with twice the geometric stiffness Σ D c ∂²c",
-                &|n| material[n] + geometric(n) + geometric(n),
-            ),
-            other(
-                Cause::GeometricTermMissing,
-                "what is expected with half of the geometric stiffness Σ D c ∂²c",
-                &|n| material[n] + Wide::ratio(1, 2) * geometric(n),
-            ),
-            other(
-                Cause::InitialKept,
-                "the stiffness of springs along positions, slack where these are zero",
-                &|n| slope[n].0 + slope_of_first[n],
-            ),
+            other(missing, &whole, &|n| material[n]),
+            other(Cause::LeverReversed, &told("with minus"), &|n| material[n] - geometric(n)),
+            other(doubled, &told("with twice"), &|n| material[n] + geometric(n) + geometric(n)),
+            other(missing, &told("with half of"), &|n| material[n] + half * geometric(n)),
+            other(Cause::InitialKept, slack, &|n| slope[n].0 + slope_of_first[n]),
             other(Cause::Symmetrised, Cause::Symmetrised.relation(), &symmetric),
             other(Cause::Reversed, Cause::Reversed.relation(), &|n| -slope[n].0),
         ];
