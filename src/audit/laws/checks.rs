@@ -70,8 +70,10 @@ impl Related for ByRow {
     }
 }
 
-/// Asks laws of numbers that stand in tables, too, with mutants of these where it `proves`. `place` says which number, by row and
-/// place, an entry of a table is; none where no mutant is made of it. `size` is the unit of the degrees of freedom of a number.
+/// Asks laws of numbers that stand in tables, too, with mutants of these where it `proves`.
+///
+/// - `place` says which number, by row and place, an entry of a table is: none where no mutant is made of it.
+/// - `size` is the unit of the degrees of freedom of a number.
 pub(crate) fn checks_of_tables(
     laws: &[Invariant],
     (numbers, tables): (&ByRow, &[ResultTable]),
