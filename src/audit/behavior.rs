@@ -1,21 +1,19 @@
 //! BehaviorSlopes of elastic and viscous forces of a scene's connector, against differences of the forces on 237-bit numbers.
 
 use crate::case::Case;
-use crate::case::failing::Failing;
-use crate::case::failing::SlopesCase;
+use crate::case::failing::{Failing, SlopesCase};
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::judge::outcome::{Against, Check};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::mutants::mutant::Mistake;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::mutant::{Mistake, Mutant};
 use crate::oracles::differences::FIRST_STEP;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
 use pintle_kinematics::connector::{Output, Request};
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::{Real, Wide};
+use pintle_kinematics::scalar::{Real, U, Wide};
 use pintle_model::behavior::state::Behavior;
 use pintle_model::behavior::{Conditions, Motion, Unknown};
 
@@ -28,20 +26,20 @@ fn mistakes(
     table: &ResultTable,
     rows: &[usize],
     secants: &dyn Fn(usize) -> [(usize, f64); 2],
-) -> Vec<Change> {
+) -> Vec<Mutant> {
     let width = table.width();
     let row_of = |component: usize| rows.iter().position(|known| *known == component);
     let mut found = Vec::new();
-    let mut add = |mistake, changes: Vec<(usize, f64)>| {
+    let mut add = |mistake, changes: Vec<(usize, usize, f64)>| {
         if !changes.is_empty() {
-            found.push(Change { mistake, changes });
+            found.push(Mutant::many(mistake, changes));
         }
     };
     for (row, component) in rows.iter().enumerate() {
-        let all = |f: &dyn Fn(usize) -> f64| (0..width).map(|j| (row * width + j, f(j))).collect();
+        let all = |f: &dyn Fn(usize) -> f64| (0..width).map(|j| (row, j, f(j))).collect();
         for (column, secant) in secants(*component) {
             if secant.is_finite() && table.want(row, column) != 0.0 {
-                add(Mistake::SecantForTangent, vec![(row * width + column, secant)]);
+                add(Mistake::SecantForTangent, vec![(row, column, secant)]);
             }
         }
         add(Mistake::ElasticForViscous, all(&|j| table.want(row, (j + 6) % width)));
@@ -50,14 +48,13 @@ fn mistakes(
             |j: usize| if is_angle(j) { table.want(row, j).to_radians() } else { table.want(row, j) };
         add(Mistake::DegreesForRadians, all(&per_degree));
         for other in (0..row).filter(|other| rows[*other] / 3 == component / 3) {
-            let mut changes: Vec<(usize, f64)> = all(&|j| table.want(other, j));
-            changes.extend((0..width).map(|j| (other * width + j, table.want(row, j))));
+            let mut changes: Vec<(usize, usize, f64)> = all(&|j| table.want(other, j));
+            changes.extend((0..width).map(|j| (other, j, table.want(row, j))));
             add(Mistake::RowsSwapped, changes);
         }
     }
     let transposed = rows.iter().enumerate().flat_map(|(row, component)| {
-        (0..width)
-            .filter_map(move |j| Some((row * width + j, table.want(row_of(j % 6)?, 6 * (j / 6) + component))))
+        (0..width).filter_map(move |j| Some((row, j, table.want(row_of(j % 6)?, 6 * (j / 6) + component))))
     });
     add(Mistake::BlockTransposed, transposed.collect());
     found

@@ -3,8 +3,7 @@
 use crate::case::quantity::{Numbers, Quantity};
 use crate::case::stage::invalid_stage;
 use crate::case::{AtEnd, Case};
-use crate::friction;
-use crate::friction::friction_cases;
+use crate::friction::{self, friction_cases};
 use crate::judge::components::{Exact, Surroundings};
 use crate::judge::examined::{Examined, Trusted};
 use crate::judge::judged::{Trials, moved_by};
@@ -12,8 +11,7 @@ use crate::judge::outcome::{Against, Check, Expected, Report, Subject};
 use crate::judge::verdict::{Score, Verdict};
 use crate::laws as invariant;
 use crate::laws::{Context, Invariant};
-use crate::mutants::mutant;
-use crate::mutants::mutant::Mistake;
+use crate::mutants::mutant::{self, Mistake};
 use crate::oracles::certificate::{certificate, certifies_predefined};
 use crate::oracles::force::product_at;
 use crate::oracles::golden::{audit_golden, states_of};
@@ -24,8 +22,7 @@ use crate::oracles::truth::Truth;
 use crate::sampling::{random_case, regions_drawn};
 use crate::settings::Settings;
 use crate::share::spread;
-use crate::singular::atlas;
-use crate::singular::atlas::Approach;
+use crate::singular::atlas::{self, Approach};
 use crate::singular::standing::cases_on;
 use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::draw::Draw;
@@ -336,15 +333,9 @@ fn judge_numbers(
 /// What relates the numbers to each other; with mutants of them where `wide`.
 fn laws(end: &AtEnd<'_>, examined: &Examined<'_>, wide: bool) -> Vec<Check> {
     let Examined { case, numbers, bound, .. } = examined;
-    let mut checks = Vec::new();
     let context = Context::at(end.clone(), numbers, bound);
     let context = if wide { context } else { context.brief() };
-    for law in Invariant::ALL {
-        let all = context.demands(law);
-        if all.is_empty() {
-            continue;
-        }
-        let asked = invariant::Asked::of(*numbers, all);
+    let score = |law: Invariant, asked: &invariant::Asked| {
         let mut score = Score::default();
         if wide {
             for quantity in asked.spans() {
@@ -357,11 +348,10 @@ fn laws(end: &AtEnd<'_>, examined: &Examined<'_>, wide: bool) -> Vec<Check> {
                 score.count(Mistake::TurnForgotten, noticed, change, || path);
             }
         }
-        let mut check = Check::new(None, Against::Law(law));
-        check.add(asked.judgement, score, case);
-        checks.push(check);
-    }
-    checks
+        score
+    };
+    let at = (case.name.as_str(), Some(*case));
+    invariant::checks::checks(&Invariant::ALL, *numbers, at, |law| context.demands(law), score)
 }
 
 #[cfg(test)]

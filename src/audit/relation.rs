@@ -16,16 +16,12 @@ use crate::case::failing::{Failing, RelationCase};
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::judge::conditioned::{CLEAR, Least};
-use crate::judge::outcome::{Against, Check};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::judge::verdict::Score;
-use crate::laws::demanded::Invariant;
-use crate::laws::{
-    Asked, Demand, IsConditioned, Related, Term, What, about_third, axis, try_mutants, turning,
-};
-use crate::mutants::mutant::{Changes, Mistake, Mutant, of_angle, of_rate};
-use crate::oracles::differences;
-use crate::oracles::differences::FIRST_STEP;
+use crate::judge::outcome::Check;
+use crate::judge::table::{Entry, ResultTable};
+use crate::laws::checks::{ByRow, checks_of_tables};
+use crate::laws::{Demand, Invariant, Term, about_third, axis, turning};
+use crate::mutants::mutant::{Mistake, Mutant, of_angle, of_rate};
+use crate::oracles::differences::{self, FIRST_STEP};
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
 use pintle_kinematics::Differentiable;
@@ -48,28 +44,6 @@ pub(crate) fn differentiated(nodes: usize) -> usize {
 
 /// Closer to half a turn, or to whole turns of a node of an equation, (rad) nobody can say on which side a number is.
 const UNDETERMINED: f64 = 1e-9;
-
-/// The numbers of a relation, by quantity in the order of [`RelationCase::QUANTITIES`] and by row.
-struct Numbers([Vec<Vec<f64>>; RelationCase::QUANTITIES.len()]);
-
-impl Related for Numbers {
-    fn row(&self, quantity: Quantity, row: usize) -> &[f64] {
-        let at = RelationCase::QUANTITIES.iter().position(|known| *known == quantity);
-        at.and_then(|at| self.0.get(at)?.get(row)).map_or(&[], Vec::as_slice)
-    }
-}
-
-impl Numbers {
-    fn of(rows: &[Row<f64>]) -> Self {
-        let one = |x: Option<f64>| vec![x.unwrap_or(f64::NAN)];
-        Self([
-            rows.iter().map(|row| vec![row.residual]).collect(),
-            rows.iter().map(|row| row.gradient.clone()).collect(),
-            rows.iter().map(|row| one(row.rate)).collect(),
-            rows.iter().map(|row| one(row.acceleration)).collect(),
-        ])
-    }
-}
 
 /// A point whose degree of freedom is moved by a finite amount. Written apart from the product's variations.
 fn moved<R: Differentiable>(point: &Point<R>, by: &[R; 7]) -> Point<R> {
@@ -318,11 +292,13 @@ impl RelationCase {
     }
 
     /// Mistakes in more than a single entry.
-    fn mistakes(&self, table: &ResultTable, got: &[Row<f64>]) -> Vec<Change> {
+    fn mistakes(&self, table: &ResultTable, got: &[Row<f64>]) -> Vec<Mutant> {
         let width = table.width();
         let rows = self.relation.rows();
         let mut found = Vec::new();
-        let mut add = |mistake: Mistake, changes: Vec<(usize, f64)>| found.push(Change { mistake, changes });
+        let mut add = |mistake: Mistake, changes: Vec<(usize, usize, f64)>| {
+            found.push(Mutant::many(mistake, changes));
+        };
         for (k, ((_, unit), row)) in rows.iter().zip(got).enumerate() {
             let is_angle = *unit == Unit::Angle;
             let want = |i: usize| table.want(k, i);
@@ -332,12 +308,11 @@ impl RelationCase {
             };
             match table.quantity {
                 Quantity::Value if is_angle => {
-                    of_angle(want(0), 0.0).for_each(|(mistake, x)| add(mistake, vec![(k, x)]));
+                    of_angle(want(0), 0.0).for_each(|(mistake, x)| add(mistake, vec![(k, 0, x)]));
                 }
                 Quantity::FirstDerivatives => {
                     for i in (0..width.saturating_sub(1)).filter(|i| i % 3 < 2) {
-                        let changes = vec![(k * width + i, want(i + 1)), (k * width + i + 1, want(i))];
-                        add(Mistake::ColumnsSwapped, changes);
+                        add(Mistake::ColumnsSwapped, vec![(k, i, want(i + 1)), (k, i + 1, want(i))]);
                     }
                 }
                 Quantity::Rate | Quantity::Acceleration => {
@@ -345,13 +320,13 @@ impl RelationCase {
                     let rates =
                         if is_acceleration { along(|p| &p.acceleration) } else { along(|p| &p.velocity) };
                     of_rate(want(0), (&row.gradient, &rates), (is_angle, is_acceleration))
-                        .for_each(|(mistake, x)| add(mistake, vec![(k, x)]));
+                        .for_each(|(mistake, x)| add(mistake, vec![(k, 0, x)]));
                 }
                 _ => {}
             }
             for other in (0..k).filter(|other| rows[*other].1 == *unit) {
                 let of = |to: usize, from: usize| {
-                    (0..width).map(move |i| (to * width + i, table.want(from, i))).collect::<Vec<_>>()
+                    (0..width).map(move |i| (to, i, table.want(from, i))).collect::<Vec<_>>()
                 };
                 add(Mistake::RowsSwapped, [of(k, other), of(other, k)].concat());
             }
@@ -394,7 +369,7 @@ impl RelationCase {
     }
 
     /// J r = 0 for the translations and the turns about a point among the nodes.
-    fn rigid_modes(&self, numbers: &Numbers, tolerance: &Numbers) -> Vec<Demand> {
+    fn rigid_modes(&self, numbers: &ByRow, tolerance: &ByRow) -> Vec<Demand> {
         let positions = self.positions();
         let from = positions.get(1).copied().unwrap_or_default();
         let mut found = Vec::new();
@@ -416,23 +391,12 @@ impl RelationCase {
                 for (terms, what) in [(translation, "translation"), (rotation, "turn")] {
                     if !terms.is_empty() {
                         let what = format!("∂{name} along {what} {}", i + 1);
-                        found.push(self.sum(terms, 0.0, what, (numbers, tolerance)));
+                        found.push(Demand::said(terms, 0.0, what, (numbers, tolerance)));
                     }
                 }
             }
         }
         found
-    }
-
-    fn sum(
-        &self,
-        terms: Vec<Term>,
-        want: f64,
-        what: String,
-        (numbers, tolerance): (&Numbers, &Numbers),
-    ) -> Demand {
-        let allowed = |q: Quantity, k: usize, i: usize| tolerance.number(q, k, i).unwrap_or(f64::INFINITY);
-        Demand::of_sum(terms.into(), want, What::Said(what), numbers, allowed)
     }
 
     /// The state turned and moved, which goes on turning.
@@ -472,7 +436,7 @@ impl RelationCase {
         (twin, matrix)
     }
 
-    fn frame(&self, numbers: &Numbers, tolerance: &Numbers) -> Vec<Demand> {
+    fn frame(&self, numbers: &ByRow, tolerance: &ByRow) -> Vec<Demand> {
         let (twin, matrix) = self.twin();
         if twin.undetermined().is_some()
             || twin.relation.to_half_turn(&twin.nodes).is_some_and(|far| far < 1e-3)
@@ -485,7 +449,7 @@ impl RelationCase {
         for (k, ((name, _), row)) in self.relation.rows().into_iter().zip(&rows).enumerate() {
             let scales = twin.scales(row);
             let mut demand = |quantity: Quantity, at: usize, want: f64, scale: f64, what: String| {
-                let mut demand = self.sum(vec![(quantity, k, at, 1.0)], want, what, (numbers, tolerance));
+                let mut demand = Demand::said(vec![(quantity, k, at, 1.0)], want, what, (numbers, tolerance));
                 // The turned inputs are rounded, three roundings in each direction.
                 demand.allowed = 4.0 * (demand.allowed + 3.0 * C * U * scale);
                 found.push(demand);
@@ -519,7 +483,7 @@ impl RelationCase {
         found
     }
 
-    fn power(&self, numbers: &Numbers, tolerance: &Numbers) -> Vec<Demand> {
+    fn power(&self, numbers: &ByRow, tolerance: &ByRow) -> Vec<Demand> {
         let mut found = Vec::new();
         for (k, (name, _)) in self.relation.rows().into_iter().enumerate() {
             let mut terms: Vec<Term> = vec![(Quantity::Rate, k, 0, -1.0)];
@@ -527,12 +491,12 @@ impl RelationCase {
                 let rate = self.nodes[*place].velocity[place_of(*number)];
                 terms.push((Quantity::FirstDerivatives, k, at, rate));
             }
-            found.push(self.sum(terms, 0.0, format!("d{name}/dt is J q̇"), (numbers, tolerance)));
+            found.push(Demand::said(terms, 0.0, format!("d{name}/dt is J q̇"), (numbers, tolerance)));
         }
         found
     }
 
-    fn demands(&self, law: Invariant, numbers: &Numbers, tolerance: &Numbers) -> Vec<Demand> {
+    fn demands(&self, law: Invariant, numbers: &ByRow, tolerance: &ByRow) -> Vec<Demand> {
         match law {
             Invariant::RigidModes if self.is_invariant() => self.rigid_modes(numbers, tolerance),
             Invariant::Frame if self.is_invariant() => self.frame(numbers, tolerance),
@@ -542,28 +506,23 @@ impl RelationCase {
     }
 
     /// The numbers that laws relate, those of the tables where they have them, and how far each may be off.
-    fn related(&self, tables: &[ResultTable]) -> (Numbers, Numbers) {
+    fn related(&self, tables: &[ResultTable]) -> (ByRow, ByRow) {
         let got = self.said();
-        let mut numbers = Numbers::of(&got);
+        let one = |x: Option<f64>| vec![x.unwrap_or(f64::NAN)];
+        let of =
+            |row: &Row<f64>| [vec![row.residual], row.gradient.clone(), one(row.rate), one(row.acceleration)];
+        let allowed = |row: &Row<f64>| {
+            self.scales(row).map(|scales| scales.into_iter().map(|scale| C * U * scale).collect())
+        };
+        let mut numbers = ByRow::of(Self::QUANTITIES, got.iter().map(of).enumerate());
         let sampled = self.sampled();
-        for (table, of_kind) in tables.iter().zip(&mut numbers.0) {
-            let width = table.width();
+        for table in tables {
             for (i, entry) in table.entries.iter().enumerate() {
-                let (k, at) = (i / width, i % width);
-                let is_row = table.quantity == Quantity::FirstDerivatives;
-                let at = if is_row { sampled.get(at).copied().unwrap_or_default() } else { at };
-                if let Some(place) = of_kind.get_mut(k).and_then(|row| row.get_mut(at)) {
-                    *place = entry.got;
-                }
+                let place = placed(&sampled, table.quantity, i % table.width()).unwrap_or_default();
+                numbers.put(table.quantity, i / table.width(), place, entry.got);
             }
         }
-        let mut tolerance: [Vec<Vec<f64>>; RelationCase::QUANTITIES.len()] = Default::default();
-        for row in &got {
-            for (of_kind, scales) in tolerance.iter_mut().zip(self.scales(row)) {
-                of_kind.push(scales.into_iter().map(|scale| C * U * scale).collect());
-            }
-        }
-        (numbers, Numbers(tolerance))
+        (numbers, ByRow::of(Self::QUANTITIES, got.iter().map(allowed).enumerate()))
     }
 
     /// What relates the numbers to each other; with mutants of them where `proves`.
@@ -573,53 +532,24 @@ impl RelationCase {
         }
         let (numbers, tolerance) = self.related(tables);
         let sampled = self.sampled();
-        let mutants = |table: &ResultTable| -> Vec<Mutant> {
-            let (width, is_row) = (table.width(), table.quantity == Quantity::FirstDerivatives);
-            let place = |(i, x): (usize, f64)| {
-                let at = if is_row { *sampled.get(i % width)? } else { i % width };
-                Some((i / width, at, x))
-            };
-            let made = table.all_mistakes().into_iter().map(|change| Mutant {
-                mistake: change.mistake,
-                changes: Changes::Many(change.changes.into_iter().filter_map(place).collect()),
-            });
-            made.collect()
-        };
-        let made: Vec<Vec<Mutant>> =
-            tables.iter().map(|table| if proves { mutants(table) } else { Vec::new() }).collect();
+        let place = |quantity, row: usize, i: usize| Some((row, placed(&sampled, quantity, i)?));
         let size = |quantity: Quantity, at: usize| match (quantity, self.relation.columns().get(at)) {
             (Quantity::FirstDerivatives, Some((_, number))) => self.size(*number),
             _ => 1.0,
         };
-        let mut checks = Vec::new();
-        for law in Self::LAWS {
-            let all = self.demands(law, &numbers, &tolerance);
-            if all.is_empty() {
-                continue;
-            }
-            let asked = Asked::of(&numbers, all);
-            let mut score = Score::default();
-            for (table, made) in tables.iter().zip(&made) {
-                let is_demanded = |quantity: Quantity, k: usize, at: usize, _: f64| {
-                    let is_row = quantity == Quantity::FirstDerivatives;
-                    let i = if is_row { sampled.iter().position(|of| *of == at) } else { Some(at) };
-                    i.is_some_and(|i| ResultTable::demands(tables, quantity, k, i))
-                };
-                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) = (&size, &is_demanded);
-                score.merge(try_mutants(table.quantity, &numbers, &asked.demands, made, around));
-            }
-            let mut check = Check::new(None, Against::Law(law));
-            check.add_decided(asked.judgement, score, &self.name, None);
-            checks.push(check);
-        }
-        checks
+        let (of, how) = ((&numbers, tables), (self.name.as_str(), proves));
+        let demands = |law| self.demands(law, &numbers, &tolerance);
+        checks_of_tables(&Self::LAWS, of, how, demands, place, size)
     }
 
     /// The sum that a law demands something of, by the words in which it is told.
     pub(crate) fn sum_of_law(&self, law: Invariant, what: &str) -> Option<f64> {
         let (numbers, tolerance) = self.related(&self.tables());
-        let demand = self.demands(law, &numbers, &tolerance).into_iter();
-        let demand = demand.into_iter().find(|demand| demand.what.to_string() == what)?;
-        Some(demand.sum(|quantity, row, place| numbers.number(quantity, row, place)))
+        Demand::sum_of(self.demands(law, &numbers, &tolerance), what, &numbers)
     }
+}
+
+/// Where in a row a number stands that a table has: the columns that are differentiated again are some of all.
+fn placed(sampled: &[usize], quantity: Quantity, i: usize) -> Option<usize> {
+    if quantity == Quantity::FirstDerivatives { sampled.get(i).copied() } else { Some(i) }
 }

@@ -1,8 +1,7 @@
 //! A scene: every connector and every multi-point constraint at its states.
 
 use crate::behavior::audit_behavior;
-use crate::case::failing::SlopesCase;
-use crate::case::failing::{MpcCase, RelationCase};
+use crate::case::failing::{MpcCase, RelationCase, SlopesCase};
 use crate::case::quantity::Quantity;
 use crate::case::{Case, Step};
 use crate::engine::{SOMETIMES, audit_case, checks_of, laws_of_type};
@@ -437,7 +436,7 @@ fn case(model: &Model, placed: &ConnectorResult, number: u64) -> Case {
 pub fn connector_at(model: &Model, connector: usize, states: &[State], independent: bool) -> Vec<Case> {
     let plan = Plan::of(model, vec![connector], Default::default(), Request::nothing(0));
     let (mut cases, mut before): (Vec<Case>, Option<Case>) = (Vec::new(), None);
-    walk_along(model, &plan, (states, independent), |placed, number| {
+    walk_along(model, &plan, (states, independent), |placed, number, _| {
         let Item::Connector(placed) = placed else { return };
         let mut case = case(model, placed, number);
         let before = before.replace(case.clone()).filter(|_| !independent);
@@ -455,7 +454,7 @@ pub fn connector_at(model: &Model, connector: usize, states: &[State], independe
 pub fn constraint_at(model: &Model, mpc: usize, states: &[State], independent: bool) -> Vec<MpcCase> {
     let plan = Plan::of(model, Vec::new(), [vec![mpc], Vec::new()], Request::nothing(0));
     let mut cases = Vec::new();
-    walk_along(model, &plan, (states, independent), |placed, number| {
+    walk_along(model, &plan, (states, independent), |placed, number, _| {
         if let Item::Mpc(placed) = placed {
             cases.push(mpc_case(model, placed, number));
         }
@@ -463,12 +462,12 @@ pub fn constraint_at(model: &Model, mpc: usize, states: &[State], independent: b
     cases
 }
 
-/// Takes what a plan gives at each state, with the state's number.
+/// Takes what a plan gives at each state, with the state's number, and whether it is the last.
 fn walk_along(
     model: &Model,
     plan: &Plan,
     (states, independent): (&[State], bool),
-    mut take: impl FnMut(Item<'_>, u64),
+    mut take: impl FnMut(Item<'_>, u64, bool),
 ) {
     let start = walk(model, plan);
     let mut now = start.clone();
@@ -478,7 +477,7 @@ fn walk_along(
         }
         let number = state.number.unwrap_or(index as u64);
         let Ok(()) = now.visit(state, |placed| {
-            take(placed, number);
+            take(placed, number, index + 1 == states.len());
             Ok::<_, Infallible>(())
         });
     }
@@ -587,37 +586,25 @@ pub(super) fn last_cases(target: &Target<'_>, connectors: &[usize]) -> Vec<(Stri
         request: Request::nothing(0),
         ..target.plan.clone()
     };
-    let mut walk = walk(model, &plan);
     let mut found = Vec::new();
-    for (index, state) in states.iter().enumerate() {
-        found.clear();
-        let number = state.number.unwrap_or(index as u64);
-        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
-            if let Item::Connector(placed) = placed {
-                found.push((model.connectors[placed.index].title(), case(model, placed, number)));
-            }
-            Ok(())
-        });
-    }
+    walk_along(model, &plan, (states, false), |placed, number, is_last| {
+        if let (Item::Connector(placed), true) = (placed, is_last) {
+            found.push((model.connectors[placed.index].title(), case(model, placed, number)));
+        }
+    });
     found
 }
 
 /// The constraints at the last state; at the initial one, where no states are given.
 pub(super) fn last_constraints(target: &Target<'_>) -> Vec<(String, MpcCase)> {
     let Target { model, states, plan, .. } = *target;
-    let mut walk = walk(model, plan);
     let mut found = Vec::new();
     let initial = [State::default()];
     let states = if states.is_empty() { &initial[..] } else { states };
-    for (index, state) in states.iter().enumerate() {
-        found.clear();
-        let number = state.number.unwrap_or(index as u64);
-        let Ok(()) = walk.visit(state, |placed| -> Result<(), Infallible> {
-            if let Item::Mpc(placed) = placed {
-                found.push((model.mpcs[placed.index].title(), mpc_case(model, placed, number)));
-            }
-            Ok(())
-        });
-    }
+    walk_along(model, plan, (states, false), |placed, number, is_last| {
+        if let (Item::Mpc(placed), true) = (placed, is_last) {
+            found.push((model.mpcs[placed.index].title(), mpc_case(model, placed, number)));
+        }
+    });
     found
 }

@@ -130,8 +130,8 @@ fn diagnosed(tables: &[(String, ResultTable)]) -> Tally {
             }
             let mut wrong = table.clone();
             let mut most = 0.0_f64;
-            for (i, x) in &change.changes {
-                let entry = &mut wrong.entries[*i];
+            for (row, i, x) in change.changes.iter() {
+                let entry = &mut wrong.entries[row * table.width() + i];
                 most = most.max((x - entry.got).abs() / entry.tolerance());
                 entry.got = *x;
             }
@@ -205,8 +205,8 @@ fn throughout(table: &ResultTable, cause: Cause) -> Option<ResultTable> {
     let mut wrong = table.clone();
     let mut most = 0.0_f64;
     for change in table.mistakes.iter().filter(|change| Cause::of(change.mistake) == cause) {
-        for (i, x) in &change.changes {
-            let entry = &mut wrong.entries[*i];
+        for (row, i, x) in change.changes.iter() {
+            let entry = &mut wrong.entries[row * table.width() + i];
             most = most.max((x - entry.got).abs() / entry.tolerance());
             entry.got = *x;
         }

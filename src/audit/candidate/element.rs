@@ -11,8 +11,8 @@ use super::tables::diagnosed;
 use crate::case::quantity::{Numbers, Quantity};
 use crate::judge::bound::Bound;
 use crate::judge::outcome::Check;
-use crate::judge::table::{Convention, Entry, ResultTable};
-use crate::mutants::diagnosis::Cause;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::diagnosis::{Cause, Hypothesis};
 use pintle_kinematics::connector::Components;
 use pintle_kinematics::node::{DOF, DOFS, THETA_A, THETA_B};
 use pintle_kinematics::scalar::{Real, Wide};
@@ -85,8 +85,8 @@ pub(super) fn tables(
             table.entries.push(Entry::new(name, *got, *want, *scale, (0, class(j), 0)));
         }
         let other = |cause: Cause, relation: &str, of: &dyn Fn(usize) -> Wide| {
-            let changes = (0..DOFS).map(|j| (j, of(j).to_f64())).collect();
-            Convention::new(cause, changes).related(relation)
+            let changes = (0..DOFS).map(|j| (j, 0, of(j).to_f64())).collect();
+            Hypothesis::many(cause, changes).related(relation)
         };
         let half = Wide::ratio(1, 2);
         table.conventions = vec![
@@ -111,35 +111,20 @@ pub(super) fn tables(
         };
         let geometric = |n: usize| slope[n].0 - material[n];
         let other = |cause: Cause, relation: &str, of: &dyn Fn(usize) -> Wide| {
-            let changes = (0..DOFS * DOFS).map(|n| (n, of(n).to_f64())).collect();
-            Convention::new(cause, changes).related(relation)
+            let changes = (0..DOFS * DOFS).map(|n| (n / DOFS, n % DOFS, of(n).to_f64())).collect();
+            Hypothesis::many(cause, changes).related(relation)
         };
+        let (missing, doubled) = (Cause::GeometricTermMissing, Cause::GeometricTermDoubled);
+        let told = |how: &str| format!("what is expected {how} the geometric stiffness Σ D c ∂²c");
+        let whole = format!("Σ D ∂c ∂c, {}", told("without"));
+        let slack = "the stiffness of springs along positions, slack where these are zero";
+        let half = Wide::ratio(1, 2);
         table.conventions = vec![
-            other(
-                Cause::GeometricTermMissing,
-                "Σ D ∂c ∂c, what is expected without the geometric stiffness Σ D c ∂²c",
-                &|n| material[n],
-            ),
-            other(
-                Cause::LeverReversed,
-                "what is expected with minus the geometric stiffness Σ D c ∂²c",
-                &|n| material[n] - geometric(n),
-            ),
-            other(
-                Cause::GeometricTermDoubled,
-                "what is expected with twice the geometric stiffness Σ D c ∂²c",
-                &|n| material[n] + geometric(n) + geometric(n),
-            ),
-            other(
-                Cause::GeometricTermMissing,
-                "what is expected with half of the geometric stiffness Σ D c ∂²c",
-                &|n| material[n] + Wide::ratio(1, 2) * geometric(n),
-            ),
-            other(
-                Cause::InitialKept,
-                "the stiffness of springs along positions, slack where these are zero",
-                &|n| slope[n].0 + slope_of_first[n],
-            ),
+            other(missing, &whole, &|n| material[n]),
+            other(Cause::LeverReversed, &told("with minus"), &|n| material[n] - geometric(n)),
+            other(doubled, &told("with twice"), &|n| material[n] + geometric(n) + geometric(n)),
+            other(missing, &told("with half of"), &|n| material[n] + half * geometric(n)),
+            other(Cause::InitialKept, slack, &|n| slope[n].0 + slope_of_first[n]),
             other(Cause::Symmetrised, Cause::Symmetrised.relation(), &symmetric),
             other(Cause::Reversed, Cause::Reversed.relation(), &|n| -slope[n].0),
         ];

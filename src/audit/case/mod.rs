@@ -14,8 +14,7 @@ use pintle_kinematics::node::{DOFS, Node, Pair};
 use pintle_kinematics::scalar::Real;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3::{self, exp};
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector, add, apply, product, sub, transpose};
+use pintle_kinematics::vector::{self, Matrix, Vector, add, apply, product, sub, transpose};
 use serde::{Deserialize, Serialize};
 
 /// One state of a path, and the increment that leads to it.

@@ -2,8 +2,7 @@
 
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
 use pintle_kinematics::connector::{Components, Evaluation, Mask, Output, Request};
-use pintle_kinematics::node::dof_size;
-use pintle_kinematics::node::{DOF, DOFS};
+use pintle_kinematics::node::{DOF, DOFS, dof_size};
 use serde::{Deserialize, Serialize};
 
 /// A kind of number that a connector gives for each component.

@@ -3,18 +3,17 @@
 //!
 //! The force is typed here a second time, in closed form where μ does not depend on the slip rate.
 
-use crate::case::failing::BeltCase;
-use crate::case::failing::Failing;
+use crate::case::failing::{BeltCase, Failing};
 use crate::case::quantity::Quantity;
-use crate::friction::criterion::{PARTS, magnitudes, parts};
+use crate::friction::criterion::{Parts, Pressed, parts};
 use crate::friction::increment::{branch_of, exact_state, forced};
 use crate::friction::solve::{Unsolved, root};
 use crate::friction::{Judged, checks, reach};
 use crate::judge::outcome::Check;
 use crate::judge::slopes::{Argument, Held, Output, Slopes};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::mutants::mutant::Mistake;
-use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::mutant::{Mistake, Mutant};
+use crate::oracles::differences::FIRST_STEP;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use pintle_kinematics::scalar::elementary::exp;
@@ -42,24 +41,53 @@ fn flat<R: Copy>(tangent: &BeltTangent<R>) -> Vec<Vec<R>> {
     vec![vec![tangent.flow, first, second, tangent.angle, tangent.duration]]
 }
 
+/// A belt with a coefficient.
+struct AtCoefficient<'a> {
+    case: &'a BeltCase,
+    coefficient: f64,
+}
+
+impl AtCoefficient<'_> {
+    fn tensions<R: Real>(&self, moved: &[(usize, R)]) -> ([R; 2], R, R) {
+        let mut point = self.case.point().map(R::from_f64);
+        moved.iter().for_each(|(k, h)| point[*k] = point[*k] + *h);
+        let [first, second, angle] = point;
+        ([first, second], angle, R::from_f64(self.coefficient))
+    }
+}
+
+/// min(T1, T2) (exp(μ α) − 1) is of the size of the tensions.
+impl Pressed for AtCoefficient<'_> {
+    fn parts<R: Frictional>(&self, moved: &[(usize, R)]) -> [R; 4] {
+        let (tension, angle, coefficient) = self.tensions(moved);
+        parts(self.case.belt.at(tension, angle, coefficient).0)
+    }
+
+    fn differentiated<R: Frictional>(&self, moved: &[(usize, R)]) -> [Derivatives<R>; 4] {
+        let (tension, angle, coefficient) = self.tensions(moved);
+        parts(self.case.belt.derivatives(tension, angle, coefficient).0)
+    }
+}
+
 impl BeltCase {
     /// All checks at this state.
     pub(crate) fn judged(&self, settings: &Settings, wide: bool, proves: bool) -> Vec<Check> {
-        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
-        let mut tables = self.criterion_tables(settings, wide, outcome.coefficient);
-        tables.extend(self.increment_tables(settings, wide, &outcome, &tangent));
-        let mut found = checks(tables, settings, &self.name, proves);
+        let mut found = checks(self.all_tables(settings, wide), settings, &self.name, proves);
         found.iter_mut().for_each(|check| check.fails_at(|| Failing::Belt(Box::new(self.clone()))));
         found
     }
 
     /// The numbers at this state, and what they must be by differences on 237 bits.
     pub(crate) fn tables(&self) -> Vec<ResultTable> {
-        let settings = crate::friction::by_differences();
-        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
-        let mut tables = self.criterion_tables(&settings, true, outcome.coefficient);
-        tables.extend(self.increment_tables(&settings, true, &outcome, &tangent));
+        let tables = self.all_tables(&crate::friction::by_differences(), true);
         tables.into_iter().map(|(_, table)| table).collect()
+    }
+
+    fn all_tables(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
+        let (outcome, tangent) = self.belt.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
+        let mut tables = self.criterion_tables(settings, wide, outcome.coefficient);
+        tables.extend(self.increment_tables(settings, wide, &outcome, &tangent));
+        tables
     }
 
     fn sizes(&self) -> [f64; 3] {
@@ -68,110 +96,24 @@ impl BeltCase {
         [tension, tension, self.angle.abs().max(1.0)]
     }
 
-    /// T1, T2 and α after one has moved.
-    fn point<R: Real>(&self, k: usize, h: R) -> [R; 3] {
-        let [first, second] = self.tension;
-        let mut point = [first, second, self.angle].map(R::from_f64);
-        point[k] = point[k] + h;
-        point
-    }
-
-    fn values<R: Frictional>(&self, [first, second, angle]: [R; 3], coefficient: f64) -> [R; 4] {
-        parts(self.belt.at([first, second], angle, R::from_f64(coefficient)).0)
-    }
-
-    fn derivatives<R: Frictional>(
-        &self,
-        [first, second, angle]: [R; 3],
-        coefficient: f64,
-    ) -> [Derivatives<R>; 4] {
-        parts(self.belt.derivatives([first, second], angle, R::from_f64(coefficient)).0)
+    /// T1, T2 and α.
+    const fn point(&self) -> [f64; 3] {
+        [self.tension[0], self.tension[1], self.angle]
     }
 
     fn criterion_tables(&self, settings: &Settings, wide: bool, coefficient: f64) -> Vec<Judged> {
         let sizes = self.sizes();
-        let point = self.point(0, 0.0);
-        let got = self.derivatives(point, coefficient);
-        let values = got.map(|part| part.value);
-        let gradients_of = |all: [Derivatives<f64>; 4]| all.map(|part| part.gradient[..3].to_vec()).to_vec();
-        // min(T1, T2) (exp(μ α) − 1) is of the size of the tensions.
-        let magnitudes = magnitudes(&values);
-        let inputs = || Argument::list(&POINT, &sizes, &reach(&point, &sizes), |_| 0.0);
-        let gradients = Slopes {
-            quantity: Quantity::FrictionGradient,
-            outputs: Output::list((0..4).map(|p| (PARTS[p], magnitudes[p], p))),
-            inputs: inputs(),
-            matrices: None,
+        let parts = Parts {
+            of: &AtCoefficient { case: self, coefficient },
+            title: "",
+            inputs: Argument::list(&POINT, &sizes, &reach(&self.point(), &sizes), |_| 0.0),
+            of_a_unit: 2,
+            shift: 0.0,
+            clear: 1.0,
             demanded: Vec::new(),
-            class: |_, j| (0, j / 2, 0),
-            got: gradients_of(got),
-            step: FIRST_STEP,
-            wide: Box::new(|k, h| self.values(self.point(k, h), coefficient).to_vec()),
-            narrow: Box::new(|k, h| self.values(self.point(k, h), coefficient).to_vec()),
-            slopes: Box::new(move |k, h| gradients_of(self.derivatives(self.point(k, h), coefficient))),
-            dual: Box::new(|| {
-                let all = self.derivatives(self.point(0, Wide::zero()), coefficient);
-                all.map(|part| part.gradient[..3].to_vec()).to_vec()
-            }),
             mistaken: Vec::new(),
-            held: None,
         };
-        let scales = gradients.value_scales();
-        let mut tables = gradients.tables(settings, wide);
-        // Where a part has a kink it has no second derivatives.
-        let are_smooth = gradients.are_smooth();
-        let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
-        let output = |(n, (p, k)): (usize, &(usize, usize))| {
-            (format!("²{}/∂{}", PARTS[*p], POINT[*k]), scales[*p] / sizes[*k], n)
-        };
-        let all: Vec<(usize, usize)> = smooth.iter().flat_map(|p| (0..3).map(|k| (*p, k))).collect();
-        let hessian_of = |found: [Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
-            all.iter().map(|(p, k)| found[*p].hessian[*k][..3].to_vec()).collect()
-        };
-        let hessians = Slopes {
-            quantity: Quantity::FrictionHessian,
-            outputs: Output::list(all.iter().enumerate().map(output)),
-            inputs: inputs(),
-            matrices: Some(smooth.iter().map(|p| format!("∂²{}", PARTS[*p])).collect()),
-            demanded: Vec::new(),
-            class: |i, j| (0, i % 3 / 2, j / 2),
-            got: hessian_of(got),
-            step: SECOND_STEP,
-            wide: Box::new(|l, h| {
-                let at = self.point(l, h);
-                let slope = |(p, k): &(usize, usize)| {
-                    let g = Wide::from_f64(SECOND_STEP * sizes[*k]);
-                    let along = |g: Wide| {
-                        let mut moved = at;
-                        moved[*k] += g;
-                        self.values(moved, coefficient)[*p]
-                    };
-                    (along(g) - along(-g)) / (g + g)
-                };
-                all.iter().map(slope).collect()
-            }),
-            narrow: Box::new(|l, h| {
-                let found = self.derivatives(self.point(l, h), coefficient);
-                all.iter().map(|(p, k)| found[*p].gradient[*k]).collect()
-            }),
-            slopes: Box::new(|l, h| hessian_of(self.derivatives(self.point(l, h), coefficient))),
-            dual: Box::new(|| {
-                let found = self.derivatives(self.point(0, Wide::zero()), coefficient);
-                all.iter().map(|(p, k)| found[*p].hessian[*k][..3].to_vec()).collect()
-            }),
-            mistaken: Vec::new(),
-            held: None,
-        };
-        tables.extend(hessians.tables(settings, wide));
-        if wide && settings.oracles.contains(&Oracle::WideDifferences) {
-            let want = self.values(self.point(0, Wide::zero()), coefficient);
-            let entry = |p: usize| Entry::new(PARTS[p].to_string(), values[p], want[p], scales[p], (0, 0, 0));
-            let mut table = ResultTable::new(Quantity::FrictionCriterion);
-            table.rows = PARTS.map(String::from).to_vec();
-            table.entries = (0..4).map(entry).collect();
-            tables.push((Oracle::WideDifferences, table));
-        }
-        tables
+        parts.tables(settings, wide)
     }
 
     fn input<R: Real>(&self, j: usize, h: R) -> BeltInput<'_, R> {
@@ -206,12 +148,12 @@ impl BeltCase {
         let flow = (self.flow.abs() + slip).max(LEAST * self.length);
         let sizes = vec![flow, first, second, angle, self.duration.unwrap_or(1.0)];
         let mut reaches = sizes.clone();
-        reaches[1..4].copy_from_slice(&reach(&self.point(0, 0.0), &self.sizes()));
+        reaches[1..4].copy_from_slice(&reach(&self.point(), &self.sizes()));
         let mut got = flat(tangent);
         settings.planted.into_iter().for_each(|planted| planted.spoil_friction(&mut got));
+        let force = |outcome: &FrictionOutcome<f64>| vec![outcome.force[FLOW]];
         let other = if outcome.status == Status::Slip { Branch::Stick } else { Branch::Slip };
         let wrong = flat(&belt.tangent(&self.before, &self.input(0, 0.0), other).1);
-        let force = |outcome: &FrictionOutcome<f64>| vec![outcome.force[FLOW]];
         let still = belt.update(&self.before, &self.input(0, -self.flow), Branch::Decided);
         let secant = (outcome.force[FLOW] - still.force[FLOW]) / self.flow;
         let mut secants = flat(tangent);
@@ -224,7 +166,7 @@ impl BeltCase {
             inputs: Argument::list(&INPUTS, &sizes, &reaches, |_| 0.0),
             matrices: None,
             demanded: Vec::new(),
-            class: |_, j| (0, [0, 1, 1, 2, 3][j], 0),
+            class: &|_, j| (0, [0, 1, 1, 2, 3][j], 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| vec![belt.update(&before, &self.input(j, h), on).force[FLOW]]),
@@ -265,8 +207,8 @@ impl BeltCase {
             let mut table = ResultTable::new(Quantity::FrictionForce);
             table.rows = RESULTS.map(String::from).to_vec();
             table.entries = (0..RESULTS.len()).map(entry).collect();
-            let changes = wrong.iter().copied().enumerate().collect();
-            table.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            let changes = wrong.iter().enumerate().map(|(i, x)| (i, 0, *x));
+            table.mistakes = vec![Mutant::many(Mistake::StickForSlip, changes)];
             tables.push((oracle, table));
         }
         tables
@@ -283,7 +225,7 @@ impl BeltCase {
             return Err(why);
         }
         let (zero, one) = (Wide::zero(), Wide::integer(1));
-        let [first, second, angle] = self.point(0, zero);
+        let [first, second, angle] = self.point().map(Wide::from_f64);
         let duration = self.duration.filter(|duration| *duration > 0.0).map(Wide::from_f64);
         let limit = |held: Wide, slip: Wide| {
             let rate = duration.map_or(zero, |duration| slip / duration);

@@ -4,13 +4,13 @@ use crate::case::failing::FrictionCase;
 use crate::case::quantity::Quantity;
 use crate::friction::{Judged, group_sizes, reach};
 use crate::judge::slopes::{Argument, Output, Slopes};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::mutants::mutant::Mistake;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::mutant::{Mistake, Mutant};
 use crate::oracles::differences::{FIRST_STEP, SECOND_STEP};
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use pintle_kinematics::catalog::FORCE;
-use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Wide};
 use pintle_model::behavior::friction::{Criterion, Derivatives, Frictional, Point, Tangential};
 
 /// What is judged of a criterion, by name.
@@ -74,17 +74,10 @@ impl FrictionCase {
         group_sizes(&self.point, [0, 1, 2, 3, 4, 5].map(|k| sliding.contains(&k)), self.length)
     }
 
-    fn part_magnitudes(&self, values: &[f64; 4]) -> Vec<f64> {
-        let mut found = magnitudes(values);
-        // P, and Φ = P − limit.
-        [0, 3].into_iter().for_each(|part| found[part] += self.shift());
-        found
-    }
-
-    /// The forces after one has moved.
-    fn moved<R: Real>(&self, k: usize, h: R) -> [R; 6] {
+    /// The forces after some have moved.
+    fn moved<R: Real>(&self, moved: &[(usize, R)]) -> [R; 6] {
         let mut forces = self.point.map(R::from_f64);
-        forces[k] = forces[k] + h;
+        moved.iter().for_each(|(k, h)| forces[*k] = forces[*k] + *h);
         forces
     }
 
@@ -92,11 +85,6 @@ impl FrictionCase {
     fn clear(&self, sizes: &[f64; 6]) -> f64 {
         let others = self.point.iter().zip(sizes).filter(|(force, _)| **force != 0.0);
         others.map(|(force, size)| force.abs() / size).fold(1.0, f64::min)
-    }
-
-    /// The step of second differences, in sizes.
-    fn second_step(&self, sizes: &[f64; 6]) -> f64 {
-        SECOND_STEP * self.clear(sizes).sqrt()
     }
 
     /// Which entries of the gradients must show a relative error of a billionth, by the forces and the product's numbers alone. No
@@ -119,25 +107,6 @@ impl FrictionCase {
         (0..4).map(|p| (0..6).map(|j| of(p, j)).collect()).collect()
     }
 
-    /// The gradients of the parts by differences.
-    fn gradients(&self, at: &[Wide; 6], sizes: &[f64; 6]) -> [[Wide; 6]; 4] {
-        let mut found = [[Wide::zero(); 6]; 4];
-        let step = self.second_step(sizes);
-        for k in 0..6 {
-            let h = Wide::from_f64(step * sizes[k]);
-            let along = |h: Wide| {
-                let mut forces = *at;
-                forces[k] += h;
-                self.values(&forces)
-            };
-            let (plus, minus) = (along(h), along(-h));
-            for p in 0..4 {
-                found[p][k] = (plus[p] - minus[p]) / (h + h);
-            }
-        }
-        found
-    }
-
     /// The forces at the point, which are given, and rounded so.
     fn inputs(&self, sizes: &[f64; 6]) -> Vec<Argument> {
         let (reach, beside) = (reach(&self.point, sizes), self.beside_shift());
@@ -151,102 +120,151 @@ impl FrictionCase {
     pub(super) fn criterion_tables(&self, settings: &Settings, wide: bool) -> Vec<Judged> {
         let criterion = &self.friction.criterion;
         let sizes = self.point_sizes();
-        let got = self.derivatives(criterion, &self.point);
-        let mistaken: Vec<(Mistake, [Derivatives<f64>; 4])> = criterion
-            .factor_mistakes()
-            .into_iter()
-            .map(|(mistake, criterion)| (Mistake::from(mistake), self.derivatives(&criterion, &self.point)))
-            .collect();
-        let named = |part: &str| format!("{part}{}", self.title);
-        let magnitudes = self.part_magnitudes(&got.map(|part| part.value));
-        let values = got.map(|part| part.value);
-        let gradient_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
-            all.iter().map(|part| part.gradient.to_vec()).collect()
+        let mistaken = criterion.factor_mistakes().into_iter();
+        let mistaken = mistaken
+            .map(|(mistake, criterion)| (Mistake::from(mistake), self.derivatives(&criterion, &self.point)));
+        let parts = Parts {
+            of: self,
+            title: &self.title,
+            inputs: self.inputs(&sizes),
+            of_a_unit: 3,
+            shift: self.shift(),
+            clear: self.clear(&sizes),
+            demanded: self.demanded(&self.derivatives(criterion, &self.point), &sizes),
+            mistaken: mistaken.collect(),
         };
-        let gradients = Slopes {
+        parts.tables(settings, wide)
+    }
+}
+
+impl Pressed for FrictionCase {
+    fn parts<R: Frictional>(&self, moved: &[(usize, R)]) -> [R; 4] {
+        self.values(&self.moved(moved))
+    }
+
+    fn differentiated<R: Frictional>(&self, moved: &[(usize, R)]) -> [Derivatives<R>; 4] {
+        self.derivatives(&self.friction.criterion, &self.moved(moved))
+    }
+}
+
+/// What has P, F_C, F_N and Φ: functions of forces, or of tensions and an angle.
+pub(super) trait Pressed {
+    /// The parts where some of these have moved.
+    fn parts<R: Frictional>(&self, moved: &[(usize, R)]) -> [R; 4];
+
+    /// The same with their derivatives.
+    fn differentiated<R: Frictional>(&self, moved: &[(usize, R)]) -> [Derivatives<R>; 4];
+}
+
+/// The gradients of the parts by so many numbers.
+fn gradients<R: Copy>(of: &[Derivatives<R>; 4], n: usize) -> Vec<Vec<R>> {
+    of.iter().map(|part| part.gradient[..n].to_vec()).collect()
+}
+
+/// The rows of the Hessians of some parts.
+fn hessians<R: Copy>(of: &[Derivatives<R>; 4], smooth: &[usize], n: usize) -> Vec<Vec<R>> {
+    smooth.iter().flat_map(|p| of[*p].hessian[..n].iter().map(|row| row[..n].to_vec())).collect()
+}
+
+/// P, F_C, F_N and Φ with what is known of them.
+pub(super) struct Parts<'a, P> {
+    pub(super) of: &'a P,
+    /// What follows their names.
+    pub(super) title: &'a str,
+    pub(super) inputs: Vec<Argument>,
+    /// So many inputs, from the first on, have one unit.
+    pub(super) of_a_unit: usize,
+    /// P, and Φ = P − limit, are formed beside it.
+    pub(super) shift: f64,
+    /// How far kinks are that they are not on, in sizes.
+    pub(super) clear: f64,
+    /// Which entries of the gradients must show a relative error of a billionth.
+    pub(super) demanded: Vec<Vec<bool>>,
+    /// The same with a mistake in them.
+    pub(super) mistaken: Vec<(Mistake, [Derivatives<f64>; 4])>,
+}
+
+impl<P: Pressed> Parts<'_, P> {
+    /// The tables of values, gradients and Hessians.
+    pub(super) fn tables(self, settings: &Settings, wide: bool) -> Vec<Judged> {
+        let Self { of, inputs, of_a_unit: unit, mistaken, .. } = self;
+        let n = inputs.len();
+        let got = of.differentiated(&[]);
+        let values = got.map(|part| part.value);
+        let mut magnitudes = magnitudes(&values);
+        [0, 3].into_iter().for_each(|part| magnitudes[part] += self.shift);
+        let named = |part: &str| format!("{part}{}", self.title);
+        let slopes = Slopes {
             quantity: Quantity::FrictionGradient,
             outputs: Output::list((0..4).map(|p| (named(PARTS[p]), magnitudes[p], p))),
-            inputs: self.inputs(&sizes),
+            inputs: inputs.clone(),
             matrices: None,
-            demanded: self.demanded(&got, &sizes),
-            class: |_, j| (0, j / 3, 0),
-            got: gradient_of(&got),
-            step: FIRST_STEP * self.clear(&sizes),
-            wide: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
-            narrow: Box::new(|k, h| self.values(&self.moved(k, h)).to_vec()),
-            slopes: Box::new(move |k, h| gradient_of(&self.derivatives(criterion, &self.moved(k, h)))),
-            dual: Box::new(|| {
-                let all = self.derivatives(criterion, &self.point.map(Wide::from_f64));
-                all.iter().map(|part| part.gradient.to_vec()).collect()
-            }),
-            mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, gradient_of(wrong))).collect(),
+            demanded: self.demanded,
+            class: &|_, j| (0, j / unit, 0),
+            got: gradients(&got, n),
+            step: FIRST_STEP * self.clear,
+            wide: Box::new(|k, h| of.parts(&[(k, h)]).to_vec()),
+            narrow: Box::new(|k, h| of.parts(&[(k, h)]).to_vec()),
+            slopes: Box::new(|k, h| gradients(&of.differentiated(&[(k, h)]), n)),
+            dual: Box::new(|| gradients(&of.differentiated::<Wide>(&[]), n)),
+            mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, gradients(wrong, n))).collect(),
             held: None,
         };
-        let scales = gradients.value_scales();
-        let mut tables = gradients.tables(settings, wide);
-        // Where a part has a kink along some force, it has no second derivatives.
-        let are_smooth = gradients.are_smooth();
+        let scales = slopes.value_scales();
+        let mut tables = slopes.tables(settings, wide);
+        // Where a part has a kink along some number, it has no second derivatives.
+        let are_smooth = slopes.are_smooth();
         let smooth: Vec<usize> = (0..4).filter(|p| are_smooth[*p]).collect();
-        tables.extend(self.hessian_tables(settings, wide, &smooth, &got, &mistaken, &scales));
+        let output = |(i, (p, input)): (usize, (usize, &Argument))| {
+            (format!("²{}/∂{}", named(PARTS[p]), input.name), scales[p] / input.size, i)
+        };
+        let all = smooth.iter().flat_map(|p| inputs.iter().map(|input| (*p, input))).enumerate();
+        let step = SECOND_STEP * self.clear.sqrt();
+        // The gradients by differences.
+        let differenced = |l: usize, h: Wide| -> Vec<Wide> {
+            let along = |(k, input): (usize, &Argument)| {
+                let g = Wide::from_f64(step * input.size);
+                let [plus, minus] = [g, -g].map(|g| of.parts(&[(l, h), (k, g)]));
+                [0, 1, 2, 3].map(|p| (plus[p] - minus[p]) / (g + g))
+            };
+            let slopes: Vec<[Wide; 4]> = inputs.iter().enumerate().map(along).collect();
+            smooth.iter().flat_map(|p| slopes.iter().map(|of| of[*p])).collect()
+        };
+        let slopes = Slopes {
+            quantity: Quantity::FrictionHessian,
+            outputs: Output::list(all.map(output)),
+            inputs: inputs.clone(),
+            matrices: Some(smooth.iter().map(|p| named(&format!("∂²{}", PARTS[*p]))).collect()),
+            demanded: Vec::new(),
+            class: &|i, j| (0, i % n / unit, j / unit),
+            got: hessians(&got, &smooth, n),
+            step,
+            wide: Box::new(differenced),
+            narrow: Box::new(|l, h| {
+                let found = gradients(&of.differentiated(&[(l, h)]), n);
+                smooth.iter().flat_map(|p| found[*p].iter().copied()).collect()
+            }),
+            slopes: Box::new(|l, h| hessians(&of.differentiated(&[(l, h)]), &smooth, n)),
+            dual: Box::new(|| hessians(&of.differentiated::<Wide>(&[]), &smooth, n)),
+            mistaken: mistaken
+                .iter()
+                .map(|(mistake, wrong)| (*mistake, hessians(wrong, &smooth, n)))
+                .collect(),
+            held: None,
+        };
+        tables.extend(slopes.tables(settings, wide));
         if wide && settings.oracles.contains(&Oracle::WideDifferences) {
-            let want = self.values(&self.point.map(Wide::from_f64));
+            let want = of.parts::<Wide>(&[]);
             let entry = |p: usize| Entry::new(named(PARTS[p]), values[p], want[p], scales[p], (0, 0, 0));
             let mut table = ResultTable::new(Quantity::FrictionCriterion);
             table.rows = PARTS.map(named).to_vec();
             table.entries = (0..4).map(entry).collect();
-            let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| Change {
-                mistake: *mistake,
-                changes: wrong.iter().map(|part| part.value).enumerate().collect(),
+            let of = |(mistake, wrong): &(Mistake, [Derivatives<f64>; 4])| {
+                Mutant::many(*mistake, wrong.iter().enumerate().map(|(p, part)| (p, 0, part.value)))
             };
             table.mistakes = mistaken.iter().map(of).collect();
             tables.push((Oracle::WideDifferences, table));
         }
         tables
-    }
-
-    fn hessian_tables(
-        &self,
-        settings: &Settings,
-        wide: bool,
-        smooth: &[usize],
-        got: &[Derivatives<f64>; 4],
-        mistaken: &[(Mistake, [Derivatives<f64>; 4])],
-        scales: &[f64],
-    ) -> Vec<Judged> {
-        let criterion = &self.friction.criterion;
-        let sizes = self.point_sizes();
-        let hessian_of = |all: &[Derivatives<f64>; 4]| -> Vec<Vec<f64>> {
-            smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
-        };
-        let all = smooth.iter().flat_map(|p| (0..6).map(|k| (*p, k))).enumerate();
-        let output = |(n, (p, k)): (usize, (usize, usize))| {
-            (format!("²{}{}/∂{}", PARTS[p], self.title, FORCE[k]), scales[p] / sizes[k], n)
-        };
-        let hessians = Slopes {
-            quantity: Quantity::FrictionHessian,
-            outputs: Output::list(all.map(output)),
-            inputs: self.inputs(&sizes),
-            matrices: Some(smooth.iter().map(|p| format!("∂²{}{}", PARTS[*p], self.title)).collect()),
-            demanded: Vec::new(),
-            class: |i, j| (0, i % 6 / 3, j / 3),
-            got: hessian_of(got),
-            step: self.second_step(&sizes),
-            wide: Box::new(|k, h| {
-                let all = self.gradients(&self.moved(k, h), &sizes);
-                smooth.iter().flat_map(|p| all[*p]).collect()
-            }),
-            narrow: Box::new(|k, h| {
-                let all = self.derivatives(criterion, &self.moved(k, h));
-                smooth.iter().flat_map(|p| all[*p].gradient).collect()
-            }),
-            slopes: Box::new(move |k, h| hessian_of(&self.derivatives(criterion, &self.moved(k, h)))),
-            dual: Box::new(|| {
-                let all = self.derivatives(criterion, &self.point.map(Wide::from_f64));
-                smooth.iter().flat_map(|p| all[*p].hessian.map(|row| row.to_vec())).collect()
-            }),
-            mistaken: mistaken.iter().map(|(mistake, wrong)| (*mistake, hessian_of(wrong))).collect(),
-            held: None,
-        };
-        hessians.tables(settings, wide)
     }
 }

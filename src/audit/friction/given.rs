@@ -4,8 +4,9 @@ use crate::case::failing::FrictionCase;
 use crate::case::quantity::Quantity;
 use crate::friction::by_differences;
 use crate::friction::increment::{output, partials, result_name, results};
-use crate::judge::table::{Change, Convention, ResultTable};
-use crate::mutants::diagnosis::Cause;
+use crate::judge::table::ResultTable;
+use crate::mutants::diagnosis::{Cause, Hypothesis};
+use crate::mutants::mutant::Mutant;
 use pintle_kinematics::catalog::{ConnectionType, Contact, FORCE};
 use pintle_model::behavior::friction::{
     Branch, Coefficient, Criterion, Friction, Internal, Status, StickStiffness, Tangential, TermMistake,
@@ -106,56 +107,49 @@ impl FrictionSubject {
             coefficient: Coefficient::Constant(coefficient),
             ..friction.clone()
         };
-        let mut others = vec![
-            (Cause::OtherCoefficient, "what is expected with −μ for μ".into(), with(-coefficient)),
-            (
-                Cause::OtherCoefficient,
-                "what is expected with μ² for μ".into(),
-                with(coefficient * coefficient),
-            ),
-            (Cause::OtherCoefficient, "what is expected without μ".into(), with(1.0)),
-            (Cause::OtherCoefficient, "what is expected with half of μ".into(), with(coefficient / 2.0)),
-            (Cause::OtherCoefficient, "what is expected with twice μ".into(), with(2.0 * coefficient)),
-        ];
+        let mut others = Vec::new();
+        let mut add = |cause: Cause, how: &str, other: Friction| {
+            others.push((cause, format!("what is expected {how}"), other));
+        };
+        for (how, coefficient) in [
+            ("with −μ for μ", -coefficient),
+            ("with μ² for μ", coefficient * coefficient),
+            ("without μ", 1.0),
+            ("with half of μ", coefficient / 2.0),
+            ("with twice μ", 2.0 * coefficient),
+        ] {
+            add(Cause::OtherCoefficient, how, with(coefficient));
+        }
         let mut plain = friction.clone();
         plain.criterion.internal = Internal::Constant(0.0);
-        others.push((Cause::TermLeftOut, "what is expected without F_C^int".into(), plain));
+        add(Cause::TermLeftOut, "without F_C^int", plain);
         if let Tangential::Norm(components) = &friction.criterion.tangential {
             let mut undivided = friction.clone();
             let ones = components.iter().map(|(k, _)| (*k, 1.0)).collect();
             undivided.criterion.tangential = Tangential::Norm(ones);
-            let relation = "what is expected without the radius that divides a moment in P";
-            others.push((Cause::NotNormalised, relation.into(), undivided));
+            add(Cause::NotNormalised, "without the radius that divides a moment in P", undivided);
         }
         if let Internal::Constant(internal) = friction.criterion.internal {
             let mut against = friction.clone();
             against.criterion.internal = Internal::Constant(-internal);
-            others.push((Cause::Reversed, "what is expected with −F_C^int for F_C^int".into(), against));
+            add(Cause::Reversed, "with −F_C^int for F_C^int", against);
         }
         if let Some(maximum) = friction.maximum {
-            for (cause, relation, maximum) in [
-                (Cause::TermLeftOut, "what is expected without τ_max", None),
-                (
-                    Cause::OtherCoefficient,
-                    "what is expected with μ τ_max for τ_max",
-                    Some(coefficient * maximum),
-                ),
-                (
-                    Cause::OtherCoefficient,
-                    "what is expected with τ_max/μ for τ_max",
-                    Some(maximum / coefficient),
-                ),
+            for (cause, how, maximum) in [
+                (Cause::TermLeftOut, "without τ_max", None),
+                (Cause::OtherCoefficient, "with μ τ_max for τ_max", Some(coefficient * maximum)),
+                (Cause::OtherCoefficient, "with τ_max/μ for τ_max", Some(maximum / coefficient)),
             ] {
-                others.push((cause, relation.into(), Friction { maximum, ..friction.clone() }));
+                add(cause, how, Friction { maximum, ..friction.clone() });
             }
         }
         for (mistake, what, criterion) in friction.criterion.with_components_mistaken() {
             let other = Friction { criterion, ..friction.clone() };
-            others.push((cause_of(mistake), format!("what is expected with {what}"), other));
+            add(cause_of(mistake), &format!("with {what}"), other);
         }
         for (what, criterion) in friction.criterion.with_parts_left_out() {
-            let relation = format!("what is expected without {what}");
-            others.push((Cause::TermLeftOut, relation, Friction { criterion, ..friction.clone() }));
+            let other = Friction { criterion, ..friction.clone() };
+            add(Cause::TermLeftOut, &format!("without {what}"), other);
         }
         others.retain(|(.., other)| *other != friction);
         Ok(Self { name, friction, coefficient, parameters: Vec::new(), length, connection, others })
@@ -215,16 +209,15 @@ const fn cause_of(mistake: TermMistake) -> Cause {
     }
 }
 
-/// Some rows and columns of a table, with what may explain them.
+/// Some rows and columns of a table, with the mistakes in them.
 fn selected(table: ResultTable, rows: &[usize], columns: &[usize]) -> ResultTable {
     let width = table.width();
-    let places: Vec<usize> = rows.iter().flat_map(|i| columns.iter().map(move |j| i * width + j)).collect();
-    let moved = |changes: Vec<(usize, f64)>| -> Vec<(usize, f64)> {
-        let at = |place: usize| places.iter().position(|known| *known == place);
-        changes.into_iter().filter_map(|(place, x)| Some((at(place)?, x))).collect()
+    let places = rows.iter().flat_map(|i| columns.iter().map(move |j| i * width + j));
+    let at = |of: &[usize], place: usize| of.iter().position(|known| *known == place);
+    let moved = |Mutant { mistake, changes }| {
+        let to = |(i, j, x): &(usize, usize, f64)| Some((at(rows, *i)?, at(columns, *j)?, *x));
+        Mutant::many(mistake, changes.iter().filter_map(to))
     };
-    let mistakes = table.mistakes.into_iter();
-    let mistakes = mistakes.map(|Change { mistake, changes }| Change { mistake, changes: moved(changes) });
     let names = |of: &[String], chosen: &[usize]| -> Vec<String> {
         chosen.iter().filter_map(|i| of.get(*i).cloned()).collect()
     };
@@ -232,8 +225,8 @@ fn selected(table: ResultTable, rows: &[usize], columns: &[usize]) -> ResultTabl
         quantity: table.quantity,
         rows: names(&table.rows, rows),
         columns: names(&table.columns, columns),
-        entries: places.iter().filter_map(|place| table.entries.get(*place).cloned()).collect(),
-        mistakes: mistakes.filter(|change| !change.changes.is_empty()).collect(),
+        entries: places.filter_map(|place| table.entries.get(place).cloned()).collect(),
+        mistakes: table.mistakes.into_iter().map(moved).filter(|made| !made.changes.is_empty()).collect(),
         conventions: Vec::new(),
         undecided: table.undecided,
     }
@@ -387,15 +380,15 @@ impl FrictionCase {
             for (name, numbers) in rows {
                 let Some(at) = names.iter().position(|known| *known == name) else { continue };
                 let row = numbers.iter().copied().enumerate().take(width);
-                changes.extend(row.map(|(j, x)| (at * width + j, x)));
+                changes.extend(row.map(|(j, x)| (at, j, x)));
             }
             // What it leaves as it is says nothing of it, and a kink has no one number.
-            changes.retain(|(place, x)| {
-                table.entries.get(*place).is_some_and(|entry| {
+            changes.retain(|(at, j, x)| {
+                table.entries.get(at * width + j).is_some_and(|entry| {
                     entry.sides.is_none() && (x - entry.want.to_f64()).abs() > entry.tolerance()
                 })
             });
-            table.conventions.push(Convention::new(cause, changes).related(relation));
+            table.conventions.push(Hypothesis::many(cause, changes).related(relation));
         }
     }
 
@@ -446,11 +439,7 @@ impl FrictionCase {
         let internal = self.internal();
         if own.0 != 0.0 && internal != 0.0 {
             let (contact, slopes) = if own.0 > internal { own } else { (internal, [0.0; 6]) };
-            let mut rows = self.with_contact(
-                quantity,
-                (parts[0].value, parts[0].gradient),
-                (contact - internal, slopes),
-            );
+            let mut rows = self.with_contact(quantity, traction, (contact - internal, slopes));
             // F_C is as it must be.
             if rows.len() > 1 {
                 rows.remove(1);
@@ -494,12 +483,9 @@ impl FrictionCase {
         for (i, (factor, rows, _)) in terms.iter().enumerate().filter(|(_, (factor, ..))| *factor != 0.0) {
             for n in (0..rows.len()).filter(|_| rows.len() > 1) {
                 let mut partial = terms.clone();
-                let scaled = rows.iter().enumerate().map(
-                    |(m, row)| {
-                        if m == n { *row } else { row.map(|x| x / factor) }
-                    },
-                );
-                partial[i].1 = scaled.collect();
+                let scaled =
+                    |(m, row): (usize, &[f64; 6])| if m == n { *row } else { row.map(|x| x / factor) };
+                partial[i].1 = rows.iter().enumerate().map(scaled).collect();
                 let force = rows[n].iter().position(|x| *x != 0.0).map_or("", |k| FORCE[k]);
                 let words = format!("the factor of a norm at {force} alone in F_C");
                 add(Cause::NotNormalised, words, traction, pressed(&partial, &self.point));
@@ -620,35 +606,29 @@ impl FrictionCase {
         fresh.before.force = [0.0; 6];
         let mut unsummed = self.clone();
         unsummed.before.accumulated_slip = 0.0;
-        let increment = Cause::Increment;
-        let mut found = vec![
-            (
-                increment,
-                "what the increment alone gives, the forces before it left out".into(),
-                fresh.own(of),
-            ),
-            (increment, "the slip of the increment, not summed up".into(), unsummed.own(of)),
-        ];
         let mut against = self.clone();
         against.displacement = self.displacement.map(|x| -x);
-        let relation = "what is expected with the increment of the other sign, f − K_s Δu";
-        found.push((Cause::Reversed, relation.into(), against.own(of)));
+        let alone = "what the increment alone gives, the forces before it left out";
+        let reversed = "what is expected with the increment of the other sign, f − K_s Δu";
+        let mut found = vec![
+            (Cause::Increment, alone.into(), fresh.own(of)),
+            (Cause::Increment, "the slip of the increment, not summed up".into(), unsummed.own(of)),
+            (Cause::Reversed, reversed.into(), against.own(of)),
+        ];
         found.extend(self.other_stiffnesses(of, sliding));
         let (outcome, _) = self.friction.tangent(&self.before, &self.input(0, 0.0), Branch::Decided);
         let title = |name: &str| format!("{name}{}", self.title);
         let radii = self.friction.radii();
         let whole = radii.iter().map(|(k, r)| (r * self.displacement[*k]).powi(2)).sum::<f64>().sqrt();
-        let slips = [("Δγ", whole), ("CASU", self.before.accumulated_slip + whole)];
-        let slips = slips.map(|(name, x)| (title(name), vec![x])).to_vec();
-        found.push((Cause::StickForSlip, "the whole motion, with what stick stores".into(), slips));
-        let mut pressed = self.clone();
-        pressed.forces = self.point;
-        let relation = "what is expected with the contact force of the start of the increment";
-        found.push((Cause::StateBefore, relation.into(), pressed.own(of)));
         let slipped = |slip: f64| {
             let all = [("Δγ", slip), ("CASU", self.before.accumulated_slip + slip)];
             all.map(|(name, x)| (title(name), vec![x])).to_vec()
         };
+        found.push((Cause::StickForSlip, "the whole motion, with what stick stores".into(), slipped(whole)));
+        let mut pressed = self.clone();
+        pressed.forces = self.point;
+        let relation = "what is expected with the contact force of the start of the increment";
+        found.push((Cause::StateBefore, relation.into(), pressed.own(of)));
         if let Some(stiffness) = outcome.stick_stiffness.filter(|_| outcome.status == Status::Slip) {
             for (what, slip) in [
                 ("not divided by the stick stiffness", stiffness * outcome.slip_increment),

@@ -1,8 +1,7 @@
 //! What JAX says of predefined friction, by formulas and solutions of its own, at states of its own: `verify/golden/friction.json`,
 //! written by `scripts/reference/reference_friction.py`.
 
-use crate::case::failing::Failing;
-use crate::case::failing::FrictionCase;
+use crate::case::failing::{Failing, FrictionCase};
 use crate::case::quantity::Quantity;
 use crate::friction::criterion::{PARTS, magnitudes};
 use crate::friction::{Judged, checks};
@@ -12,8 +11,7 @@ use crate::oracles::golden::inflated;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use pintle_kinematics::catalog::{ConnectionType, FORCE};
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::scalar::{U, Wide};
 use pintle_model::behavior::Conditions;
 use pintle_model::behavior::friction::{Branch, Coefficient, Criterion, Friction, State, StickStiffness};
 use serde::Deserialize;
@@ -214,12 +212,8 @@ impl Update {
             return Vec::new();
         };
         // JAX says nothing of the limit.
-        let kept = RESULTS.len() * INPUTS;
         tangent.rows.truncate(RESULTS.len());
-        tangent.entries.truncate(kept);
-        for change in &mut tangent.mistakes {
-            change.changes.retain(|(place, _)| *place < kept);
-        }
+        tangent.entries.truncate(RESULTS.len() * INPUTS);
         let sizes = [&self.displacement[..], &self.forces, &[self.duration]].concat();
         let outcome = case.friction.tangent(&case.before, &case.input(0, 0.0), Branch::Decided).0;
         let got = [&outcome.force[..], &[outcome.slip_increment, outcome.normal]].concat();

@@ -9,15 +9,14 @@ use crate::friction::solve::{STEPS, Unsolved, is_converged, linear, root};
 use crate::friction::{Judged, force_sizes, group_sizes, kind, reach};
 use crate::judge::bound::C;
 use crate::judge::slopes::{Argument, Held, Output, Slopes};
-use crate::judge::table::{Change, Entry, ResultTable};
-use crate::mutants::mutant::Mistake;
+use crate::judge::table::{Entry, ResultTable};
+use crate::mutants::mutant::{Mistake, Mutant};
 use crate::oracles::differences::FIRST_STEP;
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
-use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::sqrt;
-use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, U, Wide};
 use pintle_model::behavior::friction::{
     Branch, Context, Flag, Friction, FrictionOutcome, Input, Partial, State, Status, StickStiffness, Tangent,
     Tangential,
@@ -193,7 +192,7 @@ impl FrictionCase {
             inputs: Argument::list(&inputs, &sizes, &reaches, |j| beside[j]),
             matrices: None,
             demanded: Vec::new(),
-            class: |i, j| (kind(i), j / 3, 0),
+            class: &|i, j| (kind(i), j / 3, 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| results(&update(j, h)).to_vec()),
@@ -321,8 +320,8 @@ impl FrictionCase {
             let mut table = ResultTable::new(Quantity::FrictionForce);
             table.rows = (0..got.len()).map(label).collect();
             table.entries = (0..got.len()).map(entry).collect();
-            let changes = other.iter().copied().enumerate().collect();
-            table.mistakes = vec![Change { mistake: Mistake::StickForSlip, changes }];
+            let changes = other.iter().enumerate().map(|(i, x)| (i, 0, *x));
+            table.mistakes = vec![Mutant::many(Mistake::StickForSlip, changes)];
             tables.push((oracle, table));
         }
         tables

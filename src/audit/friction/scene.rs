@@ -4,8 +4,7 @@
 //! are. The name of the state says so.
 
 use crate::case::Case;
-use crate::case::failing::BeltCase;
-use crate::case::failing::FrictionCase;
+use crate::case::failing::{BeltCase, FrictionCase};
 use crate::case::quantity::Quantity;
 use crate::friction::checks;
 use crate::friction::increment::output;

@@ -12,8 +12,7 @@ use crate::oracles::differences::FIRST_STEP;
 use crate::settings::Settings;
 use pintle_kinematics::catalog::{COMPONENT, FORCE};
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
-use pintle_model::behavior::friction;
-use pintle_model::behavior::friction::{BeltInput, Branch, Context, FLOW, Frictional, Input};
+use pintle_model::behavior::friction::{self, BeltInput, Branch, Context, FLOW, Frictional, Input};
 use pintle_model::behavior::state::{Behavior, Outcome};
 use pintle_model::behavior::{Beyond, Conditions, Motion, Slip, Tangent, Wrap};
 
@@ -306,7 +305,7 @@ impl Total<'_> {
             inputs: Argument::list(&inputs, &sizes, &reach, |_| 0.0),
             matrices: None,
             demanded: Vec::new(),
-            class: |i, j| (i, j / 3, 0),
+            class: &|i, j| (i, j / 3, 0),
             got,
             step: FIRST_STEP,
             wide: Box::new(|j, h| pick(self.forces(j, h, branch_of))),

@@ -29,8 +29,7 @@
 
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use pintle_kinematics::connector::State;
-use pintle_kinematics::node::dof_size;
-use pintle_kinematics::node::{DOFS, PSI_A, THETA_A, XB};
+use pintle_kinematics::node::{DOFS, PSI_A, THETA_A, XB, dof_size};
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::vector::{Matrix, transposed_product};
 

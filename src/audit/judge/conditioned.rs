@@ -16,8 +16,7 @@
 use crate::case::Case;
 use crate::case::quantity::{Numbers, Quantity};
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::node::DOFS;
-use pintle_kinematics::node::dof_size;
+use pintle_kinematics::node::{DOFS, dof_size};
 
 /// The relative error that must be noticed.
 pub const NOTICED: f64 = 1e-9;

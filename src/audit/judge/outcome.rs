@@ -1,8 +1,7 @@
 //! What an audit found: checks, subjects, the report.
 
 use crate::case::Case;
-use crate::case::failing::Failing;
-use crate::case::failing::{MpcCase, RelationCase};
+use crate::case::failing::{Failing, MpcCase, RelationCase};
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
 use crate::judge::comparison::Comparison;

@@ -3,14 +3,13 @@
 
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
-use crate::judge::table::{Change, Entry, ResultTable};
+use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::Verdict;
-use crate::mutants::mutant::Mistake;
+use crate::mutants::mutant::{Mistake, Mutant};
 use crate::oracles::oracle::Oracle;
 use crate::settings::Settings;
 use crate::singular::sides::Sides;
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::{Scalar, Wide};
+use pintle_kinematics::scalar::{Scalar, U, Wide};
 
 /// Where one of its inputs has moved by some amount, what a function gives there.
 type At<'a, T, V> = Box<dyn Fn(usize, T) -> V + 'a>;
@@ -27,7 +26,7 @@ pub(crate) struct Slopes<'a> {
     /// Which slopes must show a relative error of a billionth, whatever is allowed; none where that is not known.
     pub(crate) demanded: Vec<Vec<bool>>,
     /// The class of each slope.
-    pub(crate) class: fn(usize, usize) -> (usize, usize, usize),
+    pub(crate) class: &'a dyn Fn(usize, usize) -> (usize, usize, usize),
     /// The slopes given.
     pub(crate) got: Vec<Vec<f64>>,
     /// The step of differences on 237 bits, in sizes.
@@ -56,6 +55,7 @@ pub(crate) struct Output {
 }
 
 /// What a function depends on.
+#[derive(Clone)]
 pub(crate) struct Argument {
     pub(crate) name: String,
     /// What it is measured by, positive.
@@ -179,24 +179,23 @@ impl Slopes<'_> {
             }
         }
         let is_kink = |place: &usize| table.entries.get(*place).is_some_and(|entry| entry.sides.is_some());
-        let of = |(mistake, wrong): &(Mistake, Vec<Vec<f64>>)| Change {
-            mistake: *mistake,
-            changes: wrong
-                .iter()
-                .flatten()
-                .copied()
-                .enumerate()
-                .filter(|(place, _)| !is_kink(place))
-                .collect(),
+        let width = table.width();
+        let made = |mistake: Mistake, changes: &mut dyn Iterator<Item = (usize, f64)>| {
+            Mutant::many(mistake, changes.map(|(place, x)| (place / width, place % width, x)))
         };
-        let mut mistakes: Vec<Change> = self.mistaken.iter().map(of).collect();
-        mistakes.extend(self.uncoupled(&table.entries, held));
+        let of = |(mistake, wrong): &(Mistake, Vec<Vec<f64>>)| {
+            let all = wrong.iter().flatten().copied().enumerate();
+            made(*mistake, &mut all.filter(|(place, _)| !is_kink(place)))
+        };
+        let mut mistakes: Vec<Mutant> = self.mistaken.iter().map(of).collect();
+        let uncoupled = self.uncoupled(&table.entries, held);
+        mistakes.extend(uncoupled.map(|all| made(Mistake::CouplingMissing, &mut all.into_iter())));
         table.mistakes = mistakes;
         (oracle, table)
     }
 
     /// What the right slopes are while what presses is held, where that changes them; nothing where it changes none.
-    fn uncoupled(&self, entries: &[Entry], held: Option<&[Vec<Wide>]>) -> Option<Change> {
+    fn uncoupled(&self, entries: &[Entry], held: Option<&[Vec<Wide>]>) -> Option<Vec<(usize, f64)>> {
         let known = &self.held.as_ref()?.known;
         let n = self.inputs.len();
         let of = |(place, entry): (usize, &Entry)| {
@@ -206,7 +205,7 @@ impl Slopes<'_> {
             differs.then_some((place, slope))
         };
         let changes: Vec<(usize, f64)> = entries.iter().enumerate().filter_map(of).collect();
-        (!changes.is_empty()).then_some(Change { mistake: Mistake::CouplingMissing, changes })
+        (!changes.is_empty()).then_some(changes)
     }
 
     /// The slopes while what presses is held, by differences on 237 bits; none where they are known without.

@@ -4,17 +4,15 @@
 use crate::case::Case;
 use crate::case::quantity::Quantity;
 use crate::judge::bound::C;
-use crate::judge::comparison::Compared;
-use crate::judge::comparison::Comparison;
+use crate::judge::comparison::{Compared, Comparison};
 use crate::judge::judged::{COARSE, Judge, Judged, SIGNIFICANT, Trials, moved_by};
 use crate::judge::outcome::{Against, Check};
 use crate::judge::verdict::{Finding, Judgement, Score, Verdict, Wanted, units};
-use crate::mutants::diagnosis::{Cause, diagnose_table};
-use crate::mutants::mutant::{Mistake, of_number};
+use crate::mutants::diagnosis::{Hypothesis, diagnose_table};
+use crate::mutants::mutant::{Mutant, of_number};
 use crate::oracles::oracle::Oracle;
 use crate::singular::sides::Sides;
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::scalar::{U, Wide};
 
 /// One number.
 #[derive(Clone, Debug)]
@@ -57,46 +55,6 @@ impl Entry {
     }
 }
 
-/// One mistake made once: the places that it changes, with the changed numbers.
-#[derive(Clone, Debug)]
-pub struct Change {
-    /// The mistake.
-    pub mistake: Mistake,
-    /// (place in the table, changed number).
-    pub changes: Vec<(usize, f64)>,
-}
-
-/// Another convention than expected: the places of a table that it changes, with the changed numbers.
-#[derive(Clone, Debug)]
-pub struct Convention {
-    /// The cause that it is.
-    pub cause: Cause,
-    /// What the numbers equal, where the cause leaves it open.
-    pub relation: Option<String>,
-    /// (place in the table, changed number).
-    pub changes: Vec<(usize, f64)>,
-}
-
-impl Convention {
-    /// One whose cause says what the numbers equal.
-    pub const fn new(cause: Cause, changes: Vec<(usize, f64)>) -> Self {
-        Self { cause, relation: None, changes }
-    }
-
-    /// The same, with what the numbers equal.
-    #[must_use]
-    pub fn related(self, relation: impl Into<String>) -> Self {
-        Self { relation: Some(relation.into()), ..self }
-    }
-
-    /// The same, so many places further on.
-    #[must_use]
-    pub fn moved(mut self, by: usize) -> Self {
-        self.changes.iter_mut().for_each(|(place, _)| *place += by);
-        self
-    }
-}
-
 /// The numbers of one quantity at one state, row by row. Whoever has numbers of their own puts them into `got` of the entries, and
 /// [`ResultTable::check`] judges those.
 #[derive(Clone, Debug)]
@@ -110,9 +68,9 @@ pub struct ResultTable {
     /// The numbers: all of the first row, all of the second …
     pub entries: Vec<Entry>,
     /// Mistakes of more than a single entry, made in the right numbers.
-    pub mistakes: Vec<Change>,
+    pub mistakes: Vec<Mutant>,
     /// Other conventions than expected, in the right numbers, which are tried where numbers are wrong.
-    pub conventions: Vec<Convention>,
+    pub conventions: Vec<Hypothesis>,
     /// Why nobody can say what the numbers must be, of a table without any.
     pub undecided: Option<String>,
 }
@@ -134,13 +92,6 @@ impl ResultTable {
     /// A table of numbers whose witness has no answer.
     pub fn unanswered(quantity: Quantity, why: impl Into<String>) -> Self {
         Self { undecided: Some(why.into()), ..Self::new(quantity) }
-    }
-
-    /// Whether a relative error of a billionth must be noticed on an entry of the table of a quantity.
-    pub(crate) fn demands(tables: &[Self], quantity: Quantity, row: usize, i: usize) -> bool {
-        let table = tables.iter().find(|table| table.quantity == quantity);
-        let entry = table.and_then(|table| table.entries.get(row * table.width() + i));
-        entry.is_some_and(|entry| entry.is_demanded)
     }
 
     /// How many entries a row has.
@@ -204,11 +155,12 @@ impl ResultTable {
     }
 
     /// Every mistake: those of single entries, and those that it knows besides.
-    pub fn all_mistakes(&self) -> Vec<Change> {
-        let mut found = Vec::new();
+    pub fn all_mistakes(&self) -> Vec<Mutant> {
+        let (mut found, width) = (Vec::new(), self.width());
         for (i, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.sides.is_none()) {
             let of_entry = of_number(entry.got, entry.scale);
-            found.extend(of_entry.map(|(mistake, x)| Change { mistake, changes: vec![(i, x)] }));
+            let of_entry = of_entry.map(|(mistake, x)| Mutant::of_entry(mistake, i / width, i % width, x));
+            found.extend(of_entry);
         }
         found.extend(self.mistakes.iter().cloned());
         found
@@ -244,20 +196,23 @@ impl ResultTable {
     }
 
     /// Tries mistakes on the same comparison.
-    pub fn try_mistakes(&self, mistakes: &[Change]) -> Score {
+    pub fn try_mistakes(&self, mistakes: &[Mutant]) -> Score {
         self.try_mistakes_of(Oracle::WideDifferences, mistakes)
     }
 
     /// The same where what the numbers must be is what an oracle says. What has two sides is left as it is: it has no single number that
     /// a mistake could spoil. By an oracle on 237 bits a relative error of [`NOTICED`] must be noticed wherever that is demanded.
-    fn try_mistakes_of(&self, oracle: Oracle, mistakes: &[Change]) -> Score {
+    fn try_mistakes_of(&self, oracle: Oracle, mistakes: &[Mutant]) -> Score {
         let mut trials = Trials::default();
         let wanted: Vec<Wanted> = self.entries.iter().map(|entry| entry.want.into()).collect();
-        for Change { mistake, changes } in mistakes {
+        let width = self.width();
+        for Mutant { mistake, changes } in mistakes {
             let changes = || {
-                let known =
-                    changes.iter().filter_map(|(i, x)| Some((*x, self.entries.get(*i)?, wanted.get(*i)?)));
-                known.filter(|(_, entry, _)| entry.sides.is_none())
+                let at = |(row, i, x): &(usize, usize, f64)| {
+                    let place = row * width + i;
+                    Some((*x, self.entries.get(place)?, wanted.get(place)?))
+                };
+                changes.iter().filter_map(at).filter(|(_, entry, _)| entry.sides.is_none())
             };
             let Some((_, first, _)) = changes().next() else { continue };
             let noticed = changes().any(|(x, entry, want)| want.units(x, entry.tolerance()) > 1.0);

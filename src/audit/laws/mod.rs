@@ -4,6 +4,7 @@
 //! Every law here is a list of [`Demand`]s, each linear in the numbers judged: Σ c·x = want. So the same list judges the
 //! numbers and every mutant of them.
 
+pub(crate) mod checks;
 pub mod demanded;
 mod power;
 mod rigid;
@@ -98,7 +99,7 @@ impl Demand {
     /// A sum of entries that must be `want`, allowed what its terms are allowed and a rounding each; below the range of doubles, too, where
     /// a number is one of two that are [`LEAST`] apart.
     pub(super) fn of_sum(
-        terms: OneOrMany<(Quantity, usize, usize, f64)>,
+        terms: OneOrMany<Term>,
         want: f64,
         what: What,
         numbers: &impl Related,
@@ -112,6 +113,23 @@ impl Demand {
             })
             .sum();
         Self { terms, offset: 0.0, want, allowed, what }
+    }
+
+    /// The same of what is told in a sentence; where there is no tolerance, as without a truth, anything is allowed.
+    pub(super) fn said(
+        terms: Vec<Term>,
+        want: f64,
+        what: String,
+        (numbers, tolerance): (&impl Related, &impl Related),
+    ) -> Self {
+        let allowed = |q: Quantity, k: usize, i: usize| tolerance.number(q, k, i).unwrap_or(f64::INFINITY);
+        Self::of_sum(terms.into(), want, What::Said(what), numbers, allowed)
+    }
+
+    /// The sum that one of some demands is of, by the words in which it is told.
+    pub(super) fn sum_of(all: Vec<Self>, what: &str, numbers: &impl Related) -> Option<f64> {
+        let demand = all.into_iter().find(|demand| demand.what.to_string() == what)?;
+        Some(demand.sum(|quantity, row, place| numbers.number(quantity, row, place)))
     }
 
     /// The sum, with numbers by quantity, component and entry.

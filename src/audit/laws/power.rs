@@ -5,8 +5,7 @@ use crate::case::quantity::Quantity;
 use crate::laws::{Claim, Context, Demand, Term, What};
 use pintle_kinematics::catalog::Loading;
 use pintle_kinematics::connector::{Output, Request, Tally};
-use pintle_kinematics::node;
-use pintle_kinematics::node::DOFS;
+use pintle_kinematics::node::{self, DOFS};
 use pintle_kinematics::scalar::elementary::direction;
 use pintle_kinematics::vector::{dot, sub};
 

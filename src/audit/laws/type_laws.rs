@@ -10,8 +10,7 @@ use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::DOFS;
 use pintle_kinematics::scalar::U;
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Vector, column, scale};
+use pintle_kinematics::vector::{self, Vector, column, scale};
 
 /// What a type must give at its initial state, and after turns about the axis about which it may turn without end. The numbers
 /// judged are in the demands themselves.

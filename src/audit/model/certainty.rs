@@ -15,8 +15,7 @@
 use crate::judge::bound::{C, scales};
 use crate::model::geometry::uncertain_directions;
 use pintle_kinematics::connector::{Increment, Request, State, Tally};
-use pintle_kinematics::node::dof_size;
-use pintle_kinematics::node::{Node, THETA_A, THETA_B, XA, XB};
+use pintle_kinematics::node::{Node, THETA_A, THETA_B, XA, XB, dof_size};
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::vector::{add, sub};

@@ -1,8 +1,10 @@
 //! Are angles in degrees? They are in radians, in decks as in states.
 
 use crate::model::finding::{About, Finding};
-use pintle_scene::{Boundary, Code, ConnectorMotion, Degrees, InDegrees, MotionType, Scene, Span, State};
-use pintle_scene::{is_in_degrees, told_in_degrees};
+use pintle_scene::{
+    Boundary, Code, ConnectorMotion, Degrees, InDegrees, MotionType, Scene, Span, State, is_in_degrees,
+    told_in_degrees,
+};
 
 fn finding(scene: &Scene, place: Span, (what, angle): (String, f64), about: About) -> Finding {
     let (message, reason, remedy) = told_in_degrees(&what, angle);

@@ -16,8 +16,7 @@ use pintle_kinematics::mpc::{
 };
 use pintle_kinematics::scalar::{Scalar, Wide};
 use pintle_kinematics::so3::exp;
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::{product, scale};
+use pintle_kinematics::vector::{self, product, scale};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -8,8 +8,7 @@
 use crate::judge::bound::C;
 use crate::mpc::WideConstraint;
 use pintle_kinematics::mpc::{Dofs, FLOW, RHO, Rows};
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::{Real, Scalar, Wide};
+use pintle_kinematics::scalar::{Real, Scalar, U, Wide};
 use pintle_kinematics::vector::{Vector, dot, scale};
 use std::f64::consts::FRAC_PI_2;
 
@@ -81,8 +80,7 @@ mod tests {
     use crate::case::quantity::Quantity;
     use crate::judge::table::ResultTable;
     use crate::judge::verdict::Verdict;
-    use crate::settings::Planted;
-    use crate::settings::Settings;
+    use crate::settings::{Planted, Settings};
     use pintle_kinematics::connector::Turns;
     use pintle_kinematics::mpc::{Body, Constraint, Kind, State, Turning};
     use pintle_kinematics::so3::exp;

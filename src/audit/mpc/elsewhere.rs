@@ -3,9 +3,8 @@
 
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
-use crate::judge::table::Convention;
 use crate::mpc::numbers_of;
-use crate::mutants::diagnosis::{Cause, MULTIPLES, PARAMETERS};
+use crate::mutants::diagnosis::{Cause, Hypothesis, MULTIPLES, PARAMETERS};
 use pintle_kinematics::mpc::{
     Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
     Translation, XM,
@@ -41,21 +40,16 @@ impl Elsewhere {
         &'a self,
         quantity: Quantity,
         equations: &'a [usize],
-    ) -> impl Iterator<Item = Convention> + 'a {
+    ) -> impl Iterator<Item = Hypothesis> + 'a {
         [0..ROWS, 0..RHO, RHO..FLOW].into_iter().map(move |range| {
             let at = MpcCase::QUANTITIES.iter().position(|known| *known == quantity);
-            let width = match quantity {
-                Quantity::FirstDerivatives => DOFS,
-                Quantity::SecondDerivatives => DOFS * DOFS,
-                _ => 1,
-            };
             let mut changes = Vec::new();
             for (place, equation) in equations.iter().enumerate().filter(|(_, row)| range.contains(row)) {
                 let numbers = at.and_then(|at| self.numbers[at].get(*equation));
                 let finite = numbers.into_iter().flatten().enumerate().filter(|(_, x)| x.is_finite());
-                changes.extend(finite.map(|(i, x)| (place * width + i, *x)));
+                changes.extend(finite.map(|(i, x)| (place, i, *x)));
             }
-            Convention::new(self.cause, changes).related(self.relation.clone())
+            Hypothesis::many(self.cause, changes).related(self.relation.clone())
         })
     }
 }
@@ -142,12 +136,8 @@ impl MpcCase {
             *constraint = if constraint.rows()[FLOW] { other.with_flow() } else { other };
         });
         swapped.jacobian.iter_mut().flatten().for_each(|row| row[..PHI].rotate_left(XM));
-        found.push(Elsewhere::new(
-            Cause::NodesSwapped,
-            "what is expected with S and M exchanged",
-            &swapped,
-            &BUT_SECOND,
-        ));
+        let relation = "what is expected with S and M exchanged";
+        found.push(Elsewhere::new(Cause::NodesSwapped, relation, &swapped, &BUT_SECOND));
         let hinges = self.constraint.kind().entry().angles.len();
         if hinges > 0 {
             for (cause, factor, relation) in [
@@ -310,8 +300,7 @@ impl MpcCase {
             row[THETA_S..THETA_S + 3].copy_from_slice(&of_master);
             row[THETA_M..THETA_M + 3].fill(0.0);
         }
-        by_slave.residual[RHO..].fill(None);
-        by_slave.jacobian[RHO..].fill(None);
+        let by_slave = only_moved(by_slave);
         let mut reversed = got.clone();
         let carried = apply(&self.state.master.rotation, self.constraint.arm());
         put(&mut reversed.residual, 0, add(vector(&got.residual, 0), scale(carried, 2.0)));
@@ -413,7 +402,7 @@ impl MpcCase {
         let apart = add(arm, moved);
         match self.constraint.kind().entry().translation {
             Translation::Distance => {
-                let (length, initial) = (dot(apart, apart).sqrt(), dot(arm, arm).sqrt());
+                let (l, first) = (dot(apart, apart).sqrt(), dot(arm, arm).sqrt());
                 let of = |value: f64, slope: f64| {
                     let mut other = got.clone();
                     other.residual[0] = Some(value);
@@ -421,36 +410,22 @@ impl MpcCase {
                     other.residual_rate[0] = got.residual_rate[0].map(|x| slope * x);
                     other
                 };
-                let squares = length * length - initial * initial;
+                let (squares, along) = (l * l - first * first, dot(moved, arm) / first);
+                let (other, none) = (Cause::OtherLength, f64::NAN);
                 for (cause, relation, value, slope) in [
-                    (Cause::InitialKept, "|x_S − x_M|", length, 1.0),
-                    (Cause::OtherLength, "|u_S − u_M|", dot(moved, moved).sqrt(), f64::NAN),
+                    (Cause::InitialKept, "|x_S − x_M|", l, 1.0),
+                    (other, "|u_S − u_M|", dot(moved, moved).sqrt(), none),
+                    (Cause::Linearised, "(u_S − u_M)·(X_S − X_M)/|X_S − X_M|", along, none),
+                    (other, "(|x_S − x_M|² − |X_S − X_M|²) / 2", squares / 2.0, l),
+                    (other, "|x_S − x_M|² − |X_S − X_M|²", squares, 2.0 * l),
                     (
-                        Cause::Linearised,
-                        "(u_S − u_M)·(X_S − X_M)/|X_S − X_M|",
-                        dot(moved, arm) / initial,
-                        f64::NAN,
-                    ),
-                    (Cause::OtherLength, "(|x_S − x_M|² − |X_S − X_M|²) / 2", squares / 2.0, length),
-                    (Cause::OtherLength, "|x_S − x_M|² − |X_S − X_M|²", squares, 2.0 * length),
-                    (
-                        Cause::OtherLength,
+                        other,
                         "(|x_S − x_M|² − |X_S − X_M|²) / (2 |X_S − X_M|)",
-                        squares / (2.0 * initial),
-                        length / initial,
+                        squares / (2.0 * first),
+                        l / first,
                     ),
-                    (
-                        Cause::OtherLength,
-                        "ln (|x_S − x_M| / |X_S − X_M|)",
-                        (length / initial).ln(),
-                        1.0 / length,
-                    ),
-                    (
-                        Cause::OtherLength,
-                        "|x_S − x_M| / |X_S − X_M| − 1",
-                        length / initial - 1.0,
-                        1.0 / initial,
-                    ),
+                    (other, "ln (|x_S − x_M| / |X_S − X_M|)", (l / first).ln(), 1.0 / l),
+                    (other, "|x_S − x_M| / |X_S − X_M| − 1", l / first - 1.0, 1.0 / first),
                 ] {
                     found.push(Elsewhere::new(cause, relation, &of(value, slope), &FIRST));
                 }
@@ -458,7 +433,7 @@ impl MpcCase {
                 still.jacobian[0] = got.jacobian[0].map(|_| {
                     let mut row = [0.0; DOFS];
                     for (i, x) in arm.into_iter().enumerate() {
-                        (row[i], row[XM + i]) = (x / initial, -x / initial);
+                        (row[i], row[XM + i]) = (x / first, -x / first);
                     }
                     row
                 });
@@ -704,12 +679,8 @@ impl MpcCase {
             other
         };
         let of = &[Quantity::Acceleration];
-        found.push(Elsewhere::new(
-            Cause::LinearPartMissing,
-            Cause::LinearPartMissing.relation(),
-            &combined(0.0, 1.0),
-            of,
-        ));
+        let cause = Cause::LinearPartMissing;
+        found.push(Elsewhere::new(cause, cause.relation(), &combined(0.0, 1.0), of));
         for factor in [2.0, 0.5, -1.0] {
             let cause = Cause::QuadraticPartDoubled;
             let relation = format!("what is expected with {factor} × the part quadratic in the rates");
@@ -735,12 +706,8 @@ impl MpcCase {
                 state.velocity[PHI..].fill(0.0);
                 state.acceleration[PHI..].fill(0.0);
             });
-            found.push(Elsewhere::new(
-                Cause::MotionIgnored,
-                "what is expected without the rates of φ",
-                &other,
-                &RATES,
-            ));
+            let relation = "what is expected without the rates of φ";
+            found.push(Elsewhere::new(Cause::MotionIgnored, relation, &other, &RATES));
         }
         for forth in [false, true] {
             let other = self.changed(|state, _| {

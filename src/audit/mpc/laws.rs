@@ -18,15 +18,11 @@
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
 use crate::judge::bound::{C, scales};
-use crate::judge::outcome::{Against, Check};
+use crate::judge::outcome::Check;
 use crate::judge::table::{Entry, ResultTable};
-use crate::judge::verdict::Score;
-use crate::laws::{
-    Asked, Demand, Invariant, IsConditioned, Related, Term, What, about_third, along_plane, along_rows, axis,
-    try_mutants, turning,
-};
+use crate::laws::checks::{ByRow, checks_of_tables};
+use crate::laws::{Demand, Invariant, Related, Term, about_third, along_plane, along_rows, axis, turning};
 use crate::mpc::numbers_of;
-use crate::mutants::mutant::{Changes, Mutant};
 use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::mpc::{
     Body, DOFS, Dofs, Evaluation, FLOW, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
@@ -43,35 +39,6 @@ const AWAY: f64 = 1e-3;
 /// Where a vector that turns with everything stands among the degrees of freedom.
 const VECTORS: [usize; 4] = [XS, THETA_S, XM, THETA_M];
 
-/// Numbers by kind, in the order of [`MpcCase::QUANTITIES`], and equation.
-struct ByEquation([[Vec<f64>; ROWS]; MpcCase::QUANTITIES.len()]);
-
-impl ByEquation {
-    /// Of what is known of each equation.
-    fn of(mut row: impl FnMut(usize) -> Option<[Vec<f64>; 5]>) -> Self {
-        let mut table = Self(Default::default());
-        for i in 0..ROWS {
-            for (of_kind, numbers) in table.0.iter_mut().zip(row(i).into_iter().flatten()) {
-                of_kind[i] = numbers;
-            }
-        }
-        table
-    }
-
-    /// One number; none is not a number.
-    fn at(&self, quantity: Quantity, row: usize, place: usize) -> f64 {
-        self.number(quantity, row, place).unwrap_or(f64::NAN)
-    }
-}
-
-impl Related for ByEquation {
-    fn row(&self, quantity: Quantity, row: usize) -> &[f64] {
-        let kind = MpcCase::QUANTITIES.iter().position(|known| *known == quantity);
-        let found = kind.and_then(|kind| self.0.get(kind)?.get(row));
-        found.map_or(&[], Vec::as_slice)
-    }
-}
-
 /// The same constraint seen from elsewhere: turned, moved, and turning.
 struct Twin {
     rotation: Matrix<f64>,
@@ -79,8 +46,8 @@ struct Twin {
     spin: Vector<f64>,
     /// Ω̇.
     spin_rate: Vector<f64>,
-    numbers: ByEquation,
-    tolerance: ByEquation,
+    numbers: ByRow,
+    tolerance: ByRow,
 }
 
 /// The numbers of a constraint at a state, with what laws need to know of it.
@@ -89,8 +56,8 @@ struct Laws<'a> {
     tables: &'a [ResultTable],
     /// The equations that the rows of the tables are of.
     equations: Vec<usize>,
-    given: ByEquation,
-    tolerance: ByEquation,
+    given: ByRow,
+    tolerance: ByRow,
     nearness: [f64; ROWS],
     /// The angles of the hinges that the equations are taken at.
     taken: [f64; 2],
@@ -123,16 +90,17 @@ impl<'a> Laws<'a> {
         let equations = case.equations();
         let got = case.evaluated(&case.state);
         let of_tables = |number: &dyn Fn(&Entry) -> f64| {
-            ByEquation::of(|row| {
-                let place = equations.iter().position(|equation| *equation == row)?;
-                Some(MpcCase::QUANTITIES.map(|quantity| {
+            let of = |(place, equation): (usize, &usize)| {
+                let of = |quantity| {
                     let table = tables.iter().find(|table| table.quantity == quantity);
                     let entries = table.and_then(|table| {
                         table.entries.get(place * table.width()..(place + 1) * table.width())
                     });
                     entries.into_iter().flatten().map(number).collect()
-                }))
-            })
+                };
+                (*equation, MpcCase::QUANTITIES.map(of))
+            };
+            ByRow::of(MpcCase::QUANTITIES, equations.iter().enumerate().map(of))
         };
         let (given, tolerance) = (of_tables(&|entry| entry.got), of_tables(&Entry::tolerance));
         let State { slave, master, .. } = &case.state;
@@ -171,10 +139,7 @@ impl<'a> Laws<'a> {
     }
 
     fn sum(&self, terms: Vec<Term>, want: f64, what: String) -> Demand {
-        // Without a truth there is no tolerance: not none at all.
-        let tolerance =
-            |q: Quantity, k: usize, i: usize| self.tolerance.number(q, k, i).unwrap_or(f64::INFINITY);
-        Demand::of_sum(terms.into(), want, What::Said(what), &self.given, tolerance)
+        Demand::said(terms, want, what, (&self.given, &self.tolerance))
     }
 
     /// Where the vector begins of which an equation is a global component; none of a scalar one.
@@ -355,16 +320,16 @@ impl<'a> Laws<'a> {
         }
         let got = self.case.evaluated(&twin);
         let inputs = self.case.inputs(&got.taken);
-        let present = |row: usize| got.residual.get(row).copied().flatten();
-        let numbers = ByEquation::of(|row| present(row).map(|_| numbers_of(&got, row)));
-        let tolerance = ByEquation::of(|row| {
-            present(row)?;
-            let [value, first, second, ..] = numbers_of(&got, row);
+        let present = (0..ROWS).filter(|row| got.residual[*row].is_some());
+        let rows: Vec<_> = present.map(|row| (row, numbers_of(&got, row))).collect();
+        let scales = rows.iter().map(|(row, [value, first, second, ..])| {
             let value = value.first().copied().unwrap_or(f64::NAN);
-            let of_row =
-                scales(value, &first, &second, (&sizes, &inputs), (&reach, &reach_rate), self.nearness[row]);
-            Some(of_row.map(|scales| scales.into_iter().map(|scale| C * U * scale).collect()))
+            let near = self.nearness[*row];
+            let of_row = scales(value, first, second, (&sizes, &inputs), (&reach, &reach_rate), near);
+            (*row, of_row.map(|scales| scales.into_iter().map(|scale| C * U * scale).collect()))
         });
+        let tolerance = ByRow::of(MpcCase::QUANTITIES, scales);
+        let numbers = ByRow::of(MpcCase::QUANTITIES, rows);
         Twin { rotation, spin, spin_rate, numbers, tolerance }
     }
 
@@ -398,7 +363,7 @@ impl<'a> Laws<'a> {
     fn is_on_another_sheet(&self, twin: &Twin) -> bool {
         /// Beyond this no rounding leads from half a turn.
         const NEAR_HALF_A_TURN: f64 = 3.0;
-        let rho = |numbers: &ByEquation| [0, 1, 2].map(|i| numbers.at(Quantity::Value, RHO + i, 0));
+        let rho = |numbers: &ByRow| [0, 1, 2].map(|i| numbers.at(Quantity::Value, RHO + i, 0));
         let (own, other) = (rho(&self.given), apply_transposed(&twin.rotation, rho(&twin.numbers)));
         dot(own, own) > NEAR_HALF_A_TURN * NEAR_HALF_A_TURN && dot(own, other) < 0.0
     }
@@ -455,7 +420,7 @@ impl<'a> Laws<'a> {
     }
 
     /// What is allowed of all entries with which one is turned.
-    fn around(&self, tolerance: &ByEquation, quantity: Quantity, row: usize, place: usize) -> f64 {
+    fn around(&self, tolerance: &ByRow, quantity: Quantity, row: usize, place: usize) -> f64 {
         let rows = self.vector_of(row).map_or(row..row + 1, |start| start..start + 3);
         let of_row = |row: usize| -> f64 {
             match quantity {
@@ -470,28 +435,6 @@ impl<'a> Laws<'a> {
         };
         rows.filter(|row| self.equations.contains(row)).map(of_row).sum()
     }
-
-    /// Every mistake in a quantity, of equations that are on no singular set.
-    fn mutants(&self, quantity: Quantity) -> Vec<Mutant> {
-        let Some(table) = self.tables.iter().find(|table| table.quantity == quantity) else {
-            return Vec::new();
-        };
-        let width = table.width();
-        let place = |(at, x): (usize, f64)| Some((*self.equations.get(at / width)?, at % width, x));
-        let made = table.all_mistakes().into_iter().map(|change| Mutant {
-            mistake: change.mistake,
-            changes: Changes::Many(change.changes.into_iter().filter_map(place).collect()),
-        });
-        made.filter(|mutant| mutant.changes.iter().all(|(row, ..)| self.nearness[*row] > 0.0)).collect()
-    }
-
-    fn size_of(&self, sizes: &Dofs<f64>, quantity: Quantity, place: usize) -> f64 {
-        match quantity {
-            Quantity::FirstDerivatives => sizes[place],
-            Quantity::SecondDerivatives => sizes[place / DOFS] * sizes[place % DOFS],
-            _ => 1.0,
-        }
-    }
 }
 
 impl MpcCase {
@@ -504,37 +447,24 @@ impl MpcCase {
     pub(super) fn laws(&self, tables: &[ResultTable], proves: bool) -> Vec<Check> {
         let laws = Laws::new(self, tables);
         let sizes = self.sizes();
-        let size = |quantity: Quantity, place: usize| laws.size_of(&sizes, quantity, place);
-        let made = Self::QUANTITIES.map(|quantity| if proves { laws.mutants(quantity) } else { Vec::new() });
-        let mut checks = Vec::new();
-        for law in Self::LAWS {
-            let all = laws.demands(law);
-            if all.is_empty() {
-                continue;
-            }
-            let asked = Asked::of(&laws.given, all);
-            let mut score = Score::default();
-            for (quantity, made) in Self::QUANTITIES.iter().zip(&made) {
-                let is_demanded = |quantity: Quantity, equation: usize, i: usize, _: f64| {
-                    let row = laws.equations.iter().position(|of| *of == equation);
-                    row.is_some_and(|row| ResultTable::demands(tables, quantity, row, i))
-                };
-                let around: (&dyn Fn(Quantity, usize) -> f64, &IsConditioned<'_>) = (&size, &is_demanded);
-                score.merge(try_mutants(*quantity, &laws.given, &asked.demands, made, around));
-            }
-            let mut check = Check::new(None, Against::Law(law));
-            check.add_decided(asked.judgement, score, &self.name, None);
-            checks.push(check);
-        }
-        checks
+        let size = |quantity: Quantity, place: usize| match quantity {
+            Quantity::FirstDerivatives => sizes[place],
+            Quantity::SecondDerivatives => sizes[place / DOFS] * sizes[place % DOFS],
+            _ => 1.0,
+        };
+        // Equations that are on no singular set.
+        let place = |_, row: usize, place: usize| {
+            laws.equations.get(row).filter(|row| laws.nearness[**row] > 0.0).map(|row| (*row, place))
+        };
+        let (of, how) = ((&laws.given, tables), (self.name.as_str(), proves));
+        checks_of_tables(&Self::LAWS, of, how, |law| laws.demands(law), place, size)
     }
 
     /// The sum that a law demands something of, by the words in which it is told.
     pub(crate) fn sum_of_law(&self, law: Invariant, what: &str) -> Option<f64> {
         let tables = self.judged();
         let laws = Laws::new(self, &tables);
-        let demand = laws.demands(law).into_iter().find(|demand| demand.what.to_string() == what)?;
-        Some(demand.sum(|quantity, row, place| laws.given.number(quantity, row, place)))
+        Demand::sum_of(laws.demands(law), what, &laws.given)
     }
 }
 
@@ -542,8 +472,7 @@ impl MpcCase {
 mod tests {
     use super::*;
     use crate::judge::verdict::Verdict;
-    use crate::settings::Planted;
-    use crate::settings::Settings;
+    use crate::settings::{Planted, Settings};
     use pintle_kinematics::connector::Turns;
     use pintle_kinematics::draw::Draw;
     use pintle_kinematics::mpc::{Constraint, Kind, Turning};

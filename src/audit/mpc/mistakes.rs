@@ -2,9 +2,11 @@
 
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Change, Convention, ResultTable};
-use crate::mutants::diagnosis::{Cause, conventions};
-use crate::mutants::mutant::{Mistake, OfRow, of_angle, of_matrix, of_rate, of_row, put, transposed_blocks};
+use crate::judge::table::ResultTable;
+use crate::mutants::diagnosis::{Cause, Gather, Hypothesis, conventions};
+use crate::mutants::mutant::{
+    Mistake, Mutant, OfRow, of_angle, of_matrix, of_rate, of_row, put, transposed_blocks,
+};
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::mpc::{
     DOFS, Dofs, Kind, PHI, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
@@ -16,7 +18,7 @@ struct Right<'a> {
     table: &'a ResultTable,
     /// The equations (rows of the constraint) that the rows of the table are of.
     equations: Vec<usize>,
-    found: Vec<Change>,
+    found: Vec<Mutant>,
 }
 
 impl Right<'_> {
@@ -27,11 +29,7 @@ impl Right<'_> {
 
     /// Mistakes in entries of a row.
     fn add(&mut self, row: usize, made: impl IntoIterator<Item = (Mistake, OfRow)>) {
-        let start = row * self.table.width();
-        self.found.extend(made.into_iter().map(|(mistake, changes)| Change {
-            mistake,
-            changes: changes.into_iter().map(|(j, x)| (start + j, x)).collect(),
-        }));
+        self.found.extend(made.into_iter().map(|(mistake, changes)| Mutant::of_row(mistake, row, changes)));
     }
 
     fn is_angle(&self, row: usize) -> bool {
@@ -40,34 +38,30 @@ impl Right<'_> {
 
     /// Exchanged equations of one unit.
     fn rows_swapped(&mut self) {
-        let width = self.table.width();
         for row in 0..self.equations.len() {
             for other in 0..row {
                 if self.is_angle(other) != self.is_angle(row) {
                     continue;
                 }
                 let of = |to: usize, from: usize| {
-                    self.row(from).into_iter().enumerate().map(move |(j, x)| (to * width + j, x))
+                    self.row(from).into_iter().enumerate().map(move |(j, x)| (to, j, x))
                 };
-                let changes = of(row, other).chain(of(other, row)).collect();
-                self.found.push(Change { mistake: Mistake::RowsSwapped, changes });
+                let swapped = Mutant::many(Mistake::RowsSwapped, of(row, other).chain(of(other, row)));
+                self.found.push(swapped);
             }
         }
     }
 
     /// Three equations of one vector.
     fn blocks_transposed(&mut self) {
-        let width = self.table.width();
         for first in [0, 3] {
             let rows: Vec<usize> =
                 (first..first + 3).filter_map(|k| self.equations.iter().position(|e| *e == k)).collect();
             let Ok(rows) = <[usize; 3]>::try_from(rows) else { continue };
             let numbers = rows.map(|row| self.row(row));
-            let made = transposed_blocks(numbers.each_ref().map(Vec::as_slice)).map(|block| Change {
-                mistake: Mistake::BlockTransposed,
-                changes: block.map(|(row, at, x)| (rows[row] * width + at, x)).to_vec(),
-            });
-            self.found.extend(made);
+            let placed = |block: [_; 9]| block.map(|(row, at, x): (usize, usize, f64)| (rows[row], at, x));
+            let made = transposed_blocks(numbers.each_ref().map(Vec::as_slice));
+            self.found.extend(made.map(|block| Mutant::many(Mistake::BlockTransposed, placed(block))));
         }
     }
 }
@@ -116,7 +110,7 @@ impl MpcCase {
     }
 
     /// Every mistake in a quantity, wherever it can be made; `rows` are the first derivatives.
-    fn mistakes(&self, table: &ResultTable, rows: &[Dofs<f64>], equations: &[usize]) -> Vec<Change> {
+    fn mistakes(&self, table: &ResultTable, rows: &[Dofs<f64>], equations: &[usize]) -> Vec<Mutant> {
         let mut right = Right { table, equations: equations.to_vec(), found: Vec::new() };
         right.rows_swapped();
         for (row, gradient) in rows.iter().enumerate() {
@@ -145,63 +139,39 @@ impl MpcCase {
     }
 
     /// Changes of convention of rows that are no mistakes of the self-test.
-    fn conventions(&self, table: &ResultTable, equations: &[usize]) -> Vec<Convention> {
+    fn conventions(&self, table: &ResultTable, equations: &[usize]) -> Vec<Hypothesis> {
         let rows = if table.quantity == Quantity::FirstDerivatives { table.rows.len() } else { 0 };
-        let of_row = |row: usize| {
+        let is_carried = self.constraint.kind().entry().translation == Translation::Carried;
+        let mut found = Vec::new();
+        for row in 0..rows {
             let numbers: Vec<f64> = (0..DOFS).map(|j| table.want(row, j)).collect();
-            let mut found: Vec<Convention> = conventions(&numbers, self.triads())
-                .into_iter()
-                .map(|(cause, changes)| Convention::new(cause, changes))
-                .collect();
-            let zero = |columns: std::ops::Range<usize>| columns.map(|j| (j, 0.0)).collect();
-            let left_out = [
+            let made = conventions(&numbers, self.triads());
+            found.extend(made.into_iter().map(|(cause, changes)| Hypothesis::of_row(cause, row, changes)));
+            for (columns, what) in [
                 (XS..XM, "the columns of S"),
                 (XM..PHI, "the columns of M"),
                 (PHI..DOFS, "the columns of the hinges"),
-            ];
-            for (columns, what) in left_out {
-                let left_out = Convention::new(Cause::NodeLeftOut, zero(columns));
-                found.push(left_out.related(format!("zero in {what}")));
+            ] {
+                found.row(Cause::NodeLeftOut, row, columns.map(|j| (j, 0.0)), format!("zero in {what}"));
             }
-            let hinges = (PHI..DOFS).map(|j| (j, -numbers[j])).collect();
-            found.push(
-                Convention::new(Cause::BlockReversed, hinges)
-                    .related("minus what is expected in the columns of the hinges"),
-            );
-            if self.constraint.kind().entry().translation == Translation::Carried
-                && equations.get(row).is_some_and(|equation| *equation < RHO)
-            {
-                let lever = [0, 1, 2].map(|i| numbers[THETA_M + i]);
-                let block = |factor: f64| put(THETA_M, lever.map(|x| factor * x));
-                let told = [
-                    (
-                        Cause::GeometricTermMissing,
-                        0.0,
-                        "what is expected without the term of the arm C_M (X_S − X_M)",
-                    ),
-                    (
-                        Cause::GeometricTermDoubled,
-                        2.0,
-                        "what is expected with twice the term of the arm C_M (X_S − X_M)",
-                    ),
-                    (
-                        Cause::LeverReversed,
-                        -1.0,
-                        "what is expected with minus the term of the arm C_M (X_S − X_M)",
-                    ),
-                ];
-                for (cause, factor, relation) in told {
-                    found.push(Convention::new(cause, block(factor)).related(relation));
-                }
-                let mut at_s = block(0.0);
-                at_s.extend(put(THETA_S, lever));
-                found.push(
-                    Convention::new(Cause::LeverAtB, at_s)
-                        .related("what is expected with the term of the arm at S"),
-                );
+            let what = "minus what is expected in the columns of the hinges";
+            found.row(Cause::BlockReversed, row, (PHI..DOFS).map(|j| (j, -numbers[j])), what);
+            if !is_carried || equations.get(row).is_none_or(|equation| *equation >= RHO) {
+                continue;
             }
-            found.into_iter().map(move |other| other.moved(row * DOFS))
-        };
-        (0..rows).flat_map(of_row).collect()
+            let lever = [0, 1, 2].map(|i| numbers[THETA_M + i]);
+            let block = |factor: f64| put(THETA_M, lever.map(|x| factor * x));
+            for (cause, factor, how) in [
+                (Cause::GeometricTermMissing, 0.0, "without"),
+                (Cause::GeometricTermDoubled, 2.0, "with twice"),
+                (Cause::LeverReversed, -1.0, "with minus"),
+            ] {
+                let what = format!("what is expected {how} the term of the arm C_M (X_S − X_M)");
+                found.row(cause, row, block(factor), what);
+            }
+            let at_s = block(0.0).into_iter().chain(put(THETA_S, lever));
+            found.row(Cause::LeverAtB, row, at_s, "what is expected with the term of the arm at S");
+        }
+        found
     }
 }

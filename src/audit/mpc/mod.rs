@@ -13,8 +13,7 @@ mod mistakes;
 
 pub use given::ConstraintNumbers;
 
-use crate::case::failing::Failing;
-use crate::case::failing::MpcCase;
+use crate::case::failing::{Failing, MpcCase};
 use crate::case::is_still;
 use crate::case::quantity::Quantity;
 use crate::judge::bound::scales;
@@ -22,8 +21,7 @@ use crate::judge::conditioned::{CLEAR, Least};
 use crate::judge::outcome::Check;
 use crate::judge::table::{Entry, ResultTable};
 use crate::judge::verdict::Verdict;
-use crate::oracles::differences;
-use crate::oracles::differences::{Directions, FIRST_STEP, NOISE};
+use crate::oracles::differences::{self, Directions, FIRST_STEP, NOISE};
 use crate::oracles::oracle::nearness;
 use crate::oracles::truth::rotation;
 use crate::settings::Settings;
@@ -38,8 +36,7 @@ use pintle_kinematics::mpc::{
 };
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::so3::exp;
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::{add, product, sub};
+use pintle_kinematics::vector::{self, add, product, sub};
 
 /// The constraint and its state on 237-bit numbers.
 struct WideConstraint {

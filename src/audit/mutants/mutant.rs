@@ -3,8 +3,7 @@
 use crate::case::Case;
 use crate::case::quantity::{Entries, Numbers, OneOrMany, Quantity};
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::node;
-use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::node::{self, DOFS, Pair};
 use pintle_kinematics::vector::{Matrix, Vector, apply_transposed, cross, skew, sub};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -102,7 +101,7 @@ impl Mistake {
     }
 }
 
-/// The entries that a mistake changes: (component, entry, changed number).
+/// The entries that a mistake changes: (component or row of a table, entry, changed number).
 pub type Changes = OneOrMany<(usize, usize, f64)>;
 
 /// One mistake made once.
@@ -115,12 +114,19 @@ pub struct Mutant {
 }
 
 impl Mutant {
-    const fn of_entry(mistake: Mistake, k: usize, i: usize, x: f64) -> Self {
+    /// A change of one entry.
+    pub const fn of_entry(mistake: Mistake, k: usize, i: usize, x: f64) -> Self {
         Self { mistake, changes: Changes::One([(k, i, x)]) }
     }
 
-    fn of_row(mistake: Mistake, k: usize, changes: OfRow) -> Self {
-        Self { mistake, changes: Changes::Many(changes.into_iter().map(|(i, x)| (k, i, x)).collect()) }
+    /// Changes of entries of a row: place, number.
+    pub fn of_row(mistake: Mistake, k: usize, changes: impl IntoIterator<Item = (usize, f64)>) -> Self {
+        Self::many(mistake, changes.into_iter().map(|(i, x)| (k, i, x)))
+    }
+
+    /// Changes of entries of any rows.
+    pub fn many(mistake: Mistake, changes: impl IntoIterator<Item = (usize, usize, f64)>) -> Self {
+        Self { mistake, changes: Changes::Many(changes.into_iter().collect()) }
     }
 
     /// The numbers with the mistake in them.
@@ -190,8 +196,7 @@ pub fn of_number(x: f64, scale: f64) -> impl Iterator<Item = (Mistake, f64)> {
 
 fn entry_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     let of = |(k, i, x)| {
-        let made = of_number(x, (scene.scale)(k, i));
-        made.map(move |(mistake, x)| Mutant { mistake, changes: Changes::One([(k, i, x)]) })
+        of_number(x, (scene.scale)(k, i)).map(move |(mistake, x)| Mutant::of_entry(mistake, k, i, x))
     };
     entries.iter().flat_map(of).collect()
 }
@@ -218,8 +223,8 @@ fn swapped_components(entries: &Entries<f64>, width: usize) -> Vec<Mutant> {
     let mut found = Vec::new();
     for (k, l) in [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5)] {
         if let (Some(x), Some(y)) = (&entries.0[k], &entries.0[l]) {
-            let changes = (0..width).flat_map(|i| [(k, i, y[i]), (l, i, x[i])]).collect();
-            found.push(Mutant { mistake: Mistake::RowsSwapped, changes: Changes::Many(changes) });
+            let changes = (0..width).flat_map(|i| [(k, i, y[i]), (l, i, x[i])]);
+            found.push(Mutant::many(Mistake::RowsSwapped, changes));
         }
     }
     found
@@ -301,10 +306,10 @@ fn row_mistakes(entries: &Entries<f64>, scene: &Scene<'_>) -> Vec<Mutant> {
     for first in [0, 3] {
         let rows = [0, 1, 2].map(|i| entries.0[first + i].as_deref());
         let [Some(x), Some(y), Some(z)] = rows else { continue };
-        found.extend(transposed_blocks([x, y, z]).map(|block| Mutant {
-            mistake: Mistake::BlockTransposed,
-            changes: Changes::Many(block.map(|(row, at, x)| (first + row, at, x)).to_vec()),
-        }));
+        let placed = |block: [_; 9]| block.map(|(row, at, x)| (first + row, at, x));
+        found.extend(
+            transposed_blocks([x, y, z]).map(|block| Mutant::many(Mistake::BlockTransposed, placed(block))),
+        );
     }
     found
 }

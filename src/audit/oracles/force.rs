@@ -8,16 +8,14 @@
 use crate::case::quantity::{Entries, Numbers, Quantity};
 use crate::case::{AtEnd, Case};
 use crate::oracles::truth::{Displaced, Truth};
-use pintle_kinematics::Differentiable;
 use pintle_kinematics::catalog::Loading;
 use pintle_kinematics::connector::{Branch, Components, Connector, Mask, Output, Request, State, Tally};
 use pintle_kinematics::force::Want;
-use pintle_kinematics::node;
-use pintle_kinematics::node::{DOFS, Pair};
+use pintle_kinematics::node::{self, DOFS, Pair};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Scalar, Wide};
-use pintle_kinematics::so3;
 use pintle_kinematics::vector::{Vector, apply, dot, product, sub, transpose};
+use pintle_kinematics::{Differentiable, so3};
 use std::cell::LazyCell;
 
 /// What the connector says of its forces at a state, into the numbers of that state.
@@ -62,18 +60,9 @@ pub fn product_at(end: &AtEnd<'_>) -> Numbers<f64> {
 impl Truth {
     /// The rows of virtual work, as differences of what each force is conjugate to.
     pub fn force_rows(&self) -> Entries<Wide> {
-        let mut found: Components<Vec<Wide>> =
-            std::array::from_fn(|k| self.connector().has_force(k).then(|| vec![Wide::zero(); DOFS]));
-        for j in self.reach() {
-            let (places, width) = self.around(j);
-            let [plus, minus] = places.each_ref().map(|(at, values)| self.conjugates(at, values));
-            for (k, row) in found.iter_mut().enumerate() {
-                if let (Some(row), Some(plus), Some(minus)) = (row, plus[k], minus[k]) {
-                    row[j] = (plus - minus) / width;
-                }
-            }
-        }
-        Entries(found)
+        let empty = |k: usize| self.connector().has_force(k).then(|| vec![Wide::zero(); DOFS]);
+        let of = |at: &Displaced, values: &Components<Wide>| self.conjugates(at, values);
+        self.differenced(std::array::from_fn(empty), self.reach(), of)
     }
 
     /// What the forces are conjugate to, after the nodes have moved: functions whose derivatives are the rows. `values` are those

@@ -8,10 +8,8 @@ use crate::oracles::truth::Truth;
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Branch, Components, Connector, Increment, Output, Request, State, Tally};
 use pintle_kinematics::measure::{LOCK, Margin, Unit};
-use pintle_kinematics::node::dof_size;
-use pintle_kinematics::node::{DOFS, Pair};
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::node::{DOFS, Pair, dof_size};
+use pintle_kinematics::scalar::{U, Wide};
 use pintle_kinematics::vector::sub;
 use pintle_symbolic::{Model, nodal_inputs};
 use serde::{Deserialize, Serialize};
@@ -294,15 +292,8 @@ impl Narrow {
     /// product's: exp and the product of two rotations come on top.
     pub fn nodal_dual(&self, bound: &Bound) -> Answer {
         let rows = self.connector.nodal_rows(&self.state, &self.branch);
-        let mut numbers = Entries::default();
-        let mut error = Entries::default();
-        for (k, row) in rows.iter().enumerate() {
-            numbers.0[k] = row.map(|row| row.map(Wanted::exactly).to_vec());
-            error.0[k] = row.map(|row| {
-                (0..row.len()).map(|j| bound.tolerance(Quantity::FirstDerivatives, k, j)).collect()
-            });
-        }
-        Answer { oracle: Oracle::NodalDual, numbers, error }
+        let rows = Entries(rows.map(|row| row.map(|row| row.to_vec())));
+        Answer::rounded(Oracle::NodalDual, Quantity::FirstDerivatives, &rows, bound)
     }
 
     /// First and second derivatives of the traced formulas. Their own error is that of a straight-line program: a few roundings

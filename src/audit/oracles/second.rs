@@ -15,14 +15,12 @@
 
 use crate::case::moved;
 use crate::case::quantity::Entries;
-use crate::oracles::differences;
-use crate::oracles::differences::{Directions, SECOND_STEP};
+use crate::oracles::differences::{self, Directions, SECOND_STEP};
 use crate::oracles::truth::Truth;
 use pintle_kinematics::catalog::Loading;
 use pintle_kinematics::connector::{Branch, Components, Mask, NodalRow};
 use pintle_kinematics::measure::Measure;
-use pintle_kinematics::node;
-use pintle_kinematics::node::{DOFS, Node, Pair};
+use pintle_kinematics::node::{self, DOFS, Node, Pair};
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::vector::{add, apply, dot, sub};
 

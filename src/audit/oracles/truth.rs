@@ -9,17 +9,14 @@
 use crate::case::quantity::{Entries, Numbers, Quantity, request};
 use crate::case::{AtEnd, Case, exact_branch, exact_state, moved};
 use crate::judge::bound::Bound;
-use crate::oracles::differences;
-use crate::oracles::differences::{FIRST_STEP, NOISE};
+use crate::oracles::differences::{self, FIRST_STEP, NOISE};
 use crate::oracles::oracle::Narrow;
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{
     Branch, Components, Connector, Evaluation, Increment, Mask, NodalRow, Output, Request, State, Tally,
 };
 use pintle_kinematics::measure::{Margin, Measure, SingularClass};
-use pintle_kinematics::node;
-use pintle_kinematics::node::dof_size;
-use pintle_kinematics::node::{DOFS, Dependence, Pair};
+use pintle_kinematics::node::{self, DOFS, Dependence, Pair, dof_size};
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::vector::{
     Matrix, Vector, apply_transposed, product, sub, transpose, transposed_product,
@@ -287,7 +284,7 @@ impl Truth {
     }
 
     /// The places at h and −h along a degree of freedom with the values there, and 2h.
-    pub(super) fn around(&self, j: usize) -> (&Around, Wide) {
+    fn around(&self, j: usize) -> (&Around, Wide) {
         let step = self.step(j, FIRST_STEP);
         let places = self.places[j].get_or_init(|| {
             [step, -step].map(|h| {
@@ -457,9 +454,19 @@ impl Truth {
 
     /// (f(q + h) − f(q − h))/2h for each degree of freedom that the connector has; zero for the others.
     pub fn first(&self) -> Entries<Wide> {
-        let mut found: Components<Vec<Wide>> = self.empty(DOFS);
-        for j in self.active() {
-            let ([(_, plus), (_, minus)], width) = self.around(j);
+        self.differenced(self.empty(DOFS), self.active(), |_, values| *values)
+    }
+
+    /// The same of what is formed of the places and the values there.
+    pub(super) fn differenced(
+        &self,
+        mut found: Components<Vec<Wide>>,
+        columns: impl Iterator<Item = usize>,
+        of: impl Fn(&Displaced, &Components<Wide>) -> Components<Wide>,
+    ) -> Entries<Wide> {
+        for j in columns {
+            let (places, width) = self.around(j);
+            let [plus, minus] = places.each_ref().map(|(at, values)| of(at, values));
             for (k, entries) in found.iter_mut().enumerate() {
                 if let (Some(entries), Some(plus), Some(minus)) = (entries, plus[k], minus[k]) {
                     entries[j] = (plus - minus) / width;

@@ -27,8 +27,7 @@ use pintle_kinematics::connector::{Connector, Definition, Increment, Output, Req
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::Matrix;
+use pintle_kinematics::vector::{self, Matrix};
 use pintle_scene::Code;
 use pintle_scene::grammar::count;
 use pintle_scene::grammar::number as short;

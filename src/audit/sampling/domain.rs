@@ -4,10 +4,8 @@
 use pintle_kinematics::catalog::{Class, Condition, ConnectionType, Slot, TABLE};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
-use pintle_kinematics::so3;
-use pintle_kinematics::so3::exp;
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector, column, product};
+use pintle_kinematics::so3::{self, exp};
+use pintle_kinematics::vector::{self, Matrix, Vector, column, product};
 
 /// Every entry of the table and every free pair of a translational and a rotational type.
 pub fn types() -> Vec<ConnectionType> {

@@ -13,10 +13,8 @@ use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{DOFS, Node, Pair, THETA_B};
 use pintle_kinematics::scalar::elementary::norm;
-use pintle_kinematics::so3;
-use pintle_kinematics::so3::exp;
-use pintle_kinematics::vector;
-use pintle_kinematics::vector::{Matrix, Vector, add, product, scale, transpose};
+use pintle_kinematics::so3::{self, exp};
+use pintle_kinematics::vector::{self, Matrix, Vector, add, product, scale, transpose};
 use std::f64::consts::PI;
 
 /// How far from every singular set, in radians or lengths of the connector, a regular state is.

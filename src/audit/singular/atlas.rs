@@ -12,8 +12,7 @@ use pintle_kinematics::connector::{Output, Request, State};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{LOCK, SingularClass, Unit};
 use pintle_kinematics::node::DOFS;
-use pintle_kinematics::scalar::U;
-use pintle_kinematics::scalar::Wide;
+use pintle_kinematics::scalar::{U, Wide};
 use serde::Serialize;
 use std::iter::zip;
 

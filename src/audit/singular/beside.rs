@@ -5,8 +5,7 @@ use crate::sampling::{Motion, about_1, about_3, cube_orientations, definition, p
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, SingularSet};
-use pintle_kinematics::so3;
-use pintle_kinematics::so3::exp;
+use pintle_kinematics::so3::{self, exp};
 use pintle_kinematics::vector;
 use pintle_kinematics::vector::{Matrix, Vector, apply, product as matrix_product, scale};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

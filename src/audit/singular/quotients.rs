@@ -12,8 +12,7 @@ use crate::oracles::truth::{Displaced, Truth};
 use crate::singular::sides::Sides;
 use pintle_kinematics::connector::Components;
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::node::DOFS;
-use pintle_kinematics::node::dof_size;
+use pintle_kinematics::node::{DOFS, dof_size};
 use pintle_kinematics::scalar::{Scalar, Wide};
 
 /// Steps that shrink, of second differences: half a fine one, that, and a coarse one.

@@ -84,11 +84,7 @@ impl Operation {
     }
 
     fn hypothesis(&self, k: usize, changes: Vec<(usize, f64)>) -> Hypothesis {
-        let made = Hypothesis::of_row(self.cause, k, changes);
-        match self.relation {
-            Some(relation) => made.related(relation),
-            None => made,
-        }
+        Hypothesis::of_row(self.cause, k, changes).related_if(self.relation)
     }
 
     /// Whether it says something of such a row.

@@ -1,14 +1,13 @@
 //! Numbers of a connector's components.
 
-use crate::case::Case;
-use crate::case::initial_places;
 use crate::case::quantity::{Entries, Numbers, Quantity};
+use crate::case::{Case, initial_places};
 use crate::judge::bound::Bound;
 use crate::mutants::diagnosis::cells::Cell;
 use crate::mutants::diagnosis::columns::{BLOCKS, along, operations, twice};
 use crate::mutants::diagnosis::dictionary::of_dictionary;
 use crate::mutants::diagnosis::elsewhere::{beside, elsewhere};
-use crate::mutants::diagnosis::matching::{AtState, Class, Hypothesis, Matching, Words, ranges};
+use crate::mutants::diagnosis::matching::{AtState, Class, Gather, Hypothesis, Matching, Words, ranges};
 use crate::mutants::diagnosis::parts::parts;
 use crate::mutants::diagnosis::patterns::{
     differences, digits_lost, led_by_place, rounded, single_precision, single_precision_on_the_way,
@@ -153,13 +152,7 @@ impl Symptoms<'_> {
             scale: &scale,
         };
         let made = mutants(self.quantity, &scene).into_iter();
-        let of = |changes, mistake| Hypothesis {
-            cause: Cause::of(mistake),
-            changes,
-            relation: None,
-            is_searched: false,
-        };
-        let made = made.map(|mutant| of(mutant.changes, mutant.mistake));
+        let made = made.map(|mutant| Hypothesis::new(Cause::of(mutant.mistake), mutant.changes));
         let mut found: Vec<Hypothesis> = made.filter(|made| !made.cause.is_of_an_entry()).collect();
         for (k, entries) in self.wanted().0.iter().enumerate() {
             let Some(entries) = entries else { continue };
@@ -176,11 +169,8 @@ impl Symptoms<'_> {
                     let there = others.iter().enumerate().map(|(i, x)| (k, i, signs[0] * x));
                     let back = entries.iter().enumerate().map(|(i, x)| (l, i, signs[1] * x));
                     let made = Hypothesis::many(Cause::RowsSwapped, there.chain(back).collect());
-                    found.push(if signs == [1.0; 2] {
-                        made
-                    } else {
-                        made.related("what is expected of each other, with another sign")
-                    });
+                    let what = "what is expected of each other, with another sign";
+                    found.push(made.related_if((signs != [1.0; 2]).then_some(what)));
                 }
             }
         }
@@ -189,8 +179,8 @@ impl Symptoms<'_> {
             let others = self.wanted().0.iter().enumerate().filter(|(l, to)| *l != k && to.is_some());
             for (l, _) in others.filter(|(l, _)| l / 3 == k / 3) {
                 let Some(from) = from else { continue };
-                let copied = Hypothesis::of_row(Cause::RowsSwapped, l, from.iter().copied().enumerate());
-                found.push(copied.related(format!("what is expected of {}", COMPONENT[k])));
+                let what = format!("what is expected of {}", COMPONENT[k]);
+                found.row(Cause::RowsSwapped, l, from.iter().copied().enumerate(), what);
             }
         }
         // Three components one place on, either way.
@@ -259,31 +249,23 @@ impl Symptoms<'_> {
             let made = conventions(row, triads).into_iter().chain(levers(row, separations));
             found.extend(made.map(|(cause, changes)| Hypothesis::of_row(cause, k, changes)));
             let lever = cross(part(row, XB), separations[0]);
+            let with = |d| put(THETA_A, sub(add(part(row, THETA_A), cross(part(row, XB), d)), lever));
             for (place, what) in &places {
-                let of_place = cross(part(row, XB), *place);
-                let made = put(THETA_A, sub(add(part(row, THETA_A), of_place), lever));
-                let made = Hypothesis::of_row(Cause::OtherLength, k, made);
-                found.push(made.related(format!("what is expected with {what} for the lever d = x_b − x_a")));
+                let what = format!("what is expected with {what} for the lever d = x_b − x_a");
+                found.row(Cause::OtherLength, k, with(*place), what);
             }
             found.extend(mistyped_levers(k, row, separations[0]));
             found.extend(shared_levers(k, row, separations[0]));
-            let held = cross(part(row, XB), separations[1]);
-            let held = sub(add(part(row, THETA_A), held), cross(part(row, XB), separations[0]));
-            let held = Hypothesis::of_row(Cause::Linearised, k, put(THETA_A, held));
-            found.push(held.related("what is expected with the lever of the initial state"));
+            let what = "what is expected with the lever of the initial state";
+            found.row(Cause::Linearised, k, with(separations[1]), what);
             if let Some(before) = self.case.path.iter().rev().nth(1) {
-                let stale = cross(part(row, XB), before.state.pair.separation());
-                let stale = sub(add(part(row, THETA_A), stale), cross(part(row, XB), separations[0]));
-                let stale = Hypothesis::of_row(Cause::StateBefore, k, put(THETA_A, stale));
-                found.push(stale.related("what is expected with the lever of the state before"));
+                let what = "what is expected with the lever of the state before";
+                found.row(Cause::StateBefore, k, with(before.state.pair.separation()), what);
             }
             found.extend(operations.iter().filter_map(|operation| operation.of_row(k, row)));
             if let Some(other) = &self.want.entries(others).0[k] {
-                found.push(Hypothesis::of_row(
-                    Cause::ConjugateForPrinted,
-                    k,
-                    other.iter().copied().enumerate(),
-                ));
+                let other = other.iter().copied().enumerate();
+                found.push(Hypothesis::of_row(Cause::ConjugateForPrinted, k, other));
             }
             let measure = connector.differentiated(k);
             found.extend(parts(k, row, (triads, separations[0])));
@@ -293,14 +275,9 @@ impl Symptoms<'_> {
                     if norm(cross(axis, part(row, THETA_B))) < 1e-9 {
                         continue;
                     }
-                    let of = |sign: f64| put(THETA_B, axis.map(|x| sign * x)).into_iter();
-                    let both = |sign: f64| of(sign).chain(put(THETA_A, axis.map(|x| -sign * x)));
                     for sign in [1.0, -1.0] {
-                        let made = Hypothesis::of_row(Cause::AxisForGradient, k, both(sign));
-                        found.push(match &what {
-                            Some(what) => made.related(what.clone()),
-                            None => made,
-                        });
+                        let made = Hypothesis::of_row(Cause::AxisForGradient, k, opposite(axis, sign));
+                        found.push(made.related_if(what.clone()));
                     }
                 }
                 // The direction of a torsion, of length 1.
@@ -310,25 +287,20 @@ impl Symptoms<'_> {
                     (scale(sum, 0.5), "½ (e3a + e3b), not divided by ½ (1 + e3a·e3b)"),
                 ] {
                     for sign in [1.0, -1.0] {
-                        let both = put(THETA_B, along.map(|x| sign * x)).into_iter();
-                        let both = both.chain(put(THETA_A, along.map(|x| -sign * x)));
-                        found.push(Hypothesis::of_row(Cause::NotNormalised, k, both).related(what));
+                        found.row(Cause::NotNormalised, k, opposite(along, sign), what);
                     }
                 }
             }
             if measure.is_some_and(|measure| measure.is_one_form()) {
                 let scale = self.case.definition.flow_scale;
-                let of_flow = |x: f64| std::iter::once((DOFS - 1, x));
                 for (what, x) in [
-                    ("without the scale β_s", row[DOFS - 1] / scale),
-                    ("with β_s twice", row[DOFS - 1] * scale),
+                    ("what is expected without the scale β_s", row[DOFS - 1] / scale),
+                    ("what is expected with β_s twice", row[DOFS - 1] * scale),
                 ] {
-                    let made = Hypothesis::of_row(Cause::NotNormalised, k, of_flow(x));
-                    found.push(made.related(format!("what is expected {what}")));
+                    found.row(Cause::NotNormalised, k, [(DOFS - 1, x)], what);
                 }
                 let e = column(triads[1], 2);
-                let both = put(THETA_A, e).into_iter().chain(put(THETA_B, e.map(|x| -x)));
-                found.push(Hypothesis::of_row(Cause::AxesOfB, k, both));
+                found.push(Hypothesis::of_row(Cause::AxesOfB, k, opposite(e, -1.0)));
             }
             found.extend(flow_columns(k, row));
             found.extend(shifted_columns(k, row));
@@ -336,9 +308,8 @@ impl Symptoms<'_> {
             for (l, other) in others {
                 let Some(other) = other else { continue };
                 for block in [XA..THETA_A, THETA_A..PSI_A, XB..THETA_B, THETA_B..DOFS - 1] {
-                    let copied = block.clone().map(|j| (j, other[j]));
-                    let made = Hypothesis::of_row(Cause::RowsSwapped, k, copied);
-                    found.push(made.related(format!("what is expected there of {}", COMPONENT[l])));
+                    let what = format!("what is expected there of {}", COMPONENT[l]);
+                    found.row(Cause::RowsSwapped, k, block.map(|j| (j, other[j])), what);
                 }
             }
             if measure == Some(Measure::Strain) {
@@ -360,8 +331,7 @@ impl Symptoms<'_> {
                     ),
                 ] {
                     let made = columns.iter().map(|j| (*j, factor * row[*j]));
-                    let made = Hypothesis::of_row(Cause::NotNormalised, k, made);
-                    found.push(made.related(format!("what is expected {what}")));
+                    found.row(Cause::NotNormalised, k, made, format!("what is expected {what}"));
                 }
             }
             found.extend(measure.into_iter().flat_map(|measure| other_jacobians(self.case, k, measure)));
@@ -373,7 +343,7 @@ impl Symptoms<'_> {
                     let ends = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
                     let all = ends.chain(put(THETA_A, cross(e, pair.separation())));
                     let what = format!("the row of the coordinate along e{}a, not e{}a", j + 1, i + 1);
-                    found.push(Hypothesis::of_row(Cause::RowsSwapped, k, all).related(what));
+                    found.row(Cause::RowsSwapped, k, all, what);
                 }
             }
         }
@@ -573,16 +543,14 @@ impl Symptoms<'_> {
             }
             if faster.is_none() && connector.differentiated(k) == Some(Measure::Distance) {
                 let speed = norm(sub(part(velocity, XB), part(velocity, XA)));
-                let speed = Hypothesis::one(Cause::OtherLength, (k, 0), speed);
-                parts.push(speed.related("|v_b − v_a|, the speed for its component along d"));
+                let what = "|v_b − v_a|, the speed for its component along d";
+                parts.row(Cause::OtherLength, k, [(0, speed)], what);
             }
             if let Some((i, at)) = connector.differentiated(k).and_then(resolved_at) {
                 let v = faster.unwrap_or(velocity);
                 let along_b = column(triads[1], i);
                 let apart = sub(part(v, at + XB), part(v, at));
-                let mut told = |cause: Cause, x: f64, what: &str| {
-                    parts.push(Hypothesis::one(cause, (k, 0), x).related(what));
-                };
+                let mut told = |cause: Cause, x: f64, what: &str| parts.row(cause, k, [(0, x)], what);
                 if faster.is_some() {
                     let slower = sub(part(velocity, at + XB), part(velocity, at));
                     let turned = cross(part(velocity, THETA_B), along_b);
@@ -620,8 +588,8 @@ impl Symptoms<'_> {
                     is(cause, along(&e, &relative));
                 }
                 is(Cause::RatesOfAIgnored, along(&b, &of_b));
-                let of_b = Hypothesis::one(Cause::InitialAxes, (k, 0), along(&still[1], &relative));
-                found.push(of_b.related(INITIAL_AXES_OF_B));
+                let of_b = [(0, along(&still[1], &relative))];
+                found.row(Cause::InitialAxes, k, of_b, INITIAL_AXES_OF_B);
             }
             let is_angle = connector.differentiated(k).is_some_and(|measure| measure.unit() == Unit::Angle);
             let relative = |v: &[f64; DOFS]| [0, 1, 2].map(|i| v[THETA_B + i] - v[THETA_A + i]);
@@ -653,11 +621,7 @@ impl Symptoms<'_> {
             }
             let k = of?;
             let x = self.wanted().get(k, 0)? + by;
-            let made = Hypothesis { is_searched: true, ..Hypothesis::one(cause, (k, 0), x) };
-            Some(match relation {
-                Some(relation) => made.related(relation),
-                None => made,
-            })
+            Some(Hypothesis { relation, is_searched: true, ..Hypothesis::one(cause, (k, 0), x) })
         });
         made.collect()
     }
@@ -810,11 +774,7 @@ fn other_jacobians(case: &Case, k: usize, measure: Measure) -> Vec<Hypothesis> {
     let (left, inverse) = (so3::left_jacobian(phi), so3::inverse_left_jacobian(phi));
     let of = |m: Matrix<f64>| {
         let g = apply(&step.state.pair.a.triad, m[i]);
-        Hypothesis::of_row(
-            Cause::OtherJacobian,
-            k,
-            put(THETA_B, g).into_iter().chain(put(THETA_A, g.map(|x| -x))),
-        )
+        Hypothesis::of_row(Cause::OtherJacobian, k, opposite(g, 1.0))
     };
     // J⁻¹ = 1 − φ^/2 + (1 − (θ/2) cot(θ/2))/θ² φ^²: with another coefficient.
     let theta = norm(phi);
@@ -854,21 +814,19 @@ fn shared_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
         return Vec::new();
     }
     let lever = cross(part(row, XB), d);
-    let of = |(at_a, at_b, what): (f64, f64, &'static str)| {
-        let both = put(THETA_A, scale(lever, at_a)).into_iter().chain(put(THETA_B, scale(lever, at_b)));
-        Hypothesis::of_row(Cause::LeverAtB, k, both).related(what)
-    };
-    [
+    let mut found = Vec::new();
+    for (at_a, at_b, what) in [
         (0.5, 0.5, "what is expected with half of the lever d at each node"),
         (0.5, -0.5, "what is expected with half of the lever d at each node, of the other sign at b"),
         (-0.5, -0.5, "what is expected with half of the lever d at each node, of the other sign"),
         (1.0, 0.0, "the force with the moment f × d on a"),
         (0.0, 1.0, "the force with the moment f × d on b"),
         (0.0, -1.0, "the force with the moment d × f on b"),
-    ]
-    .into_iter()
-    .map(of)
-    .collect()
+    ] {
+        let both = put(THETA_A, scale(lever, at_a)).into_iter().chain(put(THETA_B, scale(lever, at_b)));
+        found.row(Cause::LeverAtB, k, both, what);
+    }
+    found
 }
 
 /// Rows whose lever g × d has a product mistyped: of the other sign, or left out.
@@ -883,8 +841,7 @@ fn mistyped_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
                 (1.0, Cause::GeometricTermMissing, "without a product of the lever d × δθ"),
             ] {
                 let entry = (THETA_A + i, of_a[i] + sign * times * product);
-                let made = Hypothesis::of_row(cause, k, [entry]);
-                found.push(made.related(format!("what is expected {what}")));
+                found.row(cause, k, [entry], format!("what is expected {what}"));
             }
         }
     }
@@ -899,12 +856,8 @@ fn mistyped_levers(k: usize, row: &[f64], d: Vector<f64>) -> Vec<Hypothesis> {
                 let lever = g[j] * d[l] - g[l] * d[j];
                 (THETA_A + i, of_a[i] - lever + g[a] * d[b] - g[c] * d[d_])
             });
-            let made = Hypothesis::of_row(Cause::GeometricTermMissing, k, typed);
-            found.push(
-                made.related(
-                    "what is expected with an index mistyped in the cross product g × d of the lever",
-                ),
-            );
+            let what = "what is expected with an index mistyped in the cross product g × d of the lever";
+            found.row(Cause::GeometricTermMissing, k, typed, what);
         }
     }
     found
@@ -916,35 +869,24 @@ fn flow_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
     for flow in [PSI_A, DOFS - 1].into_iter().filter(|flow| row[*flow] != 0.0) {
         let x = row[flow];
         let mut add = |relation: String, changes: Vec<(usize, f64)>| {
-            found.push(Hypothesis::of_row(Cause::FlowColumn, k, changes).related(relation));
+            found.row(Cause::FlowColumn, k, changes, relation);
         };
         for to in (0..DOFS).filter(|to| *to != flow) {
-            let relation =
-                format!("what is expected with the number of {} in the column {}", DOF[flow], DOF[to]);
+            let (of, by) = (DOF[flow], DOF[to]);
             if row[to] == 0.0 {
-                add(relation, vec![(flow, 0.0), (to, x)]);
+                let what = format!("what is expected with the number of {of} in the column {by}");
+                add(what, vec![(flow, 0.0), (to, x)]);
             } else if row[to] != -x {
-                add(
-                    format!("what is expected with the numbers of {} and {} exchanged", DOF[flow], DOF[to]),
-                    vec![(flow, row[to]), (to, x)],
-                );
-                add(
-                    format!(
-                        "what is expected with the number of {} added to the column {}",
-                        DOF[flow], DOF[to]
-                    ),
-                    vec![(flow, 0.0), (to, row[to] + x)],
-                );
+                let what = format!("what is expected with the numbers of {of} and {by} exchanged");
+                add(what, vec![(flow, row[to]), (to, x)]);
+                let what = format!("what is expected with the number of {of} added to the column {by}");
+                add(what, vec![(flow, 0.0), (to, row[to] + x)]);
             }
         }
         let other = DOFS - 1 + PSI_A - flow;
-        if row[other] == 0.0 {
-            for sign in [1.0, -1.0] {
-                add(
-                    format!("what is expected, and a number in the column {} too", DOF[other]),
-                    vec![(other, sign * x)],
-                );
-            }
+        for sign in [1.0, -1.0].into_iter().filter(|_| row[other] == 0.0) {
+            let what = format!("what is expected, and a number in the column {} too", DOF[other]);
+            add(what, vec![(other, sign * x)]);
         }
     }
     found
@@ -965,12 +907,9 @@ fn shifted_columns(k: usize, row: &[f64]) -> Vec<Hypothesis> {
                 // What falls out at one end leaves a zero at the other.
                 moved[if by == 1 { 0 } else { columns.len() - 1 }] = 0.0;
                 let made = moved.into_iter().enumerate().map(|(j, x)| (from + j, x));
-                let made = Hypothesis::of_row(Cause::ColumnsSwapped, k, made);
-                let last = DOF[to - 1];
-                found.push(made.related(format!(
-                    "what is expected with the columns {} to {last} one place {side}",
-                    DOF[from]
-                )));
+                let (one, last) = (DOF[from], DOF[to - 1]);
+                let what = format!("what is expected with the columns {one} to {last} one place {side}");
+                found.row(Cause::ColumnsSwapped, k, made, what);
             }
         }
     }
@@ -985,19 +924,13 @@ fn along_axes(
     d: Vector<f64>,
 ) -> Vec<Hypothesis> {
     let global = [0, 1, 2].map(|n| f64::from(u8::from(n == i)));
+    let ends = |e: Vector<f64>| put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
     let of = |cause: Cause, e: Vector<f64>, at: Option<usize>| {
         let mut row = [0.0; DOFS];
-        row[XA..THETA_A].copy_from_slice(&e.map(|x| -x));
-        row[XB..THETA_B].copy_from_slice(&e);
-        if let Some(at) = at {
-            row[at..at + 3].copy_from_slice(&cross(e, d));
-        }
+        ends(e).chain(at.into_iter().flat_map(|at| put(at, cross(e, d)))).for_each(|(j, x)| row[j] = x);
         Hypothesis::of_row(cause, k, row.into_iter().enumerate())
     };
-    let of_displacements = |cause: Cause, e: Vector<f64>| {
-        let changes = put(XA, e.map(|x| -x)).into_iter().chain(put(XB, e));
-        Hypothesis::of_row(cause, k, changes)
-    };
+    let of_displacements = |cause: Cause, e: Vector<f64>| Hypothesis::of_row(cause, k, ends(e));
     vec![
         of_displacements(Cause::AxesOfA, column(a, i)),
         of_displacements(Cause::AxesOfB, column(b, i)),
@@ -1012,6 +945,11 @@ fn along_axes(
         of(Cause::InitialAxes, column(initial, i), None),
         of(Cause::InitialAxes, column(initial, i), Some(THETA_A)),
     ]
+}
+
+/// A vector in the rotations of b, and its opposite in those of a, times a sign.
+fn opposite(v: Vector<f64>, sign: f64) -> impl Iterator<Item = (usize, f64)> {
+    put(THETA_B, v.map(|x| sign * x)).into_iter().chain(put(THETA_A, v.map(|x| -sign * x)))
 }
 
 /// The lever of a row counted otherwise; the separation now and initially.

@@ -6,9 +6,8 @@
 //!
 //! All are formed on dual numbers, so that rows, rates and accelerations of a mistake are known as its values are.
 
-use crate::case::initial_places;
 use crate::case::quantity::{Entries, Quantity};
-use crate::case::{Case, Step};
+use crate::case::{Case, Step, initial_places};
 use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::elsewhere::beside;
 use crate::mutants::diagnosis::matching::Hypothesis;

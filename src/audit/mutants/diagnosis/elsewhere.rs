@@ -82,38 +82,26 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
     };
     let turned = |from: &Node<f64>, triad| Node { triad, ..*from };
     let moved = |from: &Node<f64>, by: &Node<f64>| Node { displacement: by.displacement, ..*from };
-    type Map<'a> = &'a dyn Fn(&Pair<f64>) -> Pair<f64>;
     let still = |from: &Node<f64>, by: &Node<f64>| Node { flow: by.flow, ..*from };
-    let left_out: [(&'static str, Map<'_>); 6] = [
-        ("what is expected with the flows left out", &|pair| Pair {
-            a: still(&pair.a, &initial.a),
-            b: still(&pair.b, &initial.b),
-            ..*pair
-        }),
-        ("what is expected with the rotation of a left out", &|pair| Pair {
-            a: turned(&pair.a, initial.a.triad),
-            ..*pair
-        }),
-        ("what is expected with the rotation of b left out", &|pair| Pair {
-            b: turned(&pair.b, initial.b.triad),
-            ..*pair
-        }),
-        ("what is expected with the displacement of a left out", &|pair| Pair {
-            a: moved(&pair.a, &initial.a),
-            ..*pair
-        }),
-        ("what is expected with the displacement of b left out", &|pair| Pair {
-            b: moved(&pair.b, &initial.b),
-            ..*pair
-        }),
-        ("what is expected with the displacements left out", &|pair| Pair {
-            a: moved(&pair.a, &initial.a),
-            b: moved(&pair.b, &initial.b),
-            ..*pair
-        }),
+    // Nodes made anew of what they are and of what they were at first.
+    type Anew<'a> = &'a dyn Fn(&Node<f64>, &Node<f64>) -> Node<f64>;
+    let both = |pair: &Pair<f64>, is_of: [bool; 2], anew: Anew<'_>| Pair {
+        a: if is_of[0] { anew(&pair.a, &initial.a) } else { pair.a },
+        b: if is_of[1] { anew(&pair.b, &initial.b) } else { pair.b },
+        ..*pair
+    };
+    let back = |from: &Node<f64>, by: &Node<f64>| turned(from, by.triad);
+    let left_out: [(&str, [bool; 2], Anew<'_>); 6] = [
+        ("flows", [true, true], &still),
+        ("rotation of a", [true, false], &back),
+        ("rotation of b", [false, true], &back),
+        ("displacement of a", [true, false], &moved),
+        ("displacement of b", [false, true], &moved),
+        ("displacements", [true, true], &moved),
     ];
-    for (relation, map) in left_out {
-        add(Cause::MotionIgnored, Some(relation.into()), &mapped(case, map, false));
+    for (what, is_of, left) in left_out {
+        let relation = format!("what is expected with the {what} left out");
+        add(Cause::MotionIgnored, Some(relation), &mapped(case, |pair| both(pair, is_of, left), false));
     }
     // The rotations of nodes since the start, C, read as something else: of both nodes, or of one.
     type Read = fn(&Matrix<f64>) -> Matrix<f64>;
@@ -166,14 +154,9 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
         ("the rotation of a", [true, false]),
         ("the rotation of b", [false, true]),
     ];
-    type Anew<'a> = &'a dyn Fn(&Node<f64>, &Node<f64>) -> Node<f64>;
     for (whose, is_of) in WHOSE {
         let mut read = |cause: Cause, how: &str, anew: Anew<'_>| {
-            let map = |pair: &Pair<f64>| Pair {
-                a: if is_of[0] { anew(&pair.a, &initial.a) } else { pair.a },
-                b: if is_of[1] { anew(&pair.b, &initial.b) } else { pair.b },
-                ..*pair
-            };
+            let map = |pair: &Pair<f64>| both(pair, is_of, anew);
             add(cause, Some(format!("what is expected with {whose} {how}")), &mapped(case, map, false));
         };
         for (how, of) in &readings {
@@ -182,14 +165,11 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
                 turned(node, times(&of(&c), &first.triad))
             });
         }
-        read(
-            Cause::OtherParameters,
-            "applied along the axes of the node, T₀ C for C T₀",
-            &|node, first| {
-                let c = times(&node.triad, &transpose(&first.triad));
-                turned(node, times(&first.triad, &c))
-            },
-        );
+        let what = "applied along the axes of the node, T₀ C for C T₀";
+        read(Cause::OtherParameters, what, &|node, first| {
+            let c = times(&node.triad, &transpose(&first.triad));
+            turned(node, times(&first.triad, &c))
+        });
         let Some((last, before)) = case.path.split_last() else { continue };
         let before = before.last().map_or(initial, |step| step.state.pair);
         let [first, old] = [&initial, &before].map(|pair| [pair.a, pair.b]);
@@ -218,13 +198,9 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
             add(cause, Some(format!("what is expected with {whose} {how}")), &other);
         }
     }
-    let transposed = |node: &Node<f64>| turned(node, transpose(&node.triad));
-    let of_triads: [Map<'_>; 3] = [
-        &|pair| Pair { a: transposed(&pair.a), b: transposed(&pair.b), ..*pair },
-        &|pair| Pair { a: transposed(&pair.a), ..*pair },
-        &|pair| Pair { b: transposed(&pair.b), ..*pair },
-    ];
-    for map in of_triads {
+    let transposed = |node: &Node<f64>, _: &Node<f64>| turned(node, transpose(&node.triad));
+    for is_of in [[true, true], [true, false], [false, true]] {
+        let map = |pair: &Pair<f64>| both(pair, is_of, &transposed);
         add(Cause::TriadsTransposed, None, &mapped(case, map, true));
     }
     // The axes of both nodes by other names, right-handed.
@@ -236,11 +212,11 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
         ("e3 for e2, e2 for e3", [(0, -1.0), (2, 1.0), (1, 1.0)]),
     ];
     for (how, from) in renamed {
-        let anew = |node: &Node<f64>| {
+        let anew = |node: &Node<f64>, _: &Node<f64>| {
             let axes = from.map(|(i, sign)| vector::scale(vector::column(&node.triad, i), sign));
             turned(node, transpose(&axes))
         };
-        let map = |pair: &Pair<f64>| Pair { a: anew(&pair.a), b: anew(&pair.b), ..*pair };
+        let map = |pair: &Pair<f64>| both(pair, [true; 2], &anew);
         add(Cause::OtherAxis, Some(format!("what is expected with {how}")), &mapped(case, map, true));
     }
     let global = |pair: &Pair<f64>| Pair { a: turned(&pair.a, identity()), ..*pair };
@@ -282,11 +258,8 @@ fn found_elsewhere(case: &Case, quantity: Quantity) -> Vec<(Cause, Option<String
             step.state.acceleration.swap(PSI_A, DOFS - 1);
         }
         add(Cause::NodesSwapped, Some(FLOWS_SWAPPED.into()), &other);
-        add(
-            Cause::NodesSwapped,
-            Some("what is expected with a and b exchanged, and their flows".into()),
-            &exchanged(case),
-        );
+        let what = "what is expected with a and b exchanged, and their flows";
+        add(Cause::NodesSwapped, Some(what.into()), &exchanged(case));
     } else {
         add(Cause::NodesSwapped, None, &exchanged(case));
     }
@@ -315,10 +288,7 @@ pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
             let sum = if is_summed(k) { before[k].unwrap_or(0.0) } else { 0.0 };
             let row: Vec<f64> = row.iter().map(|x| x + sum).collect();
             let made = Hypothesis::of_row(cause, k, row.iter().copied().enumerate());
-            found.push(match &relation {
-                Some(relation) => made.related(relation.clone()),
-                None => made,
-            });
+            found.push(made.related_if(relation.clone()));
             if cause == Cause::NodesSwapped && row.len() > 1 {
                 if relation.as_deref() == Some(FLOWS_SWAPPED) {
                     continue;
@@ -328,11 +298,7 @@ pub(super) fn elsewhere(case: &Case, quantity: Quantity) -> Vec<Hypothesis> {
                 let place =
                     |n: usize| if row.len() > DOFS { at(n / DOFS) * DOFS + at(n % DOFS) } else { at(n) };
                 let ordered = (0..row.len()).map(|n| (n, row[place(n)]));
-                let ordered = Hypothesis::of_row(cause, k, ordered);
-                found.push(match &relation {
-                    Some(relation) => ordered.related(relation.clone()),
-                    None => ordered,
-                });
+                found.push(Hypothesis::of_row(cause, k, ordered).related_if(relation.clone()));
             }
         }
     }

@@ -23,35 +23,62 @@ pub(super) struct Datum {
     of_class: f64,
 }
 
-/// What a mistake would make of the numbers.
-pub(super) struct Hypothesis {
-    pub(super) cause: Cause,
-    pub(super) changes: Changes,
+/// What a mistake, or another convention than expected, would make of the numbers.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// The cause that it is.
+    pub cause: Cause,
+    /// The numbers.
+    pub changes: Changes,
     /// What the numbers equal, where the cause leaves it open.
-    pub(super) relation: Option<String>,
+    pub relation: Option<String>,
     /// Whether it was found among many others, so that one that was thought of says more.
     pub(super) is_searched: bool,
 }
 
 impl Hypothesis {
-    pub(super) fn one(cause: Cause, (k, i): Cell, x: f64) -> Self {
-        Self { cause, changes: Changes::One([(k, i, x)]), relation: None, is_searched: false }
+    pub(crate) const fn new(cause: Cause, changes: Changes) -> Self {
+        Self { cause, changes, relation: None, is_searched: false }
+    }
+
+    pub(super) const fn one(cause: Cause, (k, i): Cell, x: f64) -> Self {
+        Self::new(cause, Changes::One([(k, i, x)]))
     }
 
     /// Changes of row k: place, number.
-    pub(super) fn of_row(cause: Cause, k: usize, changes: impl IntoIterator<Item = (usize, f64)>) -> Self {
+    pub(crate) fn of_row(cause: Cause, k: usize, changes: impl IntoIterator<Item = (usize, f64)>) -> Self {
         Self::many(cause, changes.into_iter().map(|(i, x)| (k, i, x)).collect())
     }
 
-    pub(super) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
-        Self { cause, changes: Changes::Many(changes), relation: None, is_searched: false }
+    pub(crate) const fn many(cause: Cause, changes: Vec<(usize, usize, f64)>) -> Self {
+        Self::new(cause, Changes::Many(changes))
     }
 
-    pub(super) fn related(mut self, relation: impl Into<String>) -> Self {
-        self.relation = Some(relation.into());
-        self
+    pub(crate) fn related(self, relation: impl Into<String>) -> Self {
+        self.related_if(Some(relation))
+    }
+
+    /// The same where its cause leaves it open what the numbers equal.
+    pub(crate) fn related_if(self, relation: Option<impl Into<String>>) -> Self {
+        Self { relation: relation.map(Into::into), ..self }
     }
 }
+
+/// Where mistakes are gathered.
+pub(crate) trait Gather: Extend<Hypothesis> {
+    /// Changes of row k, and what they equal.
+    fn row(
+        &mut self,
+        cause: Cause,
+        k: usize,
+        changes: impl IntoIterator<Item = (usize, f64)>,
+        relation: impl Into<String>,
+    ) {
+        self.extend([Hypothesis::of_row(cause, k, changes).related(relation)]);
+    }
+}
+
+impl Gather for Vec<Hypothesis> {}
 
 /// How numbers are called in sentences.
 pub(super) trait Words {

@@ -50,6 +50,8 @@ use serde::Serialize;
 pub use crate::mutants::cause::Cause;
 pub use component::{Symptoms, conventions, diagnose, diagnose_all};
 pub(crate) use dictionary::PARAMETERS;
+pub(crate) use matching::Gather;
+pub use matching::Hypothesis;
 pub use places::{Places, places};
 pub use sample::Sample;
 pub use seen::Seen;

@@ -2,11 +2,12 @@
 
 use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
-use crate::judge::table::{Convention, Entry, ResultTable};
+use crate::judge::table::{Entry, ResultTable};
 use crate::mutants::diagnosis::cells::Cell;
 use crate::mutants::diagnosis::component::is_derivative;
 use crate::mutants::diagnosis::matching::{AtState, Hypothesis, Matching, Words, equation, ranges};
 use crate::mutants::diagnosis::{Cause, Diagnosis, Explained};
+use crate::mutants::mutant::Changes;
 use std::collections::BTreeSet;
 
 /// Why numbers are wrong; `None` where none is. Tried are the mistakes that the table knows, and those that every number can suffer.
@@ -56,18 +57,16 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
     let width = table.width();
     let place = |i: usize| (i / width, i % width);
     let is_told = |i: usize| table.entries.get(i).is_some_and(|entry| !is_smooth || entry.sides.is_none());
+    let told = |changes: &Changes| {
+        let told = changes.iter().filter(|(row, i, _)| is_told(row * width + i));
+        Changes::Many(told.copied().collect())
+    };
     let given = table.entries.iter().enumerate().filter(|(i, _)| is_told(*i)).map(|(i, entry)| {
         let (want, tolerance) = (entry.target(entry.got).to_f64(), entry.tolerance());
         (place(i), (Some(entry.got), want, tolerance, entry.class))
     });
-    let placed = |changes: &[(usize, f64)]| {
-        let told = changes.iter().filter(|(i, _)| is_told(*i));
-        told.map(|(i, x)| (i / width, i % width, *x)).collect()
-    };
-    let known = table
-        .mistakes
-        .iter()
-        .map(|change| Hypothesis::many(Cause::of(change.mistake), placed(&change.changes)));
+    let known = table.mistakes.iter();
+    let known = known.map(|made| Hypothesis::new(Cause::of(made.mistake), told(&made.changes)));
     let mut hypotheses: Vec<Hypothesis> = known.collect();
     for row in 0..table.rows.len() {
         let changes = table.entries.iter().enumerate().skip(row * width).take(width);
@@ -78,10 +77,8 @@ fn at_state(table: &ResultTable, is_smooth: bool) -> AtState {
     if table.quantity == Quantity::FrictionGradient {
         hypotheses.extend(columns_swapped(table, &is_told));
     }
-    hypotheses.extend(table.conventions.iter().map(|Convention { cause, relation, changes }| Hypothesis {
-        relation: relation.clone(),
-        ..Hypothesis::many(*cause, placed(changes))
-    }));
+    let others = table.conventions.iter();
+    hypotheses.extend(others.map(|of| Hypothesis { changes: told(&of.changes), ..of.clone() }));
     AtState::new(given, hypotheses, 0)
 }
 

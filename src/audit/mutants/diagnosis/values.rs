@@ -6,7 +6,7 @@ use crate::mutants::cause::Cause;
 use crate::mutants::diagnosis::MULTIPLES;
 use crate::mutants::diagnosis::columns::along;
 use crate::mutants::diagnosis::dictionary::PARAMETERS;
-use crate::mutants::diagnosis::matching::Hypothesis;
+use crate::mutants::diagnosis::matching::{Gather, Hypothesis};
 use crate::oracles::force::product_with_forces;
 use pintle_kinematics::connector::Components;
 use pintle_kinematics::measure::{Measure, Unit};
@@ -86,17 +86,14 @@ pub(super) fn of_values(case: &Case, want: &Entries<f64>, got: &Entries<f64>) ->
             }
         } else {
             for factor in [1e3, 1e-3] {
-                found.push(
-                    Hypothesis::one(Cause::LengthUnit, (k, 0), factor * f)
-                        .related(format!("{factor} × expected")),
-                );
+                found.row(Cause::LengthUnit, k, [(0, factor * f)], format!("{factor} × expected"));
             }
         }
         if let Some(i) = axis_of(measure) {
             for j in (0..3).filter(|j| *j != i) {
                 let along = |pair: &Pair<f64>| dot(column(&pair.a.triad, j), pair.separation());
-                let other = Hypothesis::one(Cause::RowsSwapped, (k, 0), along(pair) - along(initial));
-                found.push(other.related(format!("the coordinate along e{}a, not e{}a", j + 1, i + 1)));
+                let what = format!("the coordinate along e{}a, not e{}a", j + 1, i + 1);
+                found.row(Cause::RowsSwapped, k, [(0, along(pair) - along(initial))], what);
             }
         }
     }
@@ -109,8 +106,8 @@ fn of_other_turns((k, f, got): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
     for (factor, what) in [(0.5, "half of"), (2.0, "twice"), (-0.5, "minus half of"), (-2.0, "minus twice")] {
         let turns = ((got / factor - f) / TAU).round();
         if turns.abs() < 1e3 {
-            let made = Hypothesis::one(Cause::Factor, (k, 0), factor * (f + TAU * turns));
-            found.push(made.related(format!("{what} what is expected, turns counted apart")));
+            let what = format!("{what} what is expected, turns counted apart");
+            found.row(Cause::Factor, k, [(0, factor * (f + TAU * turns))], what);
         }
     }
     // So many half turns are tried, and so many digits of π, rounded or cut off.
@@ -126,8 +123,8 @@ fn of_other_turns((k, f, got): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
             [digits.round() / ten, digits.trunc() / ten]
         });
         for written in written.filter(|written| (written - pi).abs() < 1e-14 * f64::from(HALVES)) {
-            let made = Hypothesis::one(Cause::Rounded, (k, 0), f + f64::from(halves) * (written - PI));
-            found.push(made.related(format!("what is expected with {written} for π where turns are added")));
+            let what = format!("what is expected with {written} for π where turns are added");
+            found.row(Cause::Rounded, k, [(0, f + f64::from(halves) * (written - PI))], what);
         }
     }
 }
@@ -135,9 +132,7 @@ fn of_other_turns((k, f, got): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
 /// What is summed up over increments: the last of them along another axis, or with another multiple of one of its parts.
 fn of_sums(case: &Case, (k, f, before): (usize, f64, f64), found: &mut Vec<Hypothesis>) {
     let Some((last, path)) = case.path.split_last() else { return };
-    let mut add = |cause: Cause, x: f64, what: String| {
-        found.push(Hypothesis::one(cause, (k, 0), x).related(what));
-    };
+    let mut add = |cause: Cause, x: f64, what: String| found.row(cause, k, [(0, x)], what);
     let from = path.last().map_or(case.definition.initial, |step| step.state.pair);
     let value_of = |pair: Pair<f64>| {
         let mut other = case.clone();
@@ -153,14 +148,12 @@ fn of_sums(case: &Case, (k, f, before): (usize, f64, f64), found: &mut Vec<Hypot
     let [Some(still), Some(held)] = [still, held].map(value_of) else { return };
     let (flow, of_b) = (f - still, f - held);
     let rotations = f - before - flow;
-    for (part, what) in [
-        (flow, "the flow"),
-        (rotations, "the rotations"),
-        (of_b, "the rotation of b"),
-        (rotations - of_b, "the rotation of a"),
-    ] {
+    let of_a = rotations - of_b;
+    for (part, what) in
+        [(flow, "flow"), (rotations, "rotations"), (of_b, "rotation of b"), (of_a, "rotation of a")]
+    {
         for (times, multiple) in MULTIPLES {
-            let what = format!("what is expected {multiple} the increment of {what}");
+            let what = format!("what is expected {multiple} the increment of the {what}");
             add(Cause::TermLeftOut, f + times * part, what);
         }
     }
@@ -178,12 +171,11 @@ fn of_sums(case: &Case, (k, f, before): (usize, f64, f64), found: &mut Vec<Hypot
     for (j, name) in [(2, "e3a"), (0, "e1a"), (1, "e2a")] {
         let [end, begin] = ends.map(|triad| dot(column(triad, j), spin));
         for (x, where_) in [(end, "at the end"), (begin, "at the beginning"), ((end + begin) / 2.0, "mean")] {
-            let what = match (where_, j) {
-                ("mean", _) => {
-                    format!("the value before and the increment along the mean of {name} before and after")
-                }
-                _ => format!("the value before and the increment along {name} {where_} of it"),
+            let axis = match where_ {
+                "mean" => format!("the mean of {name} before and after"),
+                _ => format!("{name} {where_} of it"),
             };
+            let what = format!("the value before and the increment along {axis}");
             let cause = if j == 2 { Cause::AxisOfIncrement } else { Cause::OtherAxis };
             add(cause, before + flow + x, what);
         }
@@ -246,11 +238,8 @@ pub(super) const fn axis_of(measure: Measure) -> Option<usize> {
 fn of_function(k: usize, now: f64, first: f64, found: &mut Vec<Hypothesis>) {
     let mut of = |cause: Cause, what: &str, f: &dyn Fn(f64) -> f64| {
         let made = Hypothesis::one(cause, (k, 0), f(now) - f(first));
-        found.push(if what.is_empty() {
-            made
-        } else {
-            made.related(format!("{what} of the angle, less that at first"))
-        });
+        let what = (!what.is_empty()).then(|| format!("{what} of the angle, less that at first"));
+        found.push(made.related_if(what));
     };
     of(Cause::OtherParameters, "the sine", &f64::sin);
     of(Cause::OtherParameters, "the tangent", &f64::tan);
@@ -295,7 +284,7 @@ fn of_rotation(
         }
     }
     let mut add_as = |cause: Cause, what: &str, now: [f64; 3], first: [f64; 3]| {
-        let said = |made: Hypothesis| if what.is_empty() { made } else { made.related(what) };
+        let said = |made: Hypothesis| made.related_if((!what.is_empty()).then_some(what));
         for i in (0..3).filter(|i| rotational[*i].is_some()) {
             found.push(said(Hypothesis::one(cause, (3 + i, 0), now[i] - first[i])));
             found.push(said(Hypothesis::one(cause, (3 + i, 0), now[i])));
@@ -303,12 +292,10 @@ fn of_rotation(
     };
     let q = |pair: &Pair<f64>| transposed_product(&pair.a.triad, &pair.b.triad);
     let (q, q0) = (q(pair), q(initial));
-    let is_vector = rotational.iter().flatten().all(|measure| {
-        matches!(
-            measure,
-            Measure::RotationVector(_) | Measure::RotationVectorAtB(_) | Measure::Misalignment(_)
-        )
-    });
+    let is_free =
+        |measure: &Measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
+    let is_held = |measure: &Measure| matches!(measure, Measure::Misalignment(_));
+    let is_vector = rotational.iter().flatten().all(|measure| is_free(measure) || is_held(measure));
     let principal = |q: &Matrix<f64>| match of_own {
         Some(Measure::Cardan(_)) => Some(so3::cardan(q)),
         Some(Measure::Euler(_)) => Some(so3::euler(q, 1.0)),
@@ -342,19 +329,16 @@ fn of_rotation(
         let what = "the difference of the Euler angles α and γ, not their sum";
         add_as(Cause::OtherOrder, what, [apart(&q); 3], [apart(&q0); 3]);
     }
-    if rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_))) {
+    if rotational.iter().flatten().any(is_held) {
         add_as(Cause::InitialKept, "", so3::log(&q), [0.0; 3]);
     }
     let flexions = [now, first];
-    let is_free =
-        |measure: &Measure| matches!(measure, Measure::RotationVector(_) | Measure::RotationVectorAtB(_));
     if rotational.iter().flatten().any(is_free) {
         add_as(Cause::TurnForgotten, "the principal rotation vector", so3::log(&q), so3::log(&q0));
     }
     let vector = |all: &Components<f64>| Some([all[3]?, all[4]?, all[5]?]);
     let held = || Some([0, 1, 2].map(|i| want.get(3 + i, 0)).map(|x| x.unwrap_or(0.0)));
-    let is_misalignment =
-        rotational.iter().flatten().any(|measure| matches!(measure, Measure::Misalignment(_)));
+    let is_misalignment = rotational.iter().flatten().any(is_held);
     let (now, first) = if is_misalignment { (held(), Some([0.0; 3])) } else { (vector(now), vector(first)) };
     // Of a flexion α q the first two numbers are such a vector.
     let bent = |all: &Components<f64>| Some([all[3]?, all[4]?, 0.0]);

@@ -5,8 +5,7 @@ use crate::judge::bound::Bound;
 use crate::laws::{Claim, Context, Demanded, Invariant, Term, exchanged_entry, turned_terms};
 use crate::oracles::force::product_at;
 use crate::oracles::oracle::Narrow;
-use crate::replay::counterexample::BrokenLaw;
-use crate::replay::counterexample::CounterExample;
+use crate::replay::counterexample::{BrokenLaw, CounterExample};
 use crate::replay::handover::ExportError;
 use pintle_kinematics::catalog::Loading;
 

@@ -1,22 +1,19 @@
 //! The number that a counter-example is about, as this version of the program gives it; and the forms that the counter-example has.
 
+use crate::case::Case;
 use crate::case::failing::Failing;
-use crate::case::failing::MpcCase;
 use crate::case::quantity::Quantity;
+use crate::judge::table::ResultTable;
 use crate::replay::counterexample::CounterExample;
 use crate::replay::handover::deck::Deck;
 use crate::replay::handover::rust::literal;
 use crate::replay::handover::{ExportError, about, embedded};
 
-/// The number in question as a constraint gives it; of a law the sum that it speaks of.
-fn of_constraint(example: &CounterExample, case: &MpcCase) -> Option<f64> {
-    if let (Some(law), None) = (example.law, example.quantity) {
-        return case.sum_of_law(law.name, &example.entry);
-    }
-    let quantity = example.quantity?;
-    let tables = case.tables();
-    let entries = tables.iter().filter(|table| table.quantity == quantity).flat_map(|table| &table.entries);
-    entries.into_iter().find(|entry| entry.name == example.entry).map(|entry| entry.got)
+/// The number of that name in the table of a quantity.
+fn found(tables: &[ResultTable], quantity: Quantity, name: &str) -> Option<f64> {
+    let mut entries =
+        tables.iter().filter(|table| table.quantity == quantity).flat_map(|table| &table.entries);
+    entries.find(|entry| entry.name == name).map(|entry| entry.got)
 }
 
 impl CounterExample {
@@ -27,16 +24,13 @@ impl CounterExample {
     pub fn number(&self) -> Result<f64, ExportError> {
         let failing = self.failing()?;
         let found = match (&failing, self.quantity) {
-            (Failing::Mpc(case), _) => of_constraint(self, case),
+            (Failing::Mpc(case), None) => self.law.and_then(|law| case.sum_of_law(law.name, &self.entry)),
             (Failing::Relation(case), None) => {
                 self.law.and_then(|law| case.sum_of_law(law.name, &self.entry))
             }
+            (Failing::Mpc(case), Some(quantity)) => found(&case.tables(), quantity, &self.entry),
             (other, Some(quantity)) => {
-                let tables = other.tables();
-                let entries =
-                    tables.iter().filter(|table| table.quantity == quantity).flat_map(|table| &table.entries);
-                let found = entries.into_iter().find(|entry| entry.name == self.entry).map(|entry| entry.got);
-                found.or_else(|| match other {
+                found(&other.tables(), quantity, &self.entry).or_else(|| match other {
                     Failing::Friction(case) if quantity == Quantity::FrictionForce => {
                         case.result(&self.entry)
                     }
@@ -90,10 +84,7 @@ impl CounterExample {
     }
 
     fn of_jax(&self) -> Result<String, ExportError> {
-        match self.failing()? {
-            Failing::Connector(case) => self.script(&case),
-            _ => Err(self.of_no_connector()),
-        }
+        self.of_connector(|case| self.script(case))
     }
 
     /// A deck of a connector and its states.
@@ -105,18 +96,17 @@ impl CounterExample {
     }
 
     fn of_deck(&self) -> Result<Deck, ExportError> {
-        match self.failing()? {
-            Failing::Connector(case) => self.deck_of_connector(&case),
-            _ => Err(self.of_no_connector()),
-        }
+        self.of_connector(|case| self.deck_of_connector(case))
     }
 
-    /// Why it has no script and no deck.
-    fn of_no_connector(&self) -> ExportError {
-        ExportError::Lost(format!(
-            "scripts and decks are of connectors, and this is of a {}",
-            self.kind.name()
-        ))
+    fn of_connector<T>(&self, make: impl Fn(&Case) -> Result<T, ExportError>) -> Result<T, ExportError> {
+        match self.failing()? {
+            Failing::Connector(case) => make(&case),
+            _ => Err(ExportError::Lost(format!(
+                "scripts and decks are of connectors, and this is of a {}",
+                self.kind.name()
+            ))),
+        }
     }
 
     /// A refusal with the forms that are not refused.
