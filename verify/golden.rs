@@ -372,7 +372,7 @@ fn the_joint_agrees_with_jax() {
     let mut agreement = Agreement::default();
     for joint in &file().mpc {
         let hinges = [joint.axis, [0.0; 3]];
-        let constraint = Constraint::<f64>::new(mpc::Kind::Revolute, [0.0; 3], [0.0; 3], hinges);
+        let constraint = Constraint::<f64>::new(mpc::MpcType::Revolute, [0.0; 3], [0.0; 3], hinges);
         let mut turns = [Turns { turns: 0.0, principal: 0.0 }; 2];
         let mut last = None;
         for k in 1..=joint.steps {

@@ -2,7 +2,7 @@
 
 use crate::tolerance::GOLDEN_MPC;
 use pintle_kinematics::connector::{Request, Tally, Turns};
-use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Kind, State, Turning};
+use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, MpcType, State, Turning};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::Vector;
 use serde::Deserialize;
@@ -76,7 +76,7 @@ fn constraints_agree_with_jax() {
     let mut failures = Vec::new();
     let mut kinds = Vec::new();
     for case in &file.cases {
-        let kind = Kind::named(&case.kind).unwrap();
+        let kind = MpcType::named(&case.kind).unwrap();
         kinds.push(kind);
         let [slave, master, first, second] = case.X;
         let constraint = Constraint::<f64>::new(kind, slave, master, [first, second]).with_flow();
@@ -116,7 +116,7 @@ fn constraints_agree_with_jax() {
         assert_eq!(case.angles.len(), kind.entry().angles.len());
     }
     println!("worst {:.1e} at {}", worst.0, worst.1);
-    assert!(Kind::ALL.iter().all(|kind| kinds.contains(kind)));
+    assert!(MpcType::ALL.iter().all(|kind| kinds.contains(kind)));
     assert!(
         failures.is_empty(),
         "{} fail\n{}",

@@ -11,7 +11,7 @@ use crate::prescribed::Prescribed;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{Flag, Mask, Output, Request};
 use pintle_kinematics::measure::{Measure, SingularClass, Unit};
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
@@ -200,7 +200,7 @@ impl<'a> System<'a> {
                     matches!(measure, Measure::Distance | Measure::Strain | Measure::RadialDistance)
                 })
             }
-            Source::Mpc(index) => self.model.mpcs[index].constraint.kind() == Kind::Link,
+            Source::Mpc(index) => self.model.mpcs[index].constraint.kind() == MpcType::Link,
             Source::Relation(_) => false,
         }
     }
@@ -330,7 +330,7 @@ impl<'a> System<'a> {
         match self.origins[row] {
             Origin::Boundary(freedom) => is_length(freedom.number),
             Origin::Equation(Equation { source: Source::Mpc(_), component }) => {
-                Kind::row_unit(component) == Unit::Length
+                MpcType::row_unit(component) == Unit::Length
             }
             Origin::Equation(Equation { source: Source::Relation(index), component }) => {
                 let rows = self.model.relations[index].relation.rows();
@@ -468,7 +468,7 @@ impl<'a> System<'a> {
                 let name = match source {
                     Source::Connector(_) => COMPONENT[*component],
                     Source::Mpc(index) => {
-                        self.model.mpcs[*index].constraint.kind().row_name(Kind::flagged_row(*component))
+                        self.model.mpcs[*index].constraint.kind().row_name(MpcType::flagged_row(*component))
                     }
                     Source::Relation(index) => {
                         let rows = self.model.relations[*index].relation.rows();

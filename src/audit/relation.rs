@@ -27,7 +27,7 @@ use crate::settings::Settings;
 use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::relation::{Form, Point, Quantity as Of, Relation, Row, place_of};
+use pintle_kinematics::relation::{ConstraintRow, Form, Point, Quantity as Of, Relation, place_of};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::scalar::{Scalar, U, Wide};
 use pintle_kinematics::so3::exp;
@@ -62,7 +62,7 @@ fn evaluated<R: Differentiable>(
     relation: &Relation<R>,
     points: &[Point<R>],
     request: &Request,
-) -> Vec<Row<R>> {
+) -> Vec<ConstraintRow<R>> {
     relation.evaluate(points, request, &mut Tally::default())
 }
 
@@ -96,12 +96,12 @@ impl RelationCase {
         far.map(|angle| 2.0 * (angle / 2.0).sin().abs() / angle).fold(1.0, f64::min)
     }
 
-    fn said(&self) -> Vec<Row<f64>> {
+    fn said(&self) -> Vec<ConstraintRow<f64>> {
         evaluated(&self.relation, &self.nodes, &Request::everything(1))
     }
 
     /// The conditioned scale of a row: its value, and what the rounding of every input makes of it.
-    fn scale(&self, row: &Row<f64>) -> f64 {
+    fn scale(&self, row: &ConstraintRow<f64>) -> f64 {
         let of = self.relation.columns().iter().zip(&row.gradient);
         let sum: f64 = of.map(|(column, slope)| slope.abs() * self.input(*column)).sum();
         (row.residual.abs() + sum) / self.nearness().max(UNDETERMINED)
@@ -109,7 +109,7 @@ impl RelationCase {
 
     /// The scales of the numbers of a row, by quantity, as in the bound of connectors. A second derivative of an equation by a rotation is no larger
     /// than the derivatives that are turned.
-    fn scales(&self, row: &Row<f64>) -> [Vec<f64>; RelationCase::QUANTITIES.len()] {
+    fn scales(&self, row: &ConstraintRow<f64>) -> [Vec<f64>; RelationCase::QUANTITIES.len()] {
         let f = self.scale(row);
         let columns = self.relation.columns();
         let first: Vec<f64> = columns.iter().map(|(_, number)| 2.0 * f / self.size(*number)).collect();
@@ -128,7 +128,7 @@ impl RelationCase {
 
     /// From which sizes on numbers of a row are significant, in units of S, where it is well-conditioned: an equation has any unit. Second
     /// derivatives are no larger than what is turned.
-    fn least(&self, row: &Row<f64>) -> Option<Least> {
+    fn least(&self, row: &ConstraintRow<f64>) -> Option<Least> {
         let columns = self.relation.columns();
         let sized = |of: &dyn Fn((usize, u8)) -> f64| -> f64 {
             columns.iter().zip(&row.gradient).map(|(column, slope)| slope.abs() * of(*column)).sum()
@@ -292,7 +292,7 @@ impl RelationCase {
     }
 
     /// Mistakes in more than a single entry.
-    fn mistakes(&self, table: &ResultTable, got: &[Row<f64>]) -> Vec<Mutant> {
+    fn mistakes(&self, table: &ResultTable, got: &[ConstraintRow<f64>]) -> Vec<Mutant> {
         let width = table.width();
         let rows = self.relation.rows();
         let mut found = Vec::new();
@@ -510,8 +510,8 @@ impl RelationCase {
         let got = self.said();
         let one = |x: Option<f64>| vec![x.unwrap_or(f64::NAN)];
         let of =
-            |row: &Row<f64>| [vec![row.residual], row.gradient.clone(), one(row.rate), one(row.acceleration)];
-        let allowed = |row: &Row<f64>| {
+            |row: &ConstraintRow<f64>| [vec![row.residual], row.gradient.clone(), one(row.rate), one(row.acceleration)];
+        let allowed = |row: &ConstraintRow<f64>| {
             self.scales(row).map(|scales| scales.into_iter().map(|scale| C * U * scale).collect())
         };
         let mut numbers = ByRow::of(Self::QUANTITIES, got.iter().map(of).enumerate());

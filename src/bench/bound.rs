@@ -1,6 +1,6 @@
 //! How far a way may be off and still be timed: by what the errors come from.
 
-use crate::place::{CLEAR, Place};
+use crate::place::{CLEAR, Proximity};
 use crate::subject::Order;
 use pintle_kinematics::scalar::U;
 
@@ -32,16 +32,16 @@ impl Cause {
     ///
     /// Near a singular point values are known to u/distance, and derivatives grow by 1/distance with each order. At rest all functions
     /// are regular, and only formulas that divide by the sine are not.
-    pub fn bound(self, order: Order, place: Place, distance: f64) -> Option<f64> {
+    pub fn bound(self, order: Order, place: Proximity, distance: f64) -> Option<f64> {
         let steepness = match place {
-            Place::Near => distance.recip().max(1.0),
-            Place::Far => CLEAR.recip(),
-            Place::Rest => 1.0,
+            Proximity::Near => distance.recip().max(1.0),
+            Proximity::Far => CLEAR.recip(),
+            Proximity::Rest => 1.0,
         };
         Some(match self {
             Self::Ours | Self::Rounding => return None,
             // At rest the vector that the sine divides is as small as it, which gives two orders back.
-            Self::NoBranches if place == Place::Rest => {
+            Self::NoBranches if place == Proximity::Rest => {
                 ROOM * U * if order == Order::Hessian { distance.recip() } else { 1.0 }
             }
             Self::NoBranches => ROOM * U * steepness.powi(1 + order as i32),

@@ -1,6 +1,6 @@
 //! What does a value, a Jacobian or a Hessian cost here, and at which error?
 //!
-//! A type ([`Subject`]) is measured at states far from its singular points, near them and at rest ([`Place`]), with every way to get the numbers
+//! A type ([`Subject`]) is measured at states far from its singular points, near them and at rest ([`Proximity`]), with every way to get the numbers
 //! ([`Method`]). The library has such ways ([`Way`]), and the caller may bring others. The truth is the 237-bit scalar: values by it,
 //! derivatives by differences on it that have no step to tune. Errors come first: those of every way must be within what they come from allows
 //! ([`Cause`]). One of pintle's own that is not is told as wrong ([`Wrong`]), any other way is listed ([`Untimed`]), and neither is timed or
@@ -29,7 +29,7 @@ pub use batch::{Rows, Tiles};
 pub use bound::Cause;
 pub use environment::Environment;
 pub use method::{Method, Prepared, Way};
-pub use place::{CLEAR, Place, REST, Unmeasured};
+pub use place::{CLEAR, Proximity, REST, Unmeasured};
 pub use subject::{Element, Order, Subject, worse};
 
 /// The commit of its repository that a release of this crate was built from, with a mark where its sources had changes. A build for
@@ -75,7 +75,7 @@ pub struct Point {
     /// The connection type.
     pub connection: String,
     /// Which states.
-    pub place: Place,
+    pub place: Proximity,
     /// What is computed.
     pub order: Order,
     /// The way.
@@ -122,7 +122,7 @@ pub struct Omitted {
     /// The type.
     pub connection: String,
     /// Which states.
-    pub place: Place,
+    pub place: Proximity,
     /// Why.
     pub why: Cow<'static, str>,
 }
@@ -133,7 +133,7 @@ pub struct Untimed {
     /// The type.
     pub connection: String,
     /// Which states.
-    pub place: Place,
+    pub place: Proximity,
     /// What is computed.
     pub order: Order,
     /// The way.
@@ -178,7 +178,7 @@ pub struct Wrong {
     /// The type.
     pub connection: String,
     /// Which states.
-    pub place: Place,
+    pub place: Proximity,
     /// What is wrong.
     pub order: Order,
     /// The way.
@@ -234,7 +234,7 @@ impl Report {
     /// A type at all places; says where it cannot be measured.
     pub fn subjects(&mut self, settings: &Settings, connection: &ConnectionType) -> Vec<Subject> {
         let mut found = Vec::new();
-        for place in Place::ALL {
+        for place in Proximity::ALL {
             match Subject::new(connection, place, settings.states, settings.distance) {
                 Ok(subject) => found.push(subject.repeated(settings.batch)),
                 Err(why) => self.omitted.push(Omitted {

@@ -20,7 +20,7 @@ pintle_kinematics::named! {
     /// Which states.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
     #[serde(rename_all = "lowercase")]
-    pub enum Place {
+    pub enum Proximity {
         /// At least [`CLEAR`] from every singular point of the rows and, where a rotation vector is measured, from no rotation and half
         /// a turn. Both nodes are moved and turned moderately, from orientations that are aligned initially and, where that leaves the
         /// rows what they are, from others. There are also states with any orientation of both nodes.
@@ -42,7 +42,7 @@ pub const REST: f64 = 1e-8;
 /// How often a case is drawn anew until it is clear.
 const ATTEMPTS: usize = 400;
 
-impl Place {
+impl Proximity {
     /// How far its states are from what they are far from or near to, if near is `distance`.
     pub const fn distance(self, distance: f64) -> f64 {
         match self {
@@ -92,7 +92,7 @@ const fn is_rotation_vector(measure: Measure) -> bool {
 /// `count` cases of a type, always the same, all of whose rows are those of the type with its constraints met initially.
 pub(super) fn draw(
     connection: &ConnectionType,
-    place: Place,
+    place: Proximity,
     count: usize,
     distance: f64,
 ) -> Result<Vec<Case>, Unmeasured> {
@@ -101,26 +101,29 @@ pub(super) fn draw(
     let measures: Vec<Measure> = rows.iter().flatten().copied().collect();
     let sites = sites(&measures, place);
     let one = |i: usize| match place {
-        Place::Far => far(connection, i, &rows, &mut draw).ok_or(Unmeasured::NotClear),
-        Place::Near | Place::Rest => {
-            let none =
-                if place == Place::Near { Unmeasured::NoSingularPoint } else { Unmeasured::NothingAtRest };
+        Proximity::Far => far(connection, i, &rows, &mut draw).ok_or(Unmeasured::NotClear),
+        Proximity::Near | Proximity::Rest => {
+            let none = if place == Proximity::Near {
+                Unmeasured::NoSingularPoint
+            } else {
+                Unmeasured::NothingAtRest
+            };
             let site = sites.get(i % sites.len().max(1)).ok_or(none)?;
             let case = at(connection, site, place.distance(distance), &rows, &mut draw)
                 .ok_or(Unmeasured::NotNear(site.at))?;
             // What is removable for one row may be singular for another.
-            if place == Place::Rest && !case.is_clear(0.0, CLEAR) { Err(none) } else { Ok(case) }
+            if place == Proximity::Rest && !case.is_clear(0.0, CLEAR) { Err(none) } else { Ok(case) }
         }
     };
     (0..count).map(one).collect()
 }
 
 /// The singular points of measures, or what is removable at rest.
-fn sites(measures: &[Measure], place: Place) -> Vec<Site> {
+fn sites(measures: &[Measure], place: Proximity) -> Vec<Site> {
     let mut found: Vec<Site> = Vec::new();
     for measure in measures {
         let is_wanted = |site: &Site| match (place, measure) {
-            (Place::Rest, _) => Some(&site.set) == measure.removable_sets().first(),
+            (Proximity::Rest, _) => Some(&site.set) == measure.removable_sets().first(),
             // Whole turns of a rotation vector are no place of the principal one that others measure.
             (_, Measure::RotationVector(_) | Measure::RotationVectorAtB(_)) => {
                 Some(&site.set) == measure.removable_sets().get(1)

@@ -1,6 +1,6 @@
 //! Where a type is measured: states far from its singular points and near them, with the truth.
 
-use crate::place::{Place, Unmeasured, draw, rows_of};
+use crate::place::{Proximity, Unmeasured, draw, rows_of};
 use pintle_audit::case::exact_branch;
 use pintle_audit::judge::bound::scales;
 use pintle_audit::oracles::truth::Truth;
@@ -56,7 +56,7 @@ pub struct Subject {
     /// The type.
     pub connection: ConnectionType,
     /// Which states.
-    pub place: Place,
+    pub place: Proximity,
     /// The components (0-based) that are measured: those with a function of the nodes.
     pub components: Vec<usize>,
     /// What each of them is.
@@ -83,7 +83,7 @@ impl Subject {
     /// Why there is nothing to measure.
     pub fn new(
         connection: &ConnectionType,
-        place: Place,
+        place: Proximity,
         count: usize,
         distance: f64,
     ) -> Result<Self, Unmeasured> {

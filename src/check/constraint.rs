@@ -8,7 +8,7 @@ use crate::protocol::{self, Layout};
 use crate::{Asked, Checked};
 use pintle_audit::{ConstraintCandidate, ConstraintNumbers, MpcCase, Quantity, initial_places};
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Kind, PHI, ROWS, Rows};
+use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, MpcType, PHI, ROWS, Rows};
 use pintle_kinematics::vector::{add, transpose};
 use serde_json::{Value, json};
 
@@ -55,7 +55,7 @@ impl Reader {
 
     /// What a number of an equation is to be multiplied with. Factors are those of the first six.
     fn unit(&self, row: usize) -> f64 {
-        let of_unit = match Kind::row_unit(row) {
+        let of_unit = match MpcType::row_unit(row) {
             Unit::Angle => self.convention.angle(),
             _ => self.convention.length * self.convention.row_length,
         };
@@ -115,7 +115,7 @@ impl Reader {
         let kind = self.constraint.kind();
         let rows = self.constraint.rows();
         let equation = |row: usize| {
-            let unit = format!("{:?}", Kind::row_unit(row)).to_lowercase();
+            let unit = format!("{:?}", MpcType::row_unit(row)).to_lowercase();
             if rows[row] { json!({ "name": kind.row_name(row), "unit": unit }) } else { Value::Null }
         };
         let length = self.convention.length;

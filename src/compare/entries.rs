@@ -9,7 +9,7 @@ use crate::read::{Frame, Results};
 use pintle_check::{Angle, Variation};
 use pintle_kinematics::connector::Output;
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 use pintle_kinematics::vector::Matrix;
 use pintle_model::behavior::state::Velocities;
 use pintle_model::evaluate::{Fixed, Freedom, Item, Jacobian, Model, Plan, Selection, Sequence, Source};
@@ -326,7 +326,7 @@ impl Comparing<'_> {
                 Source::Connector(n) => {
                     model.connectors[n].connector.differentiated(k).map_or(Unit::None, |of| of.unit())
                 }
-                Source::Mpc(_) => Kind::row_unit(k),
+                Source::Mpc(_) => MpcType::row_unit(k),
                 Source::Relation(_) => Unit::None,
             };
             let rows = jacobian.equations().iter().map(|of| (of.title(model), unit(of.source, of.component)));

@@ -7,7 +7,7 @@ use crate::connector::{
 use crate::force::{ForceRows, Want};
 use crate::mpc::{self, Constraint, Turning};
 use crate::node::Pair;
-use crate::relation::{Point, Relation, Row};
+use crate::relation::{ConstraintRow, Point, Relation};
 use crate::scalar::lanes::Lanes;
 use crate::scalar::{Duals, Wide};
 
@@ -115,7 +115,7 @@ macro_rules! entry_points {
             nodes: &[Point<Self>],
             request: &Request,
             tally: &mut Tally,
-        ) -> Vec<Row<Self>> {
+        ) -> Vec<ConstraintRow<Self>> {
             relation.evaluate_any(nodes, request, tally)
         }
     };
@@ -311,7 +311,12 @@ impl<R: Differentiable> Constraint<R> {
 
 impl<R: Differentiable> Relation<R> {
     /// Evaluates the relation with its nodes, in their order.
-    pub fn evaluate(&self, nodes: &[Point<R>], request: &Request, tally: &mut Tally) -> Vec<Row<R>> {
+    pub fn evaluate(
+        &self,
+        nodes: &[Point<R>],
+        request: &Request,
+        tally: &mut Tally,
+    ) -> Vec<ConstraintRow<R>> {
         R::relate(self, nodes, request, tally)
     }
 }

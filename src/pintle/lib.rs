@@ -98,12 +98,12 @@ pub mod force {
 
 /// Multi-point constraints.
 pub mod mpc {
-    pub use pintle_kinematics::mpc::{Body, Constraint, Kind, State};
+    pub use pintle_kinematics::mpc::{Body, Constraint, MpcType, State};
 }
 
 /// Constraints between any number of nodes: equations, rigid bodies, couplings.
 pub mod relation {
-    pub use pintle_kinematics::relation::{Form, Point, Relation, Row};
+    pub use pintle_kinematics::relation::{ConstraintRow, Form, Point, Relation};
 }
 
 /// Many connectors of one type.

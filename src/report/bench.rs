@@ -2,7 +2,7 @@
 
 use crate::audit::figure::{Curve, LogPlot, Medium as On};
 use crate::layout;
-use pintle_bench::{Order, Place, Point, REST, Report, Wrong};
+use pintle_bench::{Order, Point, Proximity, REST, Report, Wrong};
 use std::io::{self, Write};
 
 /// The points of one diagram: a type, a place, an order.
@@ -79,11 +79,11 @@ fn error(error: f64) -> String {
     if error == 0.0 { "0".into() } else { format!("{error:.1e}") }
 }
 
-fn where_(place: Place, distance: f64) -> String {
+fn where_(place: Proximity, distance: f64) -> String {
     match place {
-        Place::Far => "far from singular points".into(),
-        Place::Near => format!("{distance:e} from a singular point or half a turn"),
-        Place::Rest => format!("{REST:e} rad from no rotation"),
+        Proximity::Far => "far from singular points".into(),
+        Proximity::Near => format!("{distance:e} from a singular point or half a turn"),
+        Proximity::Rest => format!("{REST:e} rad from no rotation"),
     }
 }
 
@@ -98,7 +98,7 @@ fn way(point: &Point) -> String {
 const HEAD: [&str; 7] = ["", "way", "time", "× pintle", "median error", "largest error", "step"];
 
 /// The lines of a type at a place: an order by the other.
-fn lines(report: &Report, connection: &str, place: Place) -> Vec<Vec<String>> {
+fn lines(report: &Report, connection: &str, place: Proximity) -> Vec<Vec<String>> {
     let mut lines = Vec::new();
     for diagram in Diagram::all(report) {
         let Some(first) = diagram.first().filter(|p| p.connection == connection && p.place == place) else {
@@ -127,8 +127,8 @@ fn lines(report: &Report, connection: &str, place: Place) -> Vec<Vec<String>> {
 }
 
 /// The types and places of a report, in its order.
-fn sections(report: &Report) -> Vec<(&str, Place)> {
-    let mut found: Vec<(&str, Place)> = Vec::new();
+fn sections(report: &Report) -> Vec<(&str, Proximity)> {
+    let mut found: Vec<(&str, Proximity)> = Vec::new();
     let of_points = report.points.iter().map(|point| (point.connection.as_str(), point.place));
     let of_wrong = report.wrong.iter().map(|wrong| (wrong.connection.as_str(), wrong.place));
     for section in of_points.chain(of_wrong) {
@@ -383,7 +383,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
             .collect();
         Some((format!("{}.svg", name.join("-")), plot.svg(On::File)))
     });
-    let together = Place::ALL.into_iter().filter_map(|place| {
+    let together = Proximity::ALL.into_iter().filter_map(|place| {
         let (points, types) = means(report, place)?;
         let plot = LogPlot {
             title: &format!("Value and Jacobian, time against error: mean of {} types", types.len()),
@@ -401,7 +401,7 @@ pub fn figures(report: &Report) -> Vec<(String, String)> {
 
 /// The geometric means of errors and times, over all types with Jacobians at a place, of the ways that all of them have; `None` for
 /// less than two.
-fn means(report: &Report, place: Place) -> Option<(Vec<Named<'_>>, Vec<&str>)> {
+fn means(report: &Report, place: Proximity) -> Option<(Vec<Named<'_>>, Vec<&str>)> {
     let own = || report.points.iter().filter(move |p| p.place == place && p.order == Order::Jacobian);
     let mut types: Vec<&str> = Vec::new();
     for point in own() {

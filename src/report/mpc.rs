@@ -5,7 +5,7 @@ use crate::explain::{Field, INDENT, SCHEMA, Tag, paragraph};
 use crate::layout;
 use crate::layout::{BOLD, PLAIN, styled};
 use pintle_kinematics::measure::{SingularClass, SingularSet, Unit};
-use pintle_kinematics::mpc::{Kind, ROWS, TABLE, Translation};
+use pintle_kinematics::mpc::{MpcType, ROWS, TABLE, Translation};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -32,7 +32,7 @@ struct Component {
 }
 
 /// The angles and residuals of a kind.
-fn components(kind: Kind) -> Vec<Component> {
+fn components(kind: MpcType) -> Vec<Component> {
     let entry = kind.entry();
     let mut found = Vec::new();
     if !entry.angles.is_empty() {
@@ -92,7 +92,7 @@ fn components(kind: Kind) -> Vec<Component> {
             constraint: Some(format!("{whole} = 0")),
             names,
             role: "constrained",
-            unit: Kind::row_unit(*first),
+            unit: MpcType::row_unit(*first),
             formula,
             winds: false,
             singular,
@@ -139,7 +139,7 @@ pub(super) struct Listed {
 impl Listed {
     /// Every kind.
     pub(super) fn all() -> Vec<Self> {
-        let listed = |kind: Kind| {
+        let listed = |kind: MpcType| {
             let entry = kind.entry();
             let rows = kind.rows(true);
             let fact = entry.facts.iter().find(|(name, _)| *name == "Constraint");
@@ -167,7 +167,7 @@ impl Listed {
     }
 }
 
-fn rows(kind: Kind) -> String {
+fn rows(kind: MpcType) -> String {
     format!("{COLUMNS} {}", kind.entry().rows)
 }
 
@@ -175,7 +175,7 @@ fn rows(kind: Kind) -> String {
 ///
 /// # Errors
 /// Those of the stream.
-pub fn json(out: &mut dyn Write, kind: Option<Kind>) -> io::Result<()> {
+pub fn json(out: &mut dyn Write, kind: Option<MpcType>) -> io::Result<()> {
     match kind {
         Some(kind) => {
             let entry = kind.entry();
@@ -207,7 +207,7 @@ pub fn json(out: &mut dyn Write, kind: Option<Kind>) -> io::Result<()> {
 ///
 /// # Errors
 /// Those of the stream.
-pub fn human(out: &mut dyn Write, kind: Option<Kind>, width: usize) -> io::Result<()> {
+pub fn human(out: &mut dyn Write, kind: Option<MpcType>, width: usize) -> io::Result<()> {
     match kind {
         Some(kind) => page(out, kind, width),
         None => overview(out, width),
@@ -226,7 +226,7 @@ fn overview(out: &mut dyn Write, width: usize) -> io::Result<()> {
     Tag::write(&Tag::all(), out, width)
 }
 
-fn page(out: &mut dyn Write, kind: Kind, width: usize) -> io::Result<()> {
+fn page(out: &mut dyn Write, kind: MpcType, width: usize) -> io::Result<()> {
     let entry = kind.entry();
     writeln!(out, "{}", styled(BOLD, format!("MPC {}", entry.name)))?;
     for (name, value) in entry.facts {

@@ -4,7 +4,7 @@ use crate::label::Label;
 use crate::label::labelled::LabelMap;
 use crate::model::{Dimension, PointKind, Scene, Solver};
 use pintle_kinematics::catalog::ConnectionType;
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 
 /// Whether the nodes of connectors rotate, and whether they are confined to the plane.
 ///
@@ -70,7 +70,7 @@ impl NodeFreedom {
             }
         }
         for mpc in &scene.mpcs {
-            if matches!(mpc.kind.evaluated(), Some(Kind::Beam | Kind::Revolute | Kind::Universal)) {
+            if matches!(mpc.kind.evaluated(), Some(MpcType::Beam | MpcType::Revolute | MpcType::Universal)) {
                 mpc.nodes.iter().copied().for_each(&mut turn);
             }
         }
@@ -82,7 +82,7 @@ impl NodeFreedom {
         }
         // What is tied to a node that turns turns with it, and so on along a chain of ties.
         let mut tied: LabelMap<Vec<Label>> = LabelMap::default();
-        for mpc in scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated() == Some(Kind::Tie)) {
+        for mpc in scene.mpcs.iter().filter(|mpc| mpc.kind.evaluated() == Some(MpcType::Tie)) {
             for node in &mpc.nodes {
                 tied.entry(*node).or_default().extend(mpc.nodes.iter().filter(|other| *other != node));
             }

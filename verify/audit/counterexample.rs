@@ -125,7 +125,7 @@ fn constraints_are_recorded() {
             tried += 1;
         }
     }
-    assert!(kinds.len() == pintle_kinematics::mpc::Kind::ALL.len() && tried >= kinds.len(), "{tried}");
+    assert!(kinds.len() == pintle_kinematics::mpc::MpcType::ALL.len() && tried >= kinds.len(), "{tried}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use pintle_audit::{Against, MpcCase, Planted, RelationCase, Settings, Verdict};
 use pintle_kinematics::connector::Turns;
 use pintle_kinematics::draw::Draw;
-use pintle_kinematics::mpc::{Body, Constraint, Dofs, Kind, State, Turning};
+use pintle_kinematics::mpc::{Body, Constraint, Dofs, MpcType, State, Turning};
 use pintle_kinematics::relation::{Point, Relation};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::Vector;
@@ -172,7 +172,7 @@ fn tolerances_that_are_too_wide_are_noticed() {
 #[test]
 fn constraints_in_the_plane_pass() {
     let (mut compared, mut laws) = (0, 0);
-    for kind in [Kind::Beam, Kind::Pin, Kind::Link, Kind::Tie] {
+    for kind in [MpcType::Beam, MpcType::Pin, MpcType::Link, MpcType::Tie] {
         let turned = |angle: f64| so3::matrix(so3::exp_quaternion([0.0, 0.0, angle]));
         let body = |x: f64, y: f64, angle: f64| Body {
             displacement: [x, y, 0.0],

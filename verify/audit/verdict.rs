@@ -14,7 +14,7 @@ use pintle_kinematics::catalog::{ConnectionType, TABLE};
 use pintle_kinematics::connector::{Definition, Turns};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::Measure;
-use pintle_kinematics::mpc::{Body, Kind, State, Turning};
+use pintle_kinematics::mpc::{Body, MpcType, State, Turning};
 use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::scalar::Wide;
 use pintle_kinematics::vector::identity;
@@ -134,7 +134,7 @@ fn an_error_beside_a_kink_is_wrong() {
     assert!(wrong.worst.unwrap().entry.starts_with("∂u1/∂"));
 }
 
-fn constraint(kind: Kind, separation: [f64; 3], slave: [[f64; 3]; 3]) -> MpcCase {
+fn constraint(kind: MpcType, separation: [f64; 3], slave: [[f64; 3]; 3]) -> MpcCase {
     let positions = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
     let body = |displacement, rotation| Body { displacement, rotation, flow: 0.0 };
     let [first, second, third, fourth] = positions;
@@ -161,7 +161,7 @@ fn constraint(kind: Kind, separation: [f64; 3], slave: [[f64; 3]; 3]) -> MpcCase
 /// have sides too.
 #[test]
 fn a_link_of_coincident_nodes_has_two_sides() {
-    let case = constraint(Kind::Link, [0.0; 3], identity());
+    let case = constraint(MpcType::Link, [0.0; 3], identity());
     let checks = case.audit(&Settings::default(), true);
     let of = |quantity: Quantity| checks.iter().find(|check| check.quantity == Some(quantity)).unwrap();
     let first = of(Quantity::FirstDerivatives);
@@ -199,7 +199,7 @@ fn a_link_of_coincident_nodes_has_two_sides() {
 #[test]
 fn a_constraint_at_half_a_turn_is_judged_from_its_side() {
     let half_turn = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
-    for kind in [Kind::Beam, Kind::Tie] {
+    for kind in [MpcType::Beam, MpcType::Tie] {
         let case = constraint(kind, [0.0; 3], half_turn);
         let of = |planted: Option<Planted>| {
             let settings = Settings { planted, ..Settings::default() };
@@ -352,7 +352,7 @@ fn the_order_of_a_remainder_is_judged() {
 #[test]
 fn second_derivatives_beside_a_singular_row_are_judged() {
     let half_turn = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
-    let tables = constraint(Kind::Beam, [0.0; 3], half_turn).tables();
+    let tables = constraint(MpcType::Beam, [0.0; 3], half_turn).tables();
     let table = tables.iter().find(|table| table.quantity == Quantity::SecondDerivatives).unwrap();
     assert!(!table.check(false, "", None).verdict.is_mismatch());
     let turned =

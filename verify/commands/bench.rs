@@ -2,8 +2,8 @@
 
 use crate::commands::cli::{file, pintle};
 use pintle_bench::{
-    CLEAR, Cause, Method, Order, Place, Point, Prepared, Report, Session, Settings, Subject, Unmeasured, Way,
-    Wrong, measure, worse,
+    CLEAR, Cause, Method, Order, Point, Prepared, Proximity, Report, Session, Settings, Subject, Unmeasured,
+    Way, Wrong, measure, worse,
 };
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_report::bench;
@@ -15,7 +15,7 @@ fn settings() -> Settings {
     Settings { rounds: 1, states: 2, budget: Duration::ZERO, ..Settings::default() }
 }
 
-fn subject(name: &str, place: Place) -> Subject {
+fn subject(name: &str, place: Proximity) -> Subject {
     Subject::new(&ConnectionType::named(name, None).unwrap(), place, 2, 1e-4).unwrap()
 }
 
@@ -25,7 +25,7 @@ fn ways_have_the_errors_of_theory() {
     for name in
         ["REVOLUTE", "CARDAN", "TRANSLATOR", "ROTATION", "AXIAL", "FLEXION-TORSION", "PROJECTION CARTESIAN"]
     {
-        let subject = [subject(name, Place::Far)];
+        let subject = [subject(name, Proximity::Far)];
         let ways = Way::all();
         let methods: Vec<&dyn Method> = ways.iter().map(|way| way as &dyn Method).collect();
         let points = Session::new(&settings(), &subject, &methods).points();
@@ -60,7 +60,7 @@ fn ways_have_the_errors_of_theory() {
 fn batches_are_measured_of_every_type_that_has_them() {
     let mut refused = Vec::new();
     for connection in pintle_kinematics::catalog::TABLE {
-        for place in Place::ALL {
+        for place in Proximity::ALL {
             let Ok(subject) = Subject::new(connection, place, 3, 1e-4) else { continue };
             let subject = [subject.repeated(5)];
             let ways = [Way::Batch(Order::Jacobian), Way::Batch(Order::Hessian)];
@@ -84,7 +84,7 @@ fn batches_are_measured_of_every_type_that_has_them() {
         }
     }
     assert!(!refused.is_empty() && refused.iter().all(|(name, _)| *name == "SLIPRING"), "{refused:?}");
-    let subject = subject("HINGE", Place::Far);
+    let subject = subject("HINGE", Proximity::Far);
     assert!(Way::Batch(Order::Value).prepare(&subject).err().unwrap().contains("not alone"));
 }
 
@@ -132,7 +132,7 @@ impl Prepared for SpoiltRun<'_> {
 
 #[test]
 fn a_wrong_number_is_not_timed() {
-    let subject = [subject("ROTATION", Place::Near)];
+    let subject = [subject("ROTATION", Proximity::Near)];
     let spoilt = Spoilt(Order::Jacobian, 1e-6, 1, Cause::Ours);
     let mut session = Session::new(&settings(), &subject, &[&spoilt, &Way::Pintle(Order::Jacobian)]);
     let [wrong] = session.wrong() else { panic!("{:?}", session.wrong()) };
@@ -151,7 +151,7 @@ fn what_is_wrong_is_told_in_its_place() {
     for connection in ["ALIGN", "PLANAR"] {
         report.wrong.push(Wrong {
             connection: connection.into(),
-            place: Place::Far,
+            place: Proximity::Far,
             order: Order::Jacobian,
             method: "pintle, batch".into(),
             error: f64::INFINITY,
@@ -207,7 +207,7 @@ fn no_number_of_pintle_is_wrong_where_it_is_measured() {
 fn rows_are_judged_by_their_own_condition() {
     let connection = ConnectionType::named("PROJECTION CARTESIAN", None).unwrap();
     let states = Settings::default().states;
-    let subject = Subject::new(&connection, Place::Near, states, 1e-4).unwrap();
+    let subject = Subject::new(&connection, Proximity::Near, states, 1e-4).unwrap();
     let mut found = Way::Batch(Order::Jacobian).prepare(&subject).unwrap().numbers();
     let [_, largest] = subject.errors(Order::Jacobian, &found);
     let [error, allowed] = subject.beyond_rounding(Order::Jacobian, &found);
@@ -224,7 +224,7 @@ fn rows_are_judged_by_their_own_condition() {
 /// A number that is missing or none is an infinite error, one that is as it must be is none.
 #[test]
 fn what_is_not_a_number_is_beyond_rounding() {
-    let subject = subject("SLIDE-PLANE", Place::Far);
+    let subject = subject("SLIDE-PLANE", Proximity::Far);
     let truth = subject.truth(Order::Jacobian);
     let judged = |found: &[f64]| subject.beyond_rounding(Order::Jacobian, found);
     assert!(judged(&truth)[0] < 1e-15);
@@ -283,7 +283,7 @@ fn rows_that_are_left_out_are_told() {
 #[test]
 fn values_near_singular_points_are_judged_by_their_own_condition() {
     for name in ["ROTATION", "CARDAN", "AXIAL", "EULER"] {
-        let subject = [subject(name, Place::Near)];
+        let subject = [subject(name, Proximity::Near)];
         let right = Spoilt(Order::Value, 0.0, 0, Cause::Ours);
         assert_eq!(Session::new(&settings(), &subject, &[&right]).wrong(), [], "{name}");
         let size = *subject[0].size_of_values().last().unwrap();
@@ -297,7 +297,7 @@ fn values_near_singular_points_are_judged_by_their_own_condition() {
 /// A batch has the same states over and over, and every one of its numbers is looked at.
 #[test]
 fn a_batch_repeats_its_states() {
-    let subject = [subject("REVOLUTE", Place::Far).repeated(6)];
+    let subject = [subject("REVOLUTE", Proximity::Far).repeated(6)];
     assert_eq!((subject[0].states(), subject[0].in_batch().count()), (2, 6));
     let triads: Vec<_> = subject[0].in_batch().map(|element| element.state.pair.b.triad).collect();
     assert_eq!(triads[0], triads[4]);
@@ -311,7 +311,7 @@ fn a_batch_repeats_its_states() {
 /// Another's numbers that are wrong are not timed either, and that is said; the bound is that of what its errors come from.
 #[test]
 fn who_is_wrong_is_named_and_not_timed() {
-    let subject = [subject("ROTATION", Place::Near)];
+    let subject = [subject("ROTATION", Proximity::Near)];
     let found = |error: f64, cause: Cause| {
         let spoilt = Spoilt(Order::Jacobian, error, 1, cause);
         let session = Session::new(&settings(), &subject, &[&spoilt]);
@@ -331,7 +331,7 @@ fn who_is_wrong_is_named_and_not_timed() {
 #[test]
 fn states_have_the_same_rows() {
     for connection in pintle_kinematics::catalog::TABLE {
-        for place in Place::ALL {
+        for place in Proximity::ALL {
             let Ok(subject) = Subject::new(connection, place, 9, 1e-4) else { continue };
             for element in &subject.elements {
                 let own: Vec<_> = (0..6).filter_map(|k| element.connector.differentiated(k)).collect();
@@ -341,14 +341,14 @@ fn states_have_the_same_rows() {
                 let of_rows = subject.components.iter().filter_map(|k| margins[*k]);
                 let least = of_rows.map(|margin| margin.distance).fold(f64::INFINITY, f64::min);
                 match place {
-                    Place::Far => assert!(least >= CLEAR, "{}: {least:e}", connection.name),
+                    Proximity::Far => assert!(least >= CLEAR, "{}: {least:e}", connection.name),
                     // Rotation vectors are near half a turn, which is not singular.
-                    Place::Near => assert!(
+                    Proximity::Near => assert!(
                         (least / 1e-4 - 1.0).abs() < 1e-6 || least > 3.0,
                         "{}: {least:e}",
                         connection.name
                     ),
-                    Place::Rest => {}
+                    Proximity::Rest => {}
                 }
             }
         }
@@ -360,7 +360,7 @@ fn states_have_the_same_rows() {
 fn far_states_cover_the_regions() {
     for name in ["REVOLUTE", "TRANSLATOR", "ROTATION", "CARDAN"] {
         let subject =
-            Subject::new(&ConnectionType::named(name, None).unwrap(), Place::Far, 64, 1e-4).unwrap();
+            Subject::new(&ConnectionType::named(name, None).unwrap(), Proximity::Far, 64, 1e-4).unwrap();
         let q: Vec<_> = subject.elements.iter().map(|element| element.state.pair.relative().q).collect();
         let angles: Vec<f64> = q.iter().map(|q| ((q[0][0] + q[1][1] + q[2][2] - 1.0) / 2.0).acos()).collect();
         let count = |from: f64, to: f64| angles.iter().filter(|angle| (from..to).contains(*angle)).count();
@@ -376,13 +376,13 @@ fn far_states_cover_the_regions() {
 /// What is left out is left out for the reason told.
 #[test]
 fn reasons_are_what_happened() {
-    let why = |name: &str, place: Place, states: usize| {
+    let why = |name: &str, place: Proximity, states: usize| {
         Subject::new(&ConnectionType::named(name, None).unwrap(), place, states, 1e-4).err()
     };
-    assert_eq!(why("SLIDE-PLANE", Place::Near, 1), Some(Unmeasured::NoSingularPoint));
-    assert_eq!(why("SLIDE-PLANE", Place::Far, 0), Some(Unmeasured::NoState));
-    assert_eq!(why("SLIDE-PLANE", Place::Rest, 1), Some(Unmeasured::NothingAtRest));
-    for place in Place::ALL {
+    assert_eq!(why("SLIDE-PLANE", Proximity::Near, 1), Some(Unmeasured::NoSingularPoint));
+    assert_eq!(why("SLIDE-PLANE", Proximity::Far, 0), Some(Unmeasured::NoState));
+    assert_eq!(why("SLIDE-PLANE", Proximity::Rest, 1), Some(Unmeasured::NothingAtRest));
+    for place in Proximity::ALL {
         assert_eq!(why("FLOW-CONVERTER", place, 1), Some(Unmeasured::NoFunction));
         assert_eq!(why("ROTATION", place, 1), None);
     }
@@ -407,7 +407,7 @@ fn the_command_measures_a_type() {
     assert!(report.points.iter().all(|p| p.nanoseconds > 0.0 && p.slowest_round >= p.nanoseconds));
     // SLIDE-PLANE has no singular point, and neither divides by an angle that is zero at rest.
     assert_eq!(report.omitted.len(), 3);
-    assert!(!report.points.iter().any(|p| p.connection == "SLIDE-PLANE" && p.place == Place::Near));
+    assert!(!report.points.iter().any(|p| p.connection == "SLIDE-PLANE" && p.place == Proximity::Near));
     let table = run("csv", &[]);
     assert_eq!(table.lines().count(), 1 + report.points.len());
     let unit = pintle_kinematics::batch::vector_unit();

@@ -137,7 +137,7 @@ fn explain() {
 #[test]
 fn the_mpcs_are_explained() {
     insta::assert_snapshot!("mpcs", output(&["explain", "MPC"]));
-    for kind in mpc::Kind::ALL {
+    for kind in mpc::MpcType::ALL {
         let page = output(&["explain", "MPC", kind.name()]);
         insta::assert_snapshot!(format!("mpc-{}", kind.name().to_lowercase()), page);
         assert_eq!(output(&["explain", &format!("mpc {}", kind.name().to_lowercase())]), page);

@@ -372,7 +372,7 @@ fn constraints() -> Vec<(MpcCase, CounterExample)> {
     let drawn = mpc::cases().into_iter().filter(|drawn| drawn.name.ends_with('5'));
     let found: Vec<(MpcCase, CounterExample)> =
         drawn.filter(|drawn| kinds.insert(drawn.kind)).map(|drawn| of_constraint(&drawn)).collect();
-    assert_eq!(found.len(), pintle_kinematics::mpc::Kind::ALL.len());
+    assert_eq!(found.len(), pintle_kinematics::mpc::MpcType::ALL.len());
     found
 }
 

@@ -4,7 +4,7 @@ use super::said;
 use pintle_audit::{ConstraintCandidate, ConstraintNumbers, MpcCase, Quantity, Report, Settings};
 use pintle_kinematics::connector::{Request, Tally};
 use pintle_kinematics::mpc::{
-    Constraint, DOFS, Dofs, Evaluation, Kind, PHI, RHO, State, THETA_M, THETA_S, XM, XS,
+    Constraint, DOFS, Dofs, Evaluation, MpcType, PHI, RHO, State, THETA_M, THETA_S, XM, XS,
 };
 use pintle_kinematics::so3::{exp, inverse_left_jacobian, log, quaternion};
 use pintle_kinematics::vector::{
@@ -17,7 +17,7 @@ const DDF: Quantity = Quantity::SecondDerivatives;
 const RATE: Quantity = Quantity::Rate;
 const ACC: Quantity = Quantity::Acceleration;
 
-fn constraint(kind: Kind) -> Constraint<f64> {
+fn constraint(kind: MpcType) -> Constraint<f64> {
     Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]])
 }
 
@@ -27,8 +27,14 @@ pub(crate) fn right(case: &MpcCase) -> Evaluation<f64> {
 }
 
 /// A wrong routine: the kind, what is wrong, what it gives, how, and the code of its cause with a word of the place.
-pub(crate) type Wrong =
-    (Kind, &'static str, &'static [Quantity], fn(&MpcCase, &mut Evaluation<f64>), &'static str, &'static str);
+pub(crate) type Wrong = (
+    MpcType,
+    &'static str,
+    &'static [Quantity],
+    fn(&MpcCase, &mut Evaluation<f64>),
+    &'static str,
+    &'static str,
+);
 
 fn each_row(found: &mut Evaluation<f64>, rows: std::ops::Range<usize>, change: impl Fn(&mut Dofs<f64>)) {
     found.jacobian[rows].iter_mut().flatten().for_each(change);
@@ -53,7 +59,7 @@ fn apart(case: &MpcCase) -> Vector<f64> {
 
 pub(crate) const ALL: &[Wrong] = &[
     (
-        Kind::Link,
+        MpcType::Link,
         "the row of (l² − l₀²)/(2 l₀)",
         &[DF],
         |case, found| {
@@ -64,7 +70,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "|x_S",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "lever arm at first",
         &[DF],
         |case, found| {
@@ -78,7 +84,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂δ1, ∂δ2, ∂δ3 equal the row with the arm at first",
     ),
     (
-        Kind::Universal,
+        MpcType::Universal,
         "rotation vectors added",
         &[F],
         |case, found| {
@@ -93,7 +99,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "equal φ_S − φ_M − Σ φ C_M a",
     ),
     (
-        Kind::Universal,
+        MpcType::Universal,
         "the second hinge not turned by the first",
         &[DF],
         |case, found| {
@@ -106,7 +112,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "equal the row with the second hinge's axis not turned by the first",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "the hinge's axis at first, in its column",
         &[DF],
         |case, found| {
@@ -118,7 +124,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "equal the row with the initial axes of the hinges in their columns: axes or an arm that do not turn with M",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "no lever arm",
         &[F, DF],
         |_, found| each_row(found, 0..3, |row| row[THETA_M..THETA_M + 3].fill(0.0)),
@@ -126,7 +132,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂δ1/∂θM1..3",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "lever arm reversed",
         &[DF],
         |_, found| {
@@ -137,7 +143,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂δ1",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "lever arm twice",
         &[DF],
         |_, found| {
@@ -147,7 +153,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂δ1",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "lever arm at S",
         &[DF],
         |_, found| {
@@ -160,7 +166,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂δ1",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "arm does not turn",
         &[F, DF],
         |case, found| {
@@ -172,7 +178,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δ1",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "no initial value",
         &[F],
         |case, found| {
@@ -183,7 +189,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δ1",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "along the axes of M",
         &[F, DF],
         |case, found| {
@@ -202,7 +208,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δ1",
     ),
     (
-        Kind::Tie,
+        MpcType::Tie,
         "initial separation turned with M",
         &[F],
         |case, found| {
@@ -213,7 +219,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δ1",
     ),
     (
-        Kind::Pin,
+        MpcType::Pin,
         "positions for displacements",
         &[F],
         |case, found| {
@@ -224,7 +230,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δ1",
     ),
     (
-        Kind::Pin,
+        MpcType::Pin,
         "M left out",
         &[DF],
         |_, found| each_row(found, 0..3, |row| row[XM..PHI].fill(0.0)),
@@ -232,7 +238,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "xM",
     ),
     (
-        Kind::Pin,
+        MpcType::Pin,
         "S and M exchanged",
         &[F],
         |_, found| {
@@ -242,7 +248,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δ1",
     ),
     (
-        Kind::Link,
+        MpcType::Link,
         "no initial length",
         &[F],
         |case, found| {
@@ -252,7 +258,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δl",
     ),
     (
-        Kind::Link,
+        MpcType::Link,
         "squares",
         &[F, DF],
         |case, found| {
@@ -266,7 +272,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "δl",
     ),
     (
-        Kind::Link,
+        MpcType::Link,
         "row not normalised",
         &[DF],
         |case, found| {
@@ -277,20 +283,20 @@ pub(crate) const ALL: &[Wrong] = &[
         "δl",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "quaternion",
         &[F],
         |case, found| {
             let value = [0, 1, 2].map(|i| found.residual[RHO + i].unwrap());
             let [_, x, y, z] = quaternion(&exp(value));
-            assert_eq!(case.constraint.kind(), Kind::Revolute);
+            assert_eq!(case.constraint.kind(), MpcType::Revolute);
             rho(found, [2.0 * x, 2.0 * y, 2.0 * z]);
         },
         "other-parameters",
         "ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "axial vector",
         &[F, DF],
         |_, found| {
@@ -310,7 +316,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "axis does not turn",
         &[F],
         |case, found| {
@@ -323,7 +329,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "angle reversed",
         &[F, DF],
         |case, found| {
@@ -336,7 +342,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "angle in degrees",
         &[F],
         |case, found| {
@@ -348,7 +354,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "angle left out",
         &[F],
         |case, found| {
@@ -360,7 +366,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "column of the angle missing",
         &[DF],
         |_, found| each_row(found, RHO..6, |row| row[PHI] = 0.0),
@@ -368,7 +374,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "φJ",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "column of the angle reversed",
         &[DF],
         |_, found| {
@@ -378,7 +384,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "φJ",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "row of the constraint that holds",
         &[DF],
         |case, found| {
@@ -399,7 +405,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "Jacobian of the other side",
         &[DF],
         |case, found| {
@@ -417,7 +423,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "rotations of S taken as local",
         &[DF],
         |case, found| {
@@ -431,7 +437,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "θS",
     ),
     (
-        Kind::Universal,
+        MpcType::Universal,
         "order of the hinges",
         &[F],
         |case, found| {
@@ -446,7 +452,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Universal,
+        MpcType::Universal,
         "rows in degrees",
         &[DF],
         |_, found| {
@@ -458,7 +464,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂ρ1",
     ),
     (
-        Kind::Universal,
+        MpcType::Universal,
         "rows exchanged",
         &[DF],
         |_, found| found.jacobian.swap(RHO, RHO + 1),
@@ -466,7 +472,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "ρ1",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "second derivatives not symmetrised",
         &[DDF],
         |_, found| {
@@ -485,7 +491,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂²ρ1",
     ),
     (
-        Kind::Revolute,
+        MpcType::Revolute,
         "body rates",
         &[RATE],
         |case, found| {
@@ -497,7 +503,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "dρ1/dt",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "rates of M alone",
         &[RATE],
         |case, found| {
@@ -511,7 +517,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "dδ1/dt",
     ),
     (
-        Kind::Beam,
+        MpcType::Beam,
         "no centripetal acceleration",
         &[ACC],
         |case, found| {
@@ -525,7 +531,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "d²δ1/dt²",
     ),
     (
-        Kind::Link,
+        MpcType::Link,
         "not a number where nothing is violated",
         &[F, DF],
         |case, found| {
@@ -538,7 +544,7 @@ pub(crate) const ALL: &[Wrong] = &[
         "∂δl",
     ),
     (
-        Kind::Tie,
+        MpcType::Tie,
         "rotation of M left out",
         &[F],
         |case, found| {
@@ -567,7 +573,7 @@ fn settings(states: usize, near: usize) -> Settings {
     Settings { states, near_singular_states: near, wide_states: 6, atlas: false, ..Settings::default() }
 }
 
-fn checked(kind: Kind, offers: &[Quantity], spoil: fn(&MpcCase, &mut Evaluation<f64>)) -> Report {
+fn checked(kind: MpcType, offers: &[Quantity], spoil: fn(&MpcCase, &mut Evaluation<f64>)) -> Report {
     let constraint = constraint(kind);
     let candidate = ConstraintCandidate::new("mine", &constraint).settings(settings(24, 0)).offers(offers);
     candidate.check(|case| {
@@ -602,7 +608,7 @@ fn causes_of_wrong_constraints_are_named() {
 #[test]
 fn right_constraints_are_not_called_wrong() {
     let mut compared = 0;
-    for kind in Kind::ALL {
+    for kind in MpcType::ALL {
         let constraint = constraint(kind);
         let all = [F, DF, DDF, RATE, ACC];
         let candidate = ConstraintCandidate::new("mine", &constraint).settings(settings(36, 12)).offers(&all);
@@ -626,7 +632,7 @@ fn right_constraints_are_not_called_wrong() {
 #[test]
 fn composed_rotations_raise_no_alarm() {
     let mut compared = 0;
-    for kind in Kind::ALL {
+    for kind in MpcType::ALL {
         let constraint = constraint(kind);
         let candidate =
             ConstraintCandidate::new("mine", &constraint).settings(settings(120, 60)).offers(&[F]);
@@ -649,7 +655,7 @@ fn composed_rotations_raise_no_alarm() {
 /// A relative error of 1e-9 in one quantity is found in it and nowhere else; what is missing or too much is said.
 #[test]
 fn errors_of_constraints_are_found_in_their_quantity() {
-    for kind in Kind::ALL {
+    for kind in MpcType::ALL {
         for quantity in [F, DF, DDF, RATE, ACC] {
             let spoilt = |case: &MpcCase| {
                 let mut found = right(case);
@@ -671,11 +677,12 @@ fn errors_of_constraints_are_found_in_their_quantity() {
             let wrong = report.subjects[0].checks.iter().filter(|check| check.verdict.is_mismatch());
             let wrong: Vec<Option<Quantity>> = wrong.map(|check| check.quantity).collect();
             // A PIN is linear: its second derivatives are zero, and stay so.
-            let expected = if (kind, quantity) == (Kind::Pin, DDF) { vec![] } else { vec![Some(quantity)] };
+            let expected =
+                if (kind, quantity) == (MpcType::Pin, DDF) { vec![] } else { vec![Some(quantity)] };
             assert_eq!(wrong, expected, "{} {}", kind.name(), quantity.name());
         }
     }
-    let beam = constraint(Kind::Beam);
+    let beam = constraint(MpcType::Beam);
     let candidate = ConstraintCandidate::new("mine", &beam).settings(settings(4, 0));
     let lacking = candidate.check(|case| ConstraintNumbers::from(right(case)).values([None; 7]));
     let of = |report: &Report| report.subjects[0].checks[0].worst.as_ref().unwrap().entry.clone();

@@ -11,8 +11,8 @@ use pintle_kinematics::connector::{
 };
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::mpc::{
-    Body, Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State, THETA_M,
-    THETA_S, Turning, XM, XS,
+    Body, Constraint, DOFS, Dofs, Evaluation, FLOW, MpcType, PHI, PSI_M, PSI_S, RHO, ROWS, Rows, State,
+    THETA_M, THETA_S, Turning, XM, XS,
 };
 use pintle_kinematics::node;
 use pintle_kinematics::node::{Node, Pair};
@@ -33,7 +33,7 @@ const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 }; 2];
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
     pub(crate) name: String,
-    pub(crate) kind: Kind,
+    pub(crate) kind: MpcType,
     pub(crate) positions: [Vector<f64>; 4],
     pub(crate) state: State<f64>,
     pub(crate) length: f64,
@@ -63,7 +63,7 @@ impl Case {
 /// Seeded states of every kind: where it holds, and where it is violated.
 pub(crate) fn cases() -> Vec<Case> {
     let mut found = Vec::new();
-    for kind in Kind::ALL {
+    for kind in MpcType::ALL {
         let mut draw = Draw::new(&format!("mpc {}", kind.name()));
         for (number, (length, miss)) in
             [(1.0, 0.0), (1e3, 0.0), (1e-3, 0.0), (1.0, 1e-7), (1.0, 0.3), (1e3, 1.1), (1.0, 2.5)]
@@ -100,7 +100,7 @@ pub(crate) fn cases() -> Vec<Case> {
 
 /// Where S is if it follows M, with hinges at the given angles.
 pub(crate) fn following<R: Differentiable>(
-    kind: Kind,
+    kind: MpcType,
     positions: &[Vector<f64>; 4],
     master: &Body<R>,
     angles: [R; 2],
@@ -114,7 +114,7 @@ pub(crate) fn following<R: Differentiable>(
     }
     let carried = sub(apply(&master.rotation, constraint.arm()), constraint.arm());
     let displacement = match kind {
-        Kind::Beam | Kind::Link => add(master.displacement, carried),
+        MpcType::Beam | MpcType::Link => add(master.displacement, carried),
         _ => master.displacement,
     };
     let slave = Body { displacement, rotation, flow: master.flow };
@@ -312,7 +312,8 @@ fn rigid_motions_keep_what_holds() {
     let mut check = Check::of("mpc, rigid motion");
     for case in cases().into_iter().filter(|case| case.holds) {
         let mut draw = Draw::new(&format!("{} rigid", case.name));
-        let turned = matches!(case.kind, Kind::Beam | Kind::Link | Kind::Revolute | Kind::Universal);
+        let turned =
+            matches!(case.kind, MpcType::Beam | MpcType::Link | MpcType::Revolute | MpcType::Universal);
         let q: Matrix<f64> = if turned { exp(draw.rotation(0.2, 3.0)) } else { vector::identity() };
         let c = draw.vector(case.length);
         let place = |body: &Body<f64>, at: Vector<f64>| Body {
@@ -366,7 +367,7 @@ fn equations_are_independent() {
 /// Degrees of freedom that a kind does not have do not enter; those that it has do somewhere.
 #[test]
 fn columns_are_those_declared() {
-    for kind in Kind::ALL {
+    for kind in MpcType::ALL {
         let mut enters = [false; DOFS];
         for case in cases().into_iter().filter(|case| case.kind == kind) {
             let truth = Truth::of(&case);
@@ -384,7 +385,7 @@ fn columns_are_those_declared() {
 #[test]
 fn angles_are_counted() {
     let mut check = Check::of("mpc, turns");
-    for (kind, second) in [(Kind::Revolute, 0.0), (Kind::Universal, 0.8)] {
+    for (kind, second) in [(MpcType::Revolute, 0.0), (MpcType::Universal, 0.8)] {
         let mut draw = Draw::new("turns of an MPC");
         let positions = [(); 4].map(|()| draw.vector(1.0));
         let [slave, master, first, other] = positions;
@@ -419,7 +420,7 @@ fn angles_are_counted() {
 #[test]
 fn a_joint_turned_by_half_is_principal() {
     let hinges = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
-    for kind in [Kind::Revolute, Kind::Universal] {
+    for kind in [MpcType::Revolute, MpcType::Universal] {
         let joint = Constraint::<f64>::new(kind, [0.0; 3], [0.0; 3], hinges);
         let rotation = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
         let state = State { slave: Body { rotation, ..Body::at_rest() }, ..State::at_rest() };
@@ -555,7 +556,7 @@ fn follow_rates(case: &mut Case) {
 #[test]
 fn allowed_motions_keep_the_constraint() {
     let mut check = Check::of("mpc, allowed motions");
-    for mut case in cases().into_iter().filter(|case| case.holds && case.kind == Kind::Revolute) {
+    for mut case in cases().into_iter().filter(|case| case.holds && case.kind == MpcType::Revolute) {
         follow_rates(&mut case);
         let got = case.evaluate(&Request::everything(0));
         for row in RHO..FLOW {
@@ -578,10 +579,10 @@ fn constraints_are_those_of_connectors() {
     let mut compared = 0;
     for mut case in cases().into_iter().filter(|case| case.holds) {
         let identity: Matrix<f64> = vector::identity();
-        if case.kind == Kind::Pin {
+        if case.kind == MpcType::Pin {
             case.positions[0] = case.positions[1];
         }
-        if case.kind == Kind::Universal {
+        if case.kind == MpcType::Universal {
             // Orthogonal axes, as those of the connector.
             let [_, master, first, second] = case.positions;
             let (a, b) = (sub(first, master), sub(second, master));
@@ -595,21 +596,21 @@ fn constraints_are_those_of_connectors() {
         let unit = |v: Vector<f64>| f64::direction_and_norm(v).0;
         let triad = |e1: Vector<f64>, e3: Vector<f64>| transpose(&[e1, unit(cross(e3, e1)), e3]);
         let (name, triads) = match case.kind {
-            Kind::Revolute => {
+            MpcType::Revolute => {
                 let e1 = first.unwrap();
                 let triad = triad(e1, unit(cross(e1, [0.3, -0.5, 0.7])));
                 ("REVOLUTE", [triad, triad])
             }
-            Kind::Universal => {
+            MpcType::Universal => {
                 let triad = triad(first.unwrap(), unit(second.unwrap()));
                 ("UNIVERSAL", [triad, triad])
             }
-            Kind::Beam => ("BEAM", [identity, identity]),
-            Kind::Link => ("LINK", [identity, identity]),
-            Kind::Pin => ("JOIN", [identity, identity]),
-            Kind::Tie => continue,
+            MpcType::Beam => ("BEAM", [identity, identity]),
+            MpcType::Link => ("LINK", [identity, identity]),
+            MpcType::Pin => ("JOIN", [identity, identity]),
+            MpcType::Tie => continue,
         };
-        if case.kind == Kind::Revolute {
+        if case.kind == MpcType::Revolute {
             follow_rates(&mut case);
         }
         let got = case.evaluate(&Request::everything(2));
@@ -648,8 +649,8 @@ fn constraints_are_those_of_connectors() {
         spans(&mut check, &case, &held, &rows);
         spans(&mut check, &case, &only, &of_rows);
         let angles: &[usize] = match case.kind {
-            Kind::Revolute => &[3],
-            Kind::Universal => &[3, 5],
+            MpcType::Revolute => &[3],
+            MpcType::Universal => &[3, 5],
             _ => &[],
         };
         for (i, k) in angles.iter().enumerate() {
@@ -663,7 +664,7 @@ fn constraints_are_those_of_connectors() {
                 check.against(|| format!("{}, {what} {i}", case.name), got, want.unwrap(), 30.0);
             }
         }
-        if case.kind == Kind::Link {
+        if case.kind == MpcType::Link {
             // The very same function.
             let (value, row) = (got.residual[0].unwrap(), got.jacobian[0].unwrap());
             check.against(|| case.name.clone(), value, of.residual[0].unwrap(), case.length);
@@ -682,7 +683,7 @@ fn pin_is_no_join_at_a_distance() {
     let positions = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3], [0.0; 3]];
     let master = Body { rotation: exp([0.0, 0.0, 0.5]), ..Body::at_rest() };
     let state = State { master, ..State::at_rest() };
-    let case = Case { name: "apart".into(), kind: Kind::Pin, positions, state, length: 1.0, holds: true };
+    let case = Case { name: "apart".into(), kind: MpcType::Pin, positions, state, length: 1.0, holds: true };
     let got = case.evaluate(&Request::everything(1));
     assert_eq!(got.residual[..3], [Some(0.0); 3]);
     let of = connector(&case, "JOIN", [vector::identity(), vector::identity()]);
@@ -693,7 +694,7 @@ fn pin_is_no_join_at_a_distance() {
 /// A LINK of coincident nodes has no direction: the row is zero, finite and flagged, and so is that of the connector.
 #[test]
 fn a_link_of_no_length_is_flagged() {
-    let constraint = Constraint::<f64>::new(Kind::Link, [1.0; 3], [1.0; 3], [[0.0; 3]; 2]);
+    let constraint = Constraint::<f64>::new(MpcType::Link, [1.0; 3], [1.0; 3], [[0.0; 3]; 2]);
     let state = State::at_rest();
     let request = Request::everything(2);
     let got = constraint.evaluate(&state, &START, &Turning::none(), &request, &mut Tally::default());
@@ -701,7 +702,7 @@ fn a_link_of_no_length_is_flagged() {
     assert!(got.hessian[0].as_ref().unwrap().as_flattened().iter().all(|entry| entry.is_finite()));
     let flags = constraint.flags(&state, &START, &Turning::none(), &got);
     assert_eq!((flags[0].component(), flags[0].name()), ("δl", "singular"));
-    assert_eq!(Some(Measure::Distance.singular_set()), Some(Kind::Link.row_set(0)));
+    assert_eq!(Some(Measure::Distance.singular_set()), Some(MpcType::Link.row_set(0)));
     let column = column(&state.slave.rotation, 0);
     assert_eq!(so3::log(&exp(scale(column, 0.0))), [0.0; 3]);
 }

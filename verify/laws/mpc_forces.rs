@@ -5,7 +5,7 @@ use super::mpc::{Case, Truth, cases};
 use crate::states::Draw;
 use pintle_kinematics::connector::{Output, Request};
 use pintle_kinematics::mpc::{
-    DOFS, Dofs, FLOW, Kind, PSI_M, PSI_S, RHO, Rows, THETA_M, THETA_S, XM, XS, force,
+    DOFS, Dofs, FLOW, MpcType, PSI_M, PSI_S, RHO, Rows, THETA_M, THETA_S, XM, XS, force,
 };
 use pintle_kinematics::scalar::Wide;
 use pintle_kinematics::vector::{Vector, add, cross, dot, sub};
@@ -44,15 +44,15 @@ fn forces_are_in_balance() {
         let (force, moment) = (part(&nodal, XS), part(&nodal, THETA_S));
         let apart = sub(add(constraint.arm(), case.state.slave.displacement), case.state.master.displacement);
         match case.kind {
-            Kind::Link => {
+            MpcType::Link => {
                 let scale = 4.0 * case.length / dot(apart, apart).sqrt();
                 same("along the link", cross(force, apart), none, case.length * scale.max(4.0));
                 let dependent = constraint.dependent(&case.state);
                 let j = (0..3).find(|j| dependent[*j]).unwrap();
                 same("as given", [nodal[j], 0.0, 0.0], [given[j], 0.0, 0.0], 1.0);
             }
-            Kind::Pin | Kind::Beam | Kind::Tie => same("force on S", force, part(&given, XS), 1.0),
-            Kind::Revolute | Kind::Universal => same("force on S", force, none, 1.0),
+            MpcType::Pin | MpcType::Beam | MpcType::Tie => same("force on S", force, part(&given, XS), 1.0),
+            MpcType::Revolute | MpcType::Universal => same("force on S", force, none, 1.0),
         }
         if case.kind.entry().hinges.is_some() {
             same("moment on S", moment, part(&given, THETA_S), case.length);
@@ -60,7 +60,7 @@ fn forces_are_in_balance() {
         same("forces", add(force, part(&nodal, XM)), none, 1.0);
         let moments = add(moment, part(&nodal, THETA_M));
         match case.kind {
-            Kind::Beam => {
+            MpcType::Beam => {
                 same("moments about M", add(moments, cross(apart, force)), none, 10.0 * case.length)
             }
             _ => same("moments", moments, none, case.length),

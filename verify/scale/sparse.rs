@@ -2,7 +2,7 @@
 
 use super::{chain, model};
 use pintle_kinematics::connector::{Flag, Request};
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
 use pintle_model::evaluate::{
     Fixed, Freedom, Jacobian, Model, Plan, Selection, Sequence, Source, StepResult,
@@ -53,7 +53,7 @@ fn of_elements(model: &Model, jacobian: &Jacobian, step: &StepResult, axes: &Fix
                 let result = step.mpcs.iter().find(|result| result.index == index).unwrap();
                 let values = result.evaluation.jacobian[equation.component].unwrap();
                 for (j, value) in values.into_iter().enumerate() {
-                    let (place, number) = Kind::column_dof(j);
+                    let (place, number) = MpcType::column_dof(j);
                     if let Some(node) = model.mpcs[index].nodes.get(place) {
                         add(row, *node, number, value);
                     }

@@ -3,7 +3,7 @@
 use super::n;
 use pintle_assembly::analyse;
 use pintle_kinematics::connector::{Request, Tally};
-use pintle_kinematics::mpc::{Body, Constraint, Kind, State as MpcState, Turning};
+use pintle_kinematics::mpc::{Body, Constraint, MpcType, State as MpcState, Turning};
 use pintle_kinematics::relation::{Point, Relation};
 use pintle_kinematics::so3;
 use pintle_kinematics::so3::exp;
@@ -548,7 +548,7 @@ fn a_whole_kinematic_coupling_is_a_beam() {
     let [s, m] = [point([0.1, 0.4, -0.2], [0.5, 1.0, -0.3]), point([-0.3, 0.2, 0.6], [0.4, 1.1, -0.2])];
     let relation = Relation::<f64>::carried(slave, master, AXES, [true; 6]);
     let rows = relation.evaluate(&[s, m], &Request::everything(1), &mut Tally::default());
-    let beam = Constraint::<f64>::new(Kind::Beam, slave, master, [[0.0; 3]; 2]);
+    let beam = Constraint::<f64>::new(MpcType::Beam, slave, master, [[0.0; 3]; 2]);
     let body =
         |point: &Point<f64>| Body { displacement: point.displacement, rotation: point.rotation, flow: 0.0 };
     let state = MpcState { slave: body(&s), master: body(&m), ..MpcState::at_rest() };

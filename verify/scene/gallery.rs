@@ -5,7 +5,7 @@
 
 use super::n;
 use pintle_kinematics::connector::Request;
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 use pintle_model::evaluate::{Model, Plan, Selection, Sequence};
 use pintle_scene::{
     Example, GALLERY, Label, Law, MpcKind, NodeMotion, Procedure, Rotation, Scene, Solver, State,
@@ -284,8 +284,8 @@ fn revolute_mpc_holds_through_its_turns() {
     assert_eq!(
         kinds,
         [
-            (MpcKind::Evaluated(Kind::Revolute), [10, 20, 30].map(n).to_vec()),
-            (MpcKind::Evaluated(Kind::Pin), [10, 20].map(n).to_vec())
+            (MpcKind::Evaluated(MpcType::Revolute), [10, 20, 30].map(n).to_vec()),
+            (MpcKind::Evaluated(MpcType::Pin), [10, 20].map(n).to_vec())
         ]
     );
     assert_eq!(scene.springs[0].degrees_of_freedom, [6]);

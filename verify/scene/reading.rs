@@ -1,7 +1,7 @@
 //! How decks are read: syntax, sets, orientations, behaviours, steps; and any text without a panic.
 
 use super::n;
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 use pintle_scene::{
     Affected, Basis, Code, DamageEvolutionKind, DampingKind, Dimension, End, Extrapolation, FrictionKind,
     FrictionLaw, GALLERY, HardeningDefinition, Integration, Law, MpcKind, Operation, Operator,
@@ -365,9 +365,9 @@ fn constraints_take_nodes_and_sets() {
     assert_eq!(
         all,
         [
-            (MpcKind::Evaluated(Kind::Tie), [1, 3].map(n).to_vec()),
-            (MpcKind::Evaluated(Kind::Tie), [2, 3].map(n).to_vec()),
-            (MpcKind::Evaluated(Kind::Universal), [1, 2, 3, 2].map(n).to_vec()),
+            (MpcKind::Evaluated(MpcType::Tie), [1, 3].map(n).to_vec()),
+            (MpcKind::Evaluated(MpcType::Tie), [2, 3].map(n).to_vec()),
+            (MpcKind::Evaluated(MpcType::Universal), [1, 2, 3, 2].map(n).to_vec()),
         ]
     );
 }

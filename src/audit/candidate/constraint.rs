@@ -24,10 +24,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 ///
 /// ```
 /// use pintle_audit::{ConstraintCandidate, ConstraintNumbers};
-/// use pintle_kinematics::mpc::{Constraint, DOFS, Kind, XM, XS};
+/// use pintle_kinematics::mpc::{Constraint, DOFS, MpcType, XM, XS};
 ///
 /// // LINK: δl = |x_S − x_M| − |X_S − X_M|.
-/// let link = Constraint::new(Kind::Link, [2.0, 0.0, 0.0], [0.0; 3], [[0.0; 3]; 2]);
+/// let link = Constraint::new(MpcType::Link, [2.0, 0.0, 0.0], [0.0; 3], [[0.0; 3]; 2]);
 /// let report = ConstraintCandidate::new("my LINK", &link).check(|case| {
 ///     let (s, m) = (case.state.slave.displacement, case.state.master.displacement);
 ///     let d = [2.0 + s[0] - m[0], s[1] - m[1], s[2] - m[2]];

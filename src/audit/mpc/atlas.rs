@@ -12,7 +12,8 @@ use crate::singular::atlas::{Approach, Beside, LADDER, Rung, SIDES, classify};
 use pintle_kinematics::connector::{Output, Request, Tally, Turns};
 use pintle_kinematics::measure::{SingularSet, Unit};
 use pintle_kinematics::mpc::{
-    Body, Constraint, DOFS, Dofs, Evaluation, Kind, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S, Turning,
+    Body, Constraint, DOFS, Dofs, Evaluation, MpcType, PSI_M, PSI_S, RHO, ROWS, State, THETA_M, THETA_S,
+    Turning,
 };
 use pintle_kinematics::scalar::{Scalar, Wide};
 use pintle_kinematics::so3::exp;
@@ -35,18 +36,18 @@ enum SetOf {
 /// A declared set of a kind.
 #[derive(Clone, Copy, Debug)]
 struct DeclaredSet {
-    kind: Kind,
+    kind: MpcType,
     subject: SetOf,
     set: SingularSet,
 }
 
 /// Every declared set of every kind, approached.
 pub(crate) fn approaches() -> Vec<Approach> {
-    let all: Vec<DeclaredSet> = Kind::ALL.into_iter().flat_map(points).collect();
+    let all: Vec<DeclaredSet> = MpcType::ALL.into_iter().flat_map(points).collect();
     all.par_iter().map(DeclaredSet::approach).collect()
 }
 
-fn points(kind: Kind) -> Vec<DeclaredSet> {
+fn points(kind: MpcType) -> Vec<DeclaredSet> {
     let rows = kind.rows(false);
     let of_rows = (0..ROWS)
         .filter(|row| rows[*row])
@@ -132,7 +133,7 @@ impl DeclaredSet {
     fn approach(&self) -> Approach {
         let rungs: Vec<Rung> = LADDER.par_iter().filter_map(|distance| self.rung(*distance)).collect();
         let (component, unit) = match self.subject {
-            SetOf::Row(row) => (self.kind.row_name(row), Kind::row_unit(row)),
+            SetOf::Row(row) => (self.kind.row_name(row), MpcType::row_unit(row)),
             SetOf::Angle(i) => (self.kind.entry().angles.get(i).copied().unwrap_or_default(), Unit::Angle),
         };
         Approach {
@@ -246,13 +247,13 @@ mod tests {
     #[test]
     fn declared_sets_are_what_they_are() {
         let found = approaches();
-        let declared: usize = Kind::ALL.into_iter().map(|kind| points(kind).len()).sum();
+        let declared: usize = MpcType::ALL.into_iter().map(|kind| points(kind).len()).sum();
         assert!(found.len() == declared && declared == 16, "{declared}");
         for approach in &found {
             let Approach { connection, component, .. } = approach;
             assert!(approach.is_confirmed(), "{connection} {component}: {} {approach:?}", approach.told());
         }
-        for point in Kind::ALL.into_iter().flat_map(points) {
+        for point in MpcType::ALL.into_iter().flat_map(points) {
             let case = point.beside(1e-3, 0.0);
             let request = Request::nothing(0);
             let tally = &mut Tally::default();

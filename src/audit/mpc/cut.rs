@@ -82,12 +82,12 @@ mod tests {
     use crate::judge::verdict::Verdict;
     use crate::settings::{Planted, Settings};
     use pintle_kinematics::connector::Turns;
-    use pintle_kinematics::mpc::{Body, Constraint, Kind, State, Turning};
+    use pintle_kinematics::mpc::{Body, Constraint, MpcType, State, Turning};
     use pintle_kinematics::so3::exp;
     use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
     /// Nodes turned by these rotation vectors, and hinges by these angles; everything moves.
-    fn case(kind: Kind, [slave, master]: [[f64; 3]; 2], angles: [f64; 2]) -> MpcCase {
+    fn case(kind: MpcType, [slave, master]: [[f64; 3]; 2], angles: [f64; 2]) -> MpcCase {
         let body = |rotation, displacement| Body { displacement, rotation: exp(rotation), flow: 0.0 };
         let hinges = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
         MpcCase {
@@ -111,13 +111,13 @@ mod tests {
         let common = [1.404_188_100_699_757_9, -1.234_197_732_547_400_3, -0.533_738_531_924_241_9];
         let oblique = [PI * FRAC_1_SQRT_2, PI * FRAC_1_SQRT_2, 0.0];
         let mut found = vec![
-            case(Kind::Revolute, [common, common], [-PI, 0.0]),
-            case(Kind::Beam, [[0.0, 0.0, -PI], oblique.map(|x| x * 2.0)], [0.0; 2]),
+            case(MpcType::Revolute, [common, common], [-PI, 0.0]),
+            case(MpcType::Beam, [[0.0, 0.0, -PI], oblique.map(|x| x * 2.0)], [0.0; 2]),
         ];
         // About this axis the product and 237 bits are on different sides.
         let (nodes, joint) = ([1.0, 0.0, 0.790_475_062_762_647_1], [0.0, 0.0, 0.346_265_399_890_325_56]);
-        found[0].constraint = Constraint::new(Kind::Revolute, nodes, nodes, [joint, [0.0; 3]]);
-        for kind in [Kind::Revolute, Kind::Universal, Kind::Beam, Kind::Tie] {
+        found[0].constraint = Constraint::new(MpcType::Revolute, nodes, nodes, [joint, [0.0; 3]]);
+        for kind in [MpcType::Revolute, MpcType::Universal, MpcType::Beam, MpcType::Tie] {
             for master in [[0.0; 3], [1.0, 2.0, 3.0], [0.0, PI, 0.0]] {
                 for slave in [[PI, 0.0, 0.0], [0.0, 0.0, PI], oblique] {
                     for angle in [0.0, PI] {
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn a_value_beyond_half_a_turn_is_wrong() {
         for gap in [1e-3, 1e-9, 1e-13] {
-            let case = case(Kind::Beam, [[0.0, 0.0, PI - gap], [0.0; 3]], [0.0; 2]);
+            let case = case(MpcType::Beam, [[0.0, 0.0, PI - gap], [0.0; 3]], [0.0; 2]);
             let tables = case.tables();
             assert!(tables.iter().all(|table| table.judge().verdict <= Verdict::IllConditioned), "{gap}");
             let table = of(&tables, Quantity::Value);

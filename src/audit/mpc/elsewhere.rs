@@ -6,7 +6,7 @@ use crate::case::quantity::Quantity;
 use crate::mpc::numbers_of;
 use crate::mutants::diagnosis::{Cause, Hypothesis, MULTIPLES, PARAMETERS};
 use pintle_kinematics::mpc::{
-    Constraint, DOFS, Dofs, Evaluation, FLOW, Kind, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
+    Constraint, DOFS, Dofs, Evaluation, FLOW, MpcType, PHI, RHO, ROWS, Rows, State, THETA_M, THETA_S,
     Translation, XM,
 };
 use pintle_kinematics::so3;
@@ -122,7 +122,7 @@ impl MpcCase {
     /// At other nodes, or other angles of the hinges.
     fn other_states(&self, got: &Evaluation<f64>) -> Vec<Elsewhere> {
         let mut found = Vec::new();
-        let with_kind = |kind: Kind| {
+        let with_kind = |kind: MpcType| {
             let axes = self.constraint.initial_axes().map(|axis| axis.unwrap_or([0.0, 0.0, 1.0]));
             Constraint::with_axes(kind, self.constraint.arm(), axes)
         };
@@ -246,7 +246,7 @@ impl MpcCase {
         }
         match self.constraint.kind().entry().translation {
             Translation::Carried => {
-                let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Tie));
+                let other = self.changed(|_, constraint| *constraint = with_kind(MpcType::Tie));
                 let relation = "u_S − u_M: the arm X_S − X_M does not turn with M";
                 // Of rows that is what is expected without the term of the arm.
                 let others: Vec<Quantity> =
@@ -255,7 +255,7 @@ impl MpcCase {
                 found.extend(self.other_arms(got));
             }
             Translation::Equal => {
-                let other = self.changed(|_, constraint| *constraint = with_kind(Kind::Beam));
+                let other = self.changed(|_, constraint| *constraint = with_kind(MpcType::Beam));
                 let relation = "x_S − x_M − C_M (X_S − X_M): the initial separation turned with M";
                 let mut other = other;
                 // Of a PIN the rotations are none.

@@ -475,14 +475,14 @@ mod tests {
     use crate::settings::{Planted, Settings};
     use pintle_kinematics::connector::Turns;
     use pintle_kinematics::draw::Draw;
-    use pintle_kinematics::mpc::{Constraint, Kind, Turning};
+    use pintle_kinematics::mpc::{Constraint, MpcType, Turning};
     use std::f64::consts::PI;
 
     /// Regions: anywhere, on another scale, far away, nodes that coincide initially, nodes that nearly meet, a constraint that holds but for
     /// rounding, nearly half a turn of violation, at rest.
     const REGIONS: usize = 8;
 
-    fn drawn(kind: Kind, region: usize, draw: &mut Draw) -> MpcCase {
+    fn drawn(kind: MpcType, region: usize, draw: &mut Draw) -> MpcCase {
         let mut three = |size: f64| [0; 3].map(|_| draw.between(-size, size));
         let length = if region == 1 { 1e-6 } else { 1.0 };
         let arm = if region == 3 { [0.0; 3] } else { three(length) };
@@ -503,7 +503,7 @@ mod tests {
         state.slave.rotation = product(&exp(violation), &state.master.rotation);
         state.master.displacement = far;
         state.slave.displacement = add(far, displacement);
-        if region == 5 && kind == Kind::Beam {
+        if region == 5 && kind == MpcType::Beam {
             let carried = apply(&state.master.rotation, arm);
             state.slave.displacement = sub(carried, arm);
         }
@@ -534,13 +534,13 @@ mod tests {
     /// Every law holds of every kind everywhere, and of the mutants of its numbers that change enough none survives.
     #[test]
     fn laws_hold_and_notice_mutants() {
-        for kind in Kind::ALL {
+        for kind in MpcType::ALL {
             let draw = &mut Draw::new(kind.name());
             for region in 0..2 * REGIONS {
                 let case = drawn(kind, region % REGIONS, draw);
                 let checks = case.laws(&case.tables(), region < REGIONS);
                 // So near to its kink a LINK is not compared with itself turned.
-                let is_near = kind == Kind::Link && region % REGIONS == 4;
+                let is_near = kind == MpcType::Link && region % REGIONS == 4;
                 assert_eq!(checks.len() + usize::from(is_near), MpcCase::LAWS.len(), "{}", case.name);
                 for check in checks {
                     assert_eq!(
@@ -563,7 +563,7 @@ mod tests {
     #[test]
     fn tolerances_that_are_too_wide_are_noticed() {
         let mut survivors = 0;
-        for kind in Kind::ALL {
+        for kind in MpcType::ALL {
             let draw = &mut Draw::new(kind.name());
             // Anywhere.
             let case = drawn(kind, 0, draw);
@@ -574,7 +574,7 @@ mod tests {
                 survivors += usize::from(table.check(true, &case.name, None).score.survived > 0);
             }
         }
-        assert!(survivors >= 5 * Kind::ALL.len() - 6, "{survivors}");
+        assert!(survivors >= 5 * MpcType::ALL.len() - 6, "{survivors}");
     }
 
     /// In each kind of number that a law speaks of, the wrong sign of the largest entry breaks it: what is wrong of the product breaks it as a
@@ -582,7 +582,7 @@ mod tests {
     #[test]
     fn what_is_wrong_breaks_a_law() {
         let mut broken = 0;
-        for kind in Kind::ALL {
+        for kind in MpcType::ALL {
             let case = drawn(kind, 0, &mut Draw::new(kind.name()));
             let right = case.judged();
             for quantity in MpcCase::QUANTITIES {
@@ -606,7 +606,7 @@ mod tests {
     /// A fault planted in a kind of number is called wrong in that, and in no other kind.
     #[test]
     fn planted_faults_are_told() {
-        for kind in Kind::ALL {
+        for kind in MpcType::ALL {
             let case = drawn(kind, 0, &mut Draw::new(kind.name()));
             for (planted, quantity) in [
                 (Planted::WrongValue, Quantity::Value),
@@ -627,7 +627,7 @@ mod tests {
     /// equal, not their positions.
     #[test]
     fn what_turns_with_everything() {
-        let along = |kind: Kind, region: usize| {
+        let along = |kind: MpcType, region: usize| {
             let case = drawn(kind, region, &mut Draw::new("kernel"));
             let got = case.evaluated(&case.state);
             let State { slave, master, .. } = &case.state;
@@ -636,15 +636,21 @@ mod tests {
             let sum = |row: &Dofs<f64>| row[THETA_S + 2] + row[THETA_M + 2] + dot(arm, part(row, XS));
             got.jacobian.iter().flatten().map(sum).fold(0.0_f64, |most, sum| most.max(sum.abs()))
         };
-        assert!(along(Kind::Beam, 5) < 1e-14 && along(Kind::Pin, 5) > 0.1 && along(Kind::Tie, 5) > 0.1);
+        assert!(
+            along(MpcType::Beam, 5) < 1e-14 && along(MpcType::Pin, 5) > 0.1 && along(MpcType::Tie, 5) > 0.1
+        );
         // As they do where nodes coincide initially, and the constraint holds.
-        let coincident = |kind: Kind| {
+        let coincident = |kind: MpcType| {
             let mut case = drawn(kind, 3, &mut Draw::new("kernel"));
             case.state.slave = case.state.master;
             let got = case.evaluated(&case.state);
             got.jacobian.iter().flatten().map(|row| (row[XS] + row[XM]).abs()).fold(0.0, f64::max)
         };
-        assert!(coincident(Kind::Pin) == 0.0 && coincident(Kind::Tie) == 0.0);
-        assert!(along(Kind::Beam, 0) > 0.1 && along(Kind::Revolute, 0) > 0.1 && along(Kind::Link, 0) < 1e-14);
+        assert!(coincident(MpcType::Pin) == 0.0 && coincident(MpcType::Tie) == 0.0);
+        assert!(
+            along(MpcType::Beam, 0) > 0.1
+                && along(MpcType::Revolute, 0) > 0.1
+                && along(MpcType::Link, 0) < 1e-14
+        );
     }
 }

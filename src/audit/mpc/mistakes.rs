@@ -9,7 +9,7 @@ use crate::mutants::mutant::{
 };
 use pintle_kinematics::measure::Unit;
 use pintle_kinematics::mpc::{
-    DOFS, Dofs, Kind, PHI, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
+    DOFS, Dofs, MpcType, PHI, RHO, ROWS, State, THETA_M, THETA_S, Translation, XM, XS,
 };
 use pintle_kinematics::vector::Vector;
 
@@ -33,7 +33,7 @@ impl Right<'_> {
     }
 
     fn is_angle(&self, row: usize) -> bool {
-        self.equations.get(row).is_some_and(|equation| Kind::row_unit(*equation) == Unit::Angle)
+        self.equations.get(row).is_some_and(|equation| MpcType::row_unit(*equation) == Unit::Angle)
     }
 
     /// Exchanged equations of one unit.

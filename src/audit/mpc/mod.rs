@@ -31,8 +31,8 @@ use pintle_kinematics::Differentiable;
 use pintle_kinematics::connector::{Output, Request, Tally, Turns};
 use pintle_kinematics::measure::{SingularClass, Unit};
 use pintle_kinematics::mpc::{
-    Body, Constraint, DOFS, Dofs, Evaluation, Kind, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M, THETA_S,
-    Turning, XM, XS,
+    Body, Constraint, DOFS, Dofs, Evaluation, MpcType, PHI, PSI_M, PSI_S, ROWS, Rows, State, THETA_M,
+    THETA_S, Turning, XM, XS,
 };
 use pintle_kinematics::scalar::{Real, Scalar, Wide};
 use pintle_kinematics::so3::exp;
@@ -225,7 +225,7 @@ impl MpcCase {
                 truth.nearness[row],
             );
             let least = self.least(
-                if matches!(Kind::row_unit(row), Unit::Length) { self.length } else { 1.0 },
+                if matches!(MpcType::row_unit(row), Unit::Length) { self.length } else { 1.0 },
                 (value.to_f64(), &narrow(&gradient), &bent),
                 (&truth.sizes, &self.inputs(&got.taken), truth.nearness[row]),
             );
@@ -379,7 +379,7 @@ impl WideConstraint {
                 Sides::along(still[row]?, &of_row, &steps, scale(row))
             })
         };
-        let extent = |row: usize| match Kind::row_unit(row) {
+        let extent = |row: usize| match MpcType::row_unit(row) {
             Unit::Length => self.sizes[XS],
             _ => 1.0,
         };

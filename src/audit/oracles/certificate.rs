@@ -99,6 +99,6 @@ pub fn certificate_named(name: &str) -> Option<Certificate> {
 }
 
 /// The certificate of a multi-point constraint, under the name `MPC BEAM`.
-pub fn certificate_of_mpc(kind: pintle_kinematics::mpc::Kind) -> Option<Certificate> {
+pub fn certificate_of_mpc(kind: pintle_kinematics::mpc::MpcType) -> Option<Certificate> {
     CERTIFICATES.get(&format!("MPC {}", kind.name())).cloned()
 }

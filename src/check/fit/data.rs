@@ -5,7 +5,7 @@ use crate::convention::{Axes, Frame, Positions, Turned, Variation, is_vector};
 use pintle_audit::{Case, MpcCase, Quantity, Right, Step};
 use pintle_kinematics::connector::{Connector, Definition, State};
 use pintle_kinematics::measure::{Measure, Unit};
-use pintle_kinematics::mpc::{Body, DOFS, Kind, PHI};
+use pintle_kinematics::mpc::{Body, DOFS, MpcType, PHI};
 use pintle_kinematics::node::{Node, Pair};
 use pintle_kinematics::scalar::U;
 use pintle_kinematics::so3;
@@ -279,7 +279,7 @@ impl Expected {
         let rows = constraint.rows();
         let rows: Vec<usize> = (0..rows.len()).filter(|k| rows[*k]).collect();
         let lines =
-            rows.iter().map(|k| Line { k: *k, is_as_angle: false, unit: Kind::row_unit(*k) }).collect();
+            rows.iter().map(|k| Line { k: *k, is_as_angle: false, unit: MpcType::row_unit(*k) }).collect();
         let has = constraint.columns();
         let any = |of: std::ops::Range<usize>| has[of].contains(&true);
         let said = Said {

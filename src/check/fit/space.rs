@@ -3,7 +3,7 @@
 use crate::convention::{Angle, Axes, COLUMNS, Frame, Variation};
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::measure::Unit;
-use pintle_kinematics::mpc::{DOFS, Kind, PHI};
+use pintle_kinematics::mpc::{DOFS, MpcType, PHI};
 
 /// Where the degrees of freedom are that have no others beside them: flows, and the angles of hinges.
 pub(super) const PLACES: [usize; 4] = [6, 13, PHI, PHI + 1];
@@ -37,7 +37,7 @@ impl Names {
         Self { rows, columns, nodes: ["a", "b"], rotations, height: 6, hinges: 0 }
     }
 
-    pub(super) fn of_constraint(kind: Kind) -> Self {
+    pub(super) fn of_constraint(kind: MpcType) -> Self {
         let rotations = ["rotations of S", "rotations of M"];
         Self {
             rows: std::array::from_fn(|k| kind.row_name(k)),
@@ -51,7 +51,7 @@ impl Names {
 }
 
 /// The columns of a row of a constraint: those of S and M, then degree of freedom 6 of the nodes of hinges.
-pub(crate) fn columns_of(kind: Kind) -> [&'static str; DOFS] {
+pub(crate) fn columns_of(kind: MpcType) -> [&'static str; DOFS] {
     const NODAL: [&str; PHI] = [
         "S.u1", "S.u2", "S.u3", "S.ur1", "S.ur2", "S.ur3", "S.flow", "M.u1", "M.u2", "M.u3", "M.ur1",
         "M.ur2", "M.ur3", "M.flow",

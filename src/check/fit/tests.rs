@@ -11,7 +11,7 @@ use pintle_kinematics::catalog::{COMPONENT, ConnectionType, TABLE};
 use pintle_kinematics::connector::{Connector, Definition, Request, State, Tally};
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::measure::{Measure, Unit};
-use pintle_kinematics::mpc::{Constraint, Kind};
+use pintle_kinematics::mpc::{Constraint, MpcType};
 use pintle_kinematics::so3;
 use pintle_kinematics::vector::{product, transpose};
 
@@ -437,7 +437,7 @@ fn variations_are_derivatives() {
 }
 
 /// A constraint of a kind whose nodes are apart, along no global axis.
-fn of_kind(kind: Kind) -> Constraint<f64> {
+fn of_kind(kind: MpcType) -> Constraint<f64> {
     Constraint::new(kind, [0.7, -0.4, 0.9], [0.0; 3], [[1.0, -2.0, 2.0], [2.0, 2.0, 1.0]])
 }
 
@@ -490,7 +490,7 @@ fn given_of(case: &MpcCase, convention: &Convention) -> GivenRows {
             values.push(None);
             continue;
         };
-        let unit = match Kind::row_unit(k) {
+        let unit = match MpcType::row_unit(k) {
             Unit::Angle => convention.angles.size(),
             _ => convention.row_length,
         };
@@ -533,7 +533,7 @@ fn say_the_same(one: &Convention, other: &Convention, cases: &[MpcCase]) -> bool
 fn drawn_conventions_of_constraints_are_found() {
     let per_kind = std::env::var("PINTLE_CONVENTIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
     let (mut tried, mut unique, mut named, mut missed, mut slowest) = (0, 0, 0, Vec::new(), 0.0_f64);
-    for kind in Kind::ALL {
+    for kind in MpcType::ALL {
         let constraint = of_kind(kind);
         let cases = generic_cases(&constraint, "seen", 2);
         let others = generic_cases(&constraint, "unseen", 2);

@@ -4,7 +4,7 @@ use crate::connector::{
     CERTAIN_INCREMENT, CERTAIN_TOLD, CERTAIN_TURNS, Flag, Holding, ILL_CONDITIONED, Turned, Turns,
 };
 use crate::measure::{Margin, Unit};
-use crate::mpc::{Constraint, Evaluation, FLOW, Kind, RHO, ROWS, Rows, State, Turning, angle_between};
+use crate::mpc::{Constraint, Evaluation, FLOW, MpcType, RHO, ROWS, Rows, State, Turning, angle_between};
 use crate::scalar::elementary::norm;
 use crate::scalar::{Duals, Real};
 use crate::so3;
@@ -76,7 +76,7 @@ impl Constraint<f64> {
         let mut flags = Vec::new();
         let Margins { angles, rows } = self.margins(state, evaluation);
         let names = self.kind.entry().angles;
-        let once = rows.into_iter().enumerate().filter(|(row, _)| Kind::flagged_row(*row) == *row);
+        let once = rows.into_iter().enumerate().filter(|(row, _)| MpcType::flagged_row(*row) == *row);
         let named = once.map(|(row, margin)| (self.kind.row_name(row), margin));
         let of_angles = names.iter().copied().zip(angles);
         for (component, margin) in of_angles.chain(named) {
@@ -124,12 +124,12 @@ impl Constraint<f64> {
 mod tests {
     use super::*;
     use crate::connector::{Request, Tally};
-    use crate::mpc::{Body, Kind};
+    use crate::mpc::{Body, MpcType};
     use crate::vector::Vector;
 
     const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 }; 2];
 
-    fn flags(kind: Kind, of_slave: Vector<f64>, displacement: Vector<f64>) -> Vec<Flag> {
+    fn flags(kind: MpcType, of_slave: Vector<f64>, displacement: Vector<f64>) -> Vec<Flag> {
         let hinges = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
         let constraint = Constraint::<f64>::new(kind, [3.0, 0.0, 0.0], [0.0; 3], hinges);
         let slave = Body { rotation: so3::matrix(so3::exp_quaternion(of_slave)), displacement, flow: 0.0 };
@@ -147,7 +147,7 @@ mod tests {
     /// A half turn across the axis leaves no angle about it, and one about it cannot be counted.
     #[test]
     fn half_turns_are_flagged() {
-        let revolute = |of_slave| flags(Kind::Revolute, of_slave, [0.0; 3]);
+        let revolute = |of_slave| flags(MpcType::Revolute, of_slave, [0.0; 3]);
         assert!(revolute([0.0, 0.0, 0.3]).is_empty());
         let across = revolute([PI, 0.0, 0.0]);
         assert!(is(&across, "φJ", "ill-conditioned"), "{across:?}");
@@ -160,7 +160,7 @@ mod tests {
     /// The axes of a universal joint become parallel by a quarter turn across both.
     #[test]
     fn parallel_axes_are_flagged() {
-        let universal = |of_slave| flags(Kind::Universal, of_slave, [0.0; 3]);
+        let universal = |of_slave| flags(MpcType::Universal, of_slave, [0.0; 3]);
         assert!(universal([0.1, 0.0, 0.0]).is_empty());
         let locked = universal([0.0, PI / 2.0, 0.0]);
         assert!(is(&locked, "φ1", "ill-conditioned") && is(&locked, "φ2", "ill-conditioned"), "{locked:?}");
@@ -169,14 +169,14 @@ mod tests {
     /// A link whose nodes meet has no direction; a rigid beam that turned by half has no sign.
     #[test]
     fn links_and_beams_are_flagged() {
-        assert!(flags(Kind::Link, [0.0; 3], [-3.0, 3.0, 0.0]).is_empty());
-        assert!(flags(Kind::Link, [0.0; 3], [-3.0, 3.000_005, 0.0]).is_empty());
-        assert!(is(&flags(Kind::Link, [0.0; 3], [-3.0, 3.000_007, 0.0]), "δl", "off-constraint"));
-        assert!(is(&flags(Kind::Link, [0.0; 3], [-3.0, 0.0, 0.0]), "δl", "singular"));
-        assert!(is(&flags(Kind::Link, [0.0; 3], [-3.0, 1e-9, 0.0]), "δl", "ill-conditioned"));
-        assert!(is(&flags(Kind::Beam, [PI - 1e-9, 0.0, 0.0], [0.0; 3]), "ρ1", "ill-conditioned"));
-        let pin = flags(Kind::Pin, [PI, 0.0, 0.0], [9.0; 3]);
+        assert!(flags(MpcType::Link, [0.0; 3], [-3.0, 3.0, 0.0]).is_empty());
+        assert!(flags(MpcType::Link, [0.0; 3], [-3.0, 3.000_005, 0.0]).is_empty());
+        assert!(is(&flags(MpcType::Link, [0.0; 3], [-3.0, 3.000_007, 0.0]), "δl", "off-constraint"));
+        assert!(is(&flags(MpcType::Link, [0.0; 3], [-3.0, 0.0, 0.0]), "δl", "singular"));
+        assert!(is(&flags(MpcType::Link, [0.0; 3], [-3.0, 1e-9, 0.0]), "δl", "ill-conditioned"));
+        assert!(is(&flags(MpcType::Beam, [PI - 1e-9, 0.0, 0.0], [0.0; 3]), "ρ1", "ill-conditioned"));
+        let pin = flags(MpcType::Pin, [PI, 0.0, 0.0], [9.0; 3]);
         assert!(pin.len() == 3 && is(&pin, "δ2", "off-constraint"), "{pin:?}");
-        assert!(flags(Kind::Pin, [PI, 0.0, 0.0], [0.0; 3]).is_empty());
+        assert!(flags(MpcType::Pin, [PI, 0.0, 0.0], [0.0; 3]).is_empty());
     }
 }

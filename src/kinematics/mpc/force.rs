@@ -150,10 +150,10 @@ fn is_zero<R: Real>(x: R) -> bool {
 ///
 /// ```
 /// use pintle_kinematics::connector::{Request, Tally, Turns};
-/// use pintle_kinematics::mpc::{Constraint, Kind, State, Turning, PHI, THETA_M, THETA_S, force};
+/// use pintle_kinematics::mpc::{Constraint, MpcType, State, Turning, PHI, THETA_M, THETA_S, force};
 ///
 /// // A revolute joint about (2, 1, 2)/3, unturned, transmits a moment.
-/// let joint = Constraint::<f64>::new(Kind::Revolute, [0.0; 3], [0.0; 3], [[2.0, 1.0, 2.0], [0.0; 3]]);
+/// let joint = Constraint::<f64>::new(MpcType::Revolute, [0.0; 3], [0.0; 3], [[2.0, 1.0, 2.0], [0.0; 3]]);
 /// let (state, start) = (State::at_rest(), [Turns { turns: 0.0, principal: 0.0 }; 2]);
 /// let result = joint.evaluate(&state, &start, &Turning::none(), &Request::everything(1), &mut Tally::default());
 /// let mut on_slave = [0.0; pintle_kinematics::mpc::DOFS];

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// The type of a multi-point constraint (keyword *MPC).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, serde::Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
-pub enum Kind {
+pub enum MpcType {
     /// A rigid beam.
     Beam,
     /// A pinned rigid link: a constant distance.
@@ -39,7 +39,7 @@ pub enum Translation {
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     /// The kind.
-    pub kind: Kind,
+    pub kind: MpcType,
     /// The name, as a deck writes it.
     pub name: &'static str,
     /// Its nodes by role, in the order of the deck; the first is the dependent one.
@@ -75,7 +75,7 @@ const TURNS: &str = "Rotations are equal as rotations: φS and φM may differ by
 /// Every kind, by name.
 pub const TABLE: [Entry; 6] = [
     Entry {
-        kind: Kind::Beam,
+        kind: MpcType::Beam,
         name: "BEAM",
         nodes: &["S", "M"],
         translation: Translation::Carried,
@@ -97,7 +97,7 @@ pub const TABLE: [Entry; 6] = [
         sources: &[GUIDE],
     },
     Entry {
-        kind: Kind::Link,
+        kind: MpcType::Link,
         name: "LINK",
         nodes: &["S", "M"],
         translation: Translation::Distance,
@@ -118,7 +118,7 @@ pub const TABLE: [Entry; 6] = [
         sources: &[GUIDE],
     },
     Entry {
-        kind: Kind::Pin,
+        kind: MpcType::Pin,
         name: "PIN",
         nodes: &["S", "M"],
         translation: Translation::Equal,
@@ -143,7 +143,7 @@ pub const TABLE: [Entry; 6] = [
         sources: &[GUIDE],
     },
     Entry {
-        kind: Kind::Revolute,
+        kind: MpcType::Revolute,
         name: "REVOLUTE",
         nodes: &["S", "M", "J"],
         translation: Translation::Free,
@@ -170,7 +170,7 @@ pub const TABLE: [Entry; 6] = [
         ],
     },
     Entry {
-        kind: Kind::Tie,
+        kind: MpcType::Tie,
         name: "TIE",
         nodes: &["S", "M"],
         translation: Translation::Equal,
@@ -196,7 +196,7 @@ pub const TABLE: [Entry; 6] = [
         sources: &[GUIDE],
     },
     Entry {
-        kind: Kind::Universal,
+        kind: MpcType::Universal,
         name: "UNIVERSAL",
         nodes: &["S", "M", "J1", "J2"],
         translation: Translation::Free,
@@ -237,7 +237,7 @@ pub const TABLE: [Entry; 6] = [
     },
 ];
 
-impl Kind {
+impl MpcType {
     /// Every kind, in the order of [`TABLE`].
     pub const ALL: [Self; TABLE.len()] =
         [Self::Beam, Self::Link, Self::Pin, Self::Revolute, Self::Tie, Self::Universal];
@@ -257,9 +257,9 @@ impl Kind {
     /// The kind of a name, in any case.
     ///
     /// ```
-    /// use pintle_kinematics::mpc::Kind;
-    /// assert_eq!(Kind::named("revolute"), Some(Kind::Revolute));
-    /// assert_eq!(Kind::named("HINGE"), None);
+    /// use pintle_kinematics::mpc::MpcType;
+    /// assert_eq!(MpcType::named("revolute"), Some(MpcType::Revolute));
+    /// assert_eq!(MpcType::named("HINGE"), None);
     /// ```
     pub fn named(name: &str) -> Option<Self> {
         TABLE.iter().find(|entry| entry.name.eq_ignore_ascii_case(name)).map(|entry| entry.kind)

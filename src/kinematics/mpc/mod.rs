@@ -1,6 +1,6 @@
 //! Multi-point constraints: BEAM, LINK, PIN, REVOLUTE, TIE, UNIVERSAL.
 //!
-//! Node S (the first, dependent) follows node M (the second). A kind ([`Kind`], [`TABLE`]) says what becomes of translations
+//! Node S (the first, dependent) follows node M (the second). A kind ([`MpcType`], [`TABLE`]) says what becomes of translations
 //! (free, equal, at a constant distance, carried by M as by a rigid beam) and of rotations (free, or tied but for hinges). With
 //! x = X + u and C = C(φ), the residuals are
 //!
@@ -26,11 +26,11 @@
 //!
 //! ```
 //! use pintle_kinematics::connector::{Request, Tally, Turns};
-//! use pintle_kinematics::mpc::{Body, Constraint, DOFS, Kind, PHI, State, Turning};
+//! use pintle_kinematics::mpc::{Body, Constraint, DOFS, MpcType, PHI, State, Turning};
 //! use pintle_kinematics::{so3, vector};
 //!
 //! // A universal joint with the axes 3 and 1, bent by 0.4 rad about the first and 0.3 rad about the second.
-//! let joint = Constraint::<f64>::new(Kind::Universal, [0.0; 3], [0.0; 3], [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+//! let joint = Constraint::<f64>::new(MpcType::Universal, [0.0; 3], [0.0; 3], [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
 //! let [first, second] = [[0.0, 0.0, 0.4], [0.3, 0.0, 0.0]].map(|turn| so3::matrix(so3::exp_quaternion(turn)));
 //! let slave = Body { rotation: vector::product(&first, &second), ..Body::at_rest() };
 //! let state = State { slave, ..State::at_rest() };
@@ -51,7 +51,7 @@ mod residual;
 
 pub use care::Margins;
 pub use evaluate::Evaluation;
-pub use kind::{Entry, Kind, TABLE, Translation};
+pub use kind::{Entry, MpcType, TABLE, Translation};
 pub(crate) use residual::turned;
 
 use crate::catalog::{PLANE, in_plane};
@@ -97,7 +97,7 @@ pub type Rows<T> = [Option<T>; ROWS];
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(bound(serialize = "R: serde::Serialize", deserialize = "R: serde::Deserialize<'de>"))]
 pub struct Constraint<R: Duals> {
-    kind: Kind,
+    kind: MpcType,
     /// X_S − X_M.
     arm: Vector<R>,
     /// a1₀ and a2₀, of unit length.
@@ -172,14 +172,14 @@ impl<R: Duals> Constraint<R> {
     /// (keyword *MPC). What the kind does not have is not looked at.
     ///
     /// ```
-    /// use pintle_kinematics::mpc::{Constraint, Kind};
+    /// use pintle_kinematics::mpc::{Constraint, MpcType};
     /// let axis = |joint| {
-    ///     Constraint::<f64>::new(Kind::Revolute, [1.0; 3], [0.0; 3], [joint, [0.0; 3]]).initial_axes()[0]
+    ///     Constraint::<f64>::new(MpcType::Revolute, [1.0; 3], [0.0; 3], [joint, [0.0; 3]]).initial_axes()[0]
     /// };
     /// assert_eq!(axis([0.0, 2.0, 0.0]), Some([0.0, 1.0, 0.0]));
     /// assert_eq!(axis([0.0; 3]), Some([0.0, 0.0, 1.0]));
     /// ```
-    pub fn new(kind: Kind, slave: Vector<f64>, master: Vector<f64>, hinges: [Vector<f64>; 2]) -> Self {
+    pub fn new(kind: MpcType, slave: Vector<f64>, master: Vector<f64>, hinges: [Vector<f64>; 2]) -> Self {
         let (zero, one) = (R::ZERO, R::integer(1));
         let from_master = |to: Vector<f64>| sub(vector::exact::<R>(to), vector::exact(master));
         let axis = |to: Vector<f64>, otherwise: Vector<R>| {
@@ -193,12 +193,12 @@ impl<R: Duals> Constraint<R> {
     /// Between nodes that are X_S − X_M = `arm` apart initially, with hinges about `axes`, of unit length, which are taken as they are.
     ///
     /// ```
-    /// use pintle_kinematics::mpc::{Constraint, Kind};
+    /// use pintle_kinematics::mpc::{Constraint, MpcType};
     /// let axes = [[0.6, 0.8, 0.0], [1.0, 0.0, 0.0]];
-    /// let joint = Constraint::<f64>::with_axes(Kind::Revolute, [1.0, 2.0, 3.0], axes);
+    /// let joint = Constraint::<f64>::with_axes(MpcType::Revolute, [1.0, 2.0, 3.0], axes);
     /// assert_eq!((joint.arm(), joint.initial_axes()), ([1.0, 2.0, 3.0], [Some(axes[0]), None]));
     /// ```
-    pub const fn with_axes(kind: Kind, arm: Vector<R>, axes: [Vector<R>; 2]) -> Self {
+    pub const fn with_axes(kind: MpcType, arm: Vector<R>, axes: [Vector<R>; 2]) -> Self {
         Self { kind, arm, axes, flow: false, planar: false }
     }
 
@@ -212,8 +212,8 @@ impl<R: Duals> Constraint<R> {
     /// x3, θ1 and θ2.
     ///
     /// ```
-    /// use pintle_kinematics::mpc::{Constraint, Kind};
-    /// let beam = Constraint::<f64>::new(Kind::Beam, [1.0, 0.0, 0.0], [0.0; 3], [[0.0; 3]; 2]).in_plane();
+    /// use pintle_kinematics::mpc::{Constraint, MpcType};
+    /// let beam = Constraint::<f64>::new(MpcType::Beam, [1.0, 0.0, 0.0], [0.0; 3], [[0.0; 3]; 2]).in_plane();
     /// assert_eq!(beam.rows(), [true, true, false, false, false, true, false]);
     /// ```
     #[must_use]
@@ -237,7 +237,7 @@ impl<R: Duals> Constraint<R> {
     }
 
     /// Its kind.
-    pub const fn kind(&self) -> Kind {
+    pub const fn kind(&self) -> MpcType {
         self.kind
     }
 
@@ -265,7 +265,7 @@ impl<R: Duals> Constraint<R> {
     /// The degrees of freedom that enter it.
     pub fn columns(&self) -> [bool; DOFS] {
         let columns = self.kind.columns(self.flow);
-        std::array::from_fn(|j| columns[j] && (!self.planar || in_plane(Kind::column_dof(j).1)))
+        std::array::from_fn(|j| columns[j] && (!self.planar || in_plane(MpcType::column_dof(j).1)))
     }
 
     /// The angle between the axes of two hinges in the initial geometry, in [0, π] (rad).

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 /// One equation at one state. What was not asked for is not there.
 #[derive(Clone, Debug)]
-pub struct Row<R> {
+pub struct ConstraintRow<R> {
     /// What must vanish.
     pub residual: R,
     /// Its rate.
@@ -142,7 +142,7 @@ impl<R: Duals> Relation<R> {
         nodes: &[Point<R>],
         request: &Request,
         tally: &mut Tally,
-    ) -> Vec<Row<R>> {
+    ) -> Vec<ConstraintRow<R>> {
         let zero = R::ZERO;
         let along = |accelerates: bool| {
             move |place: usize| -> Moved<R::Time> {
@@ -153,10 +153,10 @@ impl<R: Duals> Relation<R> {
             }
         };
         let wants = |wanted: &[Output]| request.outputs().any(|output| wanted.contains(&output));
-        let mut rows: Vec<Row<R>> = self
+        let mut rows: Vec<ConstraintRow<R>> = self
             .residual(nodes, &|_| [zero; 7])
             .into_iter()
-            .map(|residual| Row {
+            .map(|residual| ConstraintRow {
                 residual,
                 rate: None,
                 bias: None,
@@ -209,7 +209,7 @@ impl<R: Duals> Relation<R> {
         self.residual(nodes, &seeded).into_iter().map(Seeded::gradient).collect()
     }
 
-    fn differentiate(&self, nodes: &[Point<R>], rows: &mut [Row<R>]) {
+    fn differentiate(&self, nodes: &[Point<R>], rows: &mut [ConstraintRow<R>]) {
         let zero = R::ZERO;
         match &self.form {
             Form::Linear(terms) => {

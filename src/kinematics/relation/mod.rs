@@ -37,7 +37,7 @@
 mod build;
 mod evaluate;
 
-pub use evaluate::Row;
+pub use evaluate::ConstraintRow;
 
 use crate::catalog::PLANE;
 use crate::measure::Unit;

@@ -17,7 +17,7 @@ use crate::evaluate::relation::RelationElement;
 use pintle_kinematics::catalog::COMPONENT;
 use pintle_kinematics::connector::{CompactRow, Components, Group, Mask};
 use pintle_kinematics::mpc;
-use pintle_kinematics::mpc::Kind;
+use pintle_kinematics::mpc::MpcType;
 use pintle_kinematics::node::{DOF_NUMBER, DOFS};
 use pintle_kinematics::relation;
 use pintle_kinematics::vector::{Matrix, Vector, dot};
@@ -41,7 +41,7 @@ pub enum Source {
 pub struct Equation {
     /// What enforces it.
     pub source: Source,
-    /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`Kind::row_name`];
+    /// The component of a connector, 0 for u1 to 5 for ur3; the equation of an MPC, in the order of [`MpcType::row_name`];
     /// that of a relation, in the order of its rows.
     pub component: usize,
 }
@@ -304,7 +304,7 @@ impl Jacobian {
         let from = self.mpc_entries.len();
         let has = element.constraint.columns();
         let column = |j: usize| {
-            let (place, number) = Kind::column_dof(j);
+            let (place, number) = MpcType::column_dof(j);
             numbering.column(numbering.places.of(*element.nodes.get(place)?)?, place_of(number)?)
         };
         // Degrees of freedom in the order of their columns; those without one are last.
@@ -516,7 +516,7 @@ impl Jacobian {
                 continue;
             };
             let j = usize::from(*j);
-            let (place, number) = Kind::column_dof(j);
+            let (place, number) = MpcType::column_dof(j);
             let axes = axes.get(place).copied().flatten();
             put(match (axes, number, place) {
                 (Some(_), 1..=6, 0 | 1) => {
@@ -530,7 +530,12 @@ impl Jacobian {
     }
 
     /// Gives the entries of a relation in the order of the rows.
-    pub(super) fn write_relation(&self, at: usize, rows: &[relation::Row<f64>], mut put: impl FnMut(f64)) {
+    pub(super) fn write_relation(
+        &self,
+        at: usize,
+        rows: &[relation::ConstraintRow<f64>],
+        mut put: impl FnMut(f64),
+    ) {
         for row in rows {
             let entry = |at: usize| row.gradient.get(at).copied().unwrap_or(f64::NAN);
             for taken in &self.relations[at].taken {
@@ -597,7 +602,7 @@ fn number<'a>(nodes: &'a [Label], model: &Model, plan: &Plan, fixed: &Fixed) -> 
     for index in &plan.mpcs {
         let element = &model.mpcs[*index];
         for (j, _) in element.constraint.columns().iter().enumerate().filter(|(_, is)| **is) {
-            let (place, number) = Kind::column_dof(j);
+            let (place, number) = MpcType::column_dof(j);
             if let Some(node) = element.nodes.get(place) {
                 add(*node, places.of(*node), number);
             }

@@ -9,7 +9,7 @@ use crate::evaluate::sequence::nodes::Moved;
 use pintle_kinematics::catalog::in_plane;
 use pintle_kinematics::connector::{Flag, Holding, Output, Request, Tally};
 use pintle_kinematics::measure::SingularClass;
-use pintle_kinematics::relation::{Form, Point, Quantity, Relation, Row};
+use pintle_kinematics::relation::{ConstraintRow, Form, Point, Quantity, Relation};
 use pintle_kinematics::vector::Vector;
 use pintle_scene::{Coupling, CouplingKind, Diagnostic, GLOBAL, Label, LabelSet, NodeFreedom, Scene, Span};
 
@@ -39,7 +39,7 @@ pub struct RelationResult {
     /// Its nodes.
     pub nodes: Vec<Point<f64>>,
     /// The numbers of each equation.
-    pub rows: Vec<Row<f64>>,
+    pub rows: Vec<ConstraintRow<f64>>,
     /// What needs care.
     pub flags: Vec<Flag>,
 }

@@ -531,7 +531,7 @@ pub(crate) fn list(arguments: &List) -> Result<(), Failure> {
 /// `pintle explain MPC`.
 fn explain_mpc(
     out: &mut impl Write,
-    kind: Option<mpc::Kind>,
+    kind: Option<mpc::MpcType>,
     format: PageFormat,
     width: usize,
 ) -> Result<(), Failure> {
@@ -611,7 +611,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
     match words.split_whitespace().collect::<Vec<_>>()[..] {
         ["MPC"] => return explain_mpc(&mut out, None, arguments.format.page()?, width),
         ["MPC", name] => {
-            let Some(kind) = mpc::Kind::named(name) else {
+            let Some(kind) = mpc::MpcType::named(name) else {
                 let names = mpc::TABLE.map(|entry| entry.name).join(", ");
                 return Err(Failure::Usage(format!(
                     "the MPCs that are evaluated, and explained, are {names}"
@@ -622,7 +622,7 @@ pub(crate) fn explain(arguments: &Explain) -> Result<(), Failure> {
         ["MPC", ..] => return Err(Failure::Usage("an MPC has one type: MPC REVOLUTE".to_string())),
         // A name that no connection type has.
         [name] if !TABLE.iter().any(|entry| entry.name == name) => {
-            if let Some(kind) = mpc::Kind::named(name) {
+            if let Some(kind) = mpc::MpcType::named(name) {
                 let format = arguments.format.page()?;
                 explain_mpc(&mut out, Some(kind), format, width)?;
                 if matches!(format, PageFormat::Human) {

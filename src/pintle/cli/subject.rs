@@ -9,7 +9,7 @@ use pintle_audit::{FrictionSubject, connector_at, constraint_at};
 use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::connector::{Definition, Request};
 use pintle_kinematics::draw::Draw;
-use pintle_kinematics::mpc::{Constraint, Kind};
+use pintle_kinematics::mpc::{Constraint, MpcType};
 use pintle_kinematics::scalar::elementary::norm;
 use pintle_kinematics::so3;
 use pintle_model::evaluate::{Model, Plan, Selection};
@@ -169,8 +169,8 @@ fn constraint(name: &str, at: Option<At<'_>>) -> Result<pintle_check::Subject, F
                 "states of your own need the nodes of a scene: \"MPC SCENE:S-M\"".into(),
             ));
         }
-        let kind = Kind::named(name).ok_or_else(|| {
-            let kinds: Vec<&str> = Kind::ALL.into_iter().map(Kind::name).collect();
+        let kind = MpcType::named(name).ok_or_else(|| {
+            let kinds: Vec<&str> = MpcType::ALL.into_iter().map(MpcType::name).collect();
             Failure::Usage(format!(
                 "there is no MPC {name}; there are {}, and SCENE:S-M by nodes",
                 kinds.join(", ")

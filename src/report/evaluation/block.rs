@@ -79,7 +79,7 @@ impl Nodal {
         let kind = element.constraint.kind();
         let wants = |output: Output| request.outputs().any(|one| one == output);
         let force = |j: &usize| {
-            let (place, dof) = mpc::Kind::column_dof(*j);
+            let (place, dof) = mpc::MpcType::column_dof(*j);
             let role = kind.entry().nodes.get(place).copied().unwrap_or_default();
             let node = element.nodes.get(place).copied();
             NodalForce { name: kind.column_name(*j), node, role, dof, force: forces.nodal[*j] }
@@ -491,13 +491,13 @@ impl<'a> Block<'a> {
                 Output::LM => number(result.forces.as_ref().and_then(|forces| forces.multipliers[row])),
                 _ => None,
             });
-            let (name, unit) = (kind.row_name(row), mpc::Kind::row_unit(row));
+            let (name, unit) = (kind.row_name(row), mpc::MpcType::row_unit(row));
             rows.push(ComponentRow { name, role: "constrained", unit, values });
         }
         rows.retain(|row| row.values != NO_VALUES);
         let kept: Vec<usize> = (0..MPC_DOFS).filter(|j| constraint.columns()[*j]).collect();
         let columns = kept.iter().filter_map(|j| {
-            let (place, dof) = mpc::Kind::column_dof(*j);
+            let (place, dof) = mpc::MpcType::column_dof(*j);
             let (node, role) = (*element.nodes.get(place)?, *entry.nodes.get(place)?);
             Some(Column { name: kind.column_name(*j), node, role, dof })
         });

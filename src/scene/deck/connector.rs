@@ -140,7 +140,7 @@ pub(super) fn mpc(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             continue;
         }
         let name = normal(first.text);
-        let known = mpc::Kind::named(&name).filter(|_| !user);
+        let known = mpc::MpcType::named(&name).filter(|_| !user);
         let kind = match known {
             Some(kind) => MpcKind::Evaluated(kind),
             None if user => MpcKind::Other(format!("USER {name}")),

@@ -196,7 +196,7 @@ pub struct ConnectorSection {
 #[serde(untagged)]
 pub enum MpcKind {
     /// A type that is evaluated.
-    Evaluated(mpc::Kind),
+    Evaluated(mpc::MpcType),
     /// Kept, not evaluated.
     Other(String),
 }
@@ -213,7 +213,7 @@ impl MpcKind {
 
     /// The type, where it is evaluated.
     #[must_use]
-    pub const fn evaluated(&self) -> Option<mpc::Kind> {
+    pub const fn evaluated(&self) -> Option<mpc::MpcType> {
         match self {
             Self::Evaluated(kind) => Some(*kind),
             Self::Other(_) => None,

@@ -488,13 +488,13 @@ impl<R: Number> Mechanism<R> {
             let mut velocity = [zero; mpc::DOFS];
             let mut angles = [None; 2];
             for (j, entry) in velocity.iter_mut().enumerate() {
-                let (place, number) = mpc::Kind::column_dof(j);
+                let (place, number) = mpc::MpcType::column_dof(j);
                 *entry = rate(place).map_or(zero, |rates| rates[place_of(number)]);
             }
             for (i, angle) in angles.iter_mut().enumerate() {
                 *angle = pose(2 + i).map(|pose| pose.vector[2]);
             }
-            if constraint.kind() == mpc::Kind::Beam {
+            if constraint.kind() == mpc::MpcType::Beam {
                 self.beam(index, (body(0), body(1)), &velocity, all);
                 continue;
             }
@@ -511,7 +511,7 @@ impl<R: Number> Mechanism<R> {
                 let Some(gradient) = &found.jacobian[row] else { continue };
                 let entries = gradient.iter().enumerate().filter(|(_, entry)| zero.less(entry.magnitude()));
                 let (coefficients, swept) = all.lines.add_row(entries.filter_map(|(j, entry)| {
-                    let (place, number) = mpc::Kind::column_dof(j);
+                    let (place, number) = mpc::MpcType::column_dof(j);
                     Some((DOFS * nodes.get(place)? + place_of(number), *entry))
                 }));
                 all.rows.push(Row {

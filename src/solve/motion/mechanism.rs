@@ -8,7 +8,7 @@ use crate::number::Number;
 use crate::refusal::Refusal;
 use pintle_kinematics::catalog::{COMPONENT, PLANE, component_index};
 use pintle_kinematics::connector::{Connector, Mask};
-use pintle_kinematics::mpc::{Constraint, Kind};
+use pintle_kinematics::mpc::{Constraint, MpcType};
 use pintle_kinematics::node::Pair;
 use pintle_kinematics::relation::{Form, Quantity, Relation};
 use pintle_kinematics::vector;
@@ -368,7 +368,7 @@ impl<R: Number> Mechanism<R> {
             true
         };
         self.mpcs.retain(|(_, constraint, nodes)| match (constraint.kind(), nodes.as_slice()) {
-            (Kind::Beam, [slave, master, ..]) => !is_within(*slave, *master, true),
+            (MpcType::Beam, [slave, master, ..]) => !is_within(*slave, *master, true),
             _ => true,
         });
         self.relations.retain(|(_, relation, nodes)| match (relation.follows(), nodes.as_slice()) {
@@ -653,7 +653,7 @@ impl<R: Number> Mechanism<R> {
             // A node whose rotations about two axes stay zero turns about the third alone.
             let turns_held = (3..6).filter(|k| rests(*k)).count();
             let is_hinge = self.mpcs.iter().any(|(_, constraint, nodes)| {
-                constraint.kind() != Kind::Beam && nodes.iter().skip(2).any(|other| *other == node)
+                constraint.kind() != MpcType::Beam && nodes.iter().skip(2).any(|other| *other == node)
             });
             for k in 0..6 {
                 let Some(drive) =

@@ -7,7 +7,7 @@ use num_dual::Dual2_64;
 use pintle_kinematics::catalog::FORCE;
 use pintle_kinematics::connector::{Components, Flag, Output, Request};
 use pintle_kinematics::mpc::force::DofMatrix;
-use pintle_kinematics::mpc::{DOFS, Dofs, Evaluation, FLOW, Kind, PHI, ROWS, Rows, State, XS, force};
+use pintle_kinematics::mpc::{DOFS, Dofs, Evaluation, FLOW, MpcType, PHI, ROWS, Rows, State, XS, force};
 use pintle_scene::{Code, ElementForces, ForceSign};
 
 /// What acts on the angle of a hinge. Moments are internal, as component forces: CTF = CEF + CVF + CRF − CCF, and the moment M_J
@@ -138,7 +138,7 @@ pub(in crate::evaluate) fn on_first_node(forces: Components<f64>) -> Option<Dofs
 }
 
 /// Which of f1 … m3 a kind transmits.
-fn transmitted(kind: Kind) -> [bool; 6] {
+fn transmitted(kind: MpcType) -> [bool; 6] {
     let rows = kind.rows(false);
     let moves = rows[0];
     [moves, moves, moves, rows[3], rows[4], rows[5]]

@@ -11,7 +11,9 @@ use crate::evaluate::mpc::forces::{
 use crate::evaluate::sequence::nodes::{Moved, ambiguous_turns};
 use pintle_kinematics::catalog::FORCE;
 use pintle_kinematics::connector::{Flag, Output, Request, Tally, Turns};
-use pintle_kinematics::mpc::{Body, Constraint, DOFS, Dofs, Evaluation, Kind, Margins, PHI, State, Turning};
+use pintle_kinematics::mpc::{
+    Body, Constraint, DOFS, Dofs, Evaluation, Margins, MpcType, PHI, State, Turning,
+};
 use pintle_kinematics::scalar::Real;
 use pintle_kinematics::vector::sub;
 use pintle_scene::{
@@ -162,12 +164,12 @@ impl<'a> Eliminated<'a> {
     /// In words, one that is dependent already.
     fn take(&mut self, element: &'a MpcElement) -> Result<(), String> {
         let Some(node) = element.nodes.first().copied() else { return Ok(()) };
-        if element.constraint.kind() == Kind::Link {
+        if element.constraint.kind() == MpcType::Link {
             let links = self.links.entry(node).or_default();
             links.push(element);
         } else {
             let columns = element.constraint.columns();
-            for (place, dof) in (0..DOFS).filter(|j| columns[*j]).map(Kind::column_dof) {
+            for (place, dof) in (0..DOFS).filter(|j| columns[*j]).map(MpcType::column_dof) {
                 if place > 0 {
                     continue;
                 }
@@ -252,7 +254,7 @@ const PARALLEL: f64 = 1e-8;
 /// What a constraint may not have been meant to be.
 fn doubts(element: &MpcElement) -> Option<(Code, String, &'static str, &'static str)> {
     let title = element.title();
-    if element.constraint.kind() == Kind::Link {
+    if element.constraint.kind() == MpcType::Link {
         let is_point = element.constraint.arm() == [0.0; 3];
         return is_point.then(|| {
             let message = format!("{title} has no length: its nodes coincide initially");
@@ -284,7 +286,7 @@ pub(super) const START: [Turns<f64>; 2] = [Turns { turns: 0.0, principal: 0.0 };
 
 impl MpcElement {
     /// The constraint of a scene.
-    pub(super) fn new(kind: Kind, mpc: &Mpc, scene: &Scene, flows: impl Fn(Label) -> bool) -> Self {
+    pub(super) fn new(kind: MpcType, mpc: &Mpc, scene: &Scene, flows: impl Fn(Label) -> bool) -> Self {
         let at = |place: usize| {
             let node = mpc.nodes.get(place).and_then(|label| scene.nodes.get(label));
             node.map_or([0.0; 3], |node| node.coordinates)
