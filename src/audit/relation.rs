@@ -509,8 +509,9 @@ impl RelationCase {
     fn related(&self, tables: &[ResultTable]) -> (ByRow, ByRow) {
         let got = self.said();
         let one = |x: Option<f64>| vec![x.unwrap_or(f64::NAN)];
-        let of =
-            |row: &ConstraintRow<f64>| [vec![row.residual], row.gradient.clone(), one(row.rate), one(row.acceleration)];
+        let of = |row: &ConstraintRow<f64>| {
+            [vec![row.residual], row.gradient.clone(), one(row.rate), one(row.acceleration)]
+        };
         let allowed = |row: &ConstraintRow<f64>| {
             self.scales(row).map(|scales| scales.into_iter().map(|scale| C * U * scale).collect())
         };
