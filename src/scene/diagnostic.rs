@@ -2,6 +2,7 @@
 
 use crate::label::Label;
 use crate::span::Span;
+use crate::wording::Words;
 use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
     SourceSpan, SpanContents,
@@ -454,9 +455,9 @@ pub type Result<T, E = Diagnostic> = std::result::Result<T, E>;
 struct Parts {
     severity: Severity,
     code: Code,
-    message: String,
-    label: String,
-    remedy: String,
+    message: Words,
+    label: Words,
+    remedy: Words,
     file: String,
     span: Span,
     /// Another place, of which the label gives the line at its end.
@@ -477,32 +478,33 @@ pub const MAX_ERRORS: usize = 20;
 const LONGEST_TEXT: usize = 600;
 
 /// The text, or its beginning.
-fn shortened(mut text: String) -> String {
-    if text.len() > LONGEST_TEXT {
-        let end = (0..=LONGEST_TEXT).rev().find(|place| text.is_char_boundary(*place));
-        text.truncate(end.unwrap_or(0));
-        text.push('…');
-    }
-    text
+fn shortened(words: impl Into<Words>) -> Words {
+    words.into().each(|text| {
+        if text.len() > LONGEST_TEXT {
+            let end = (0..=LONGEST_TEXT).rev().find(|place| text.is_char_boundary(*place));
+            text.truncate(end.unwrap_or(0));
+            text.push('…');
+        }
+    })
 }
 
 impl Diagnostic {
     /// An error at `span`. `label` stands under the marked text.
     #[must_use]
-    pub fn error(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self::new(Severity::Error, code, span, shortened(message.into()), shortened(label.into()))
+    pub fn error(code: Code, span: Span, message: impl Into<Words>, label: impl Into<Words>) -> Self {
+        Self::new(Severity::Error, code, span, shortened(message), shortened(label))
     }
 
     /// A warning at `span`. `label` stands under the marked text.
     #[must_use]
-    pub fn warning(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self::new(Severity::Warning, code, span, shortened(message.into()), shortened(label.into()))
+    pub fn warning(code: Code, span: Span, message: impl Into<Words>, label: impl Into<Words>) -> Self {
+        Self::new(Severity::Warning, code, span, shortened(message), shortened(label))
     }
 
     /// What an audit found at `span`, as bad as its code says.
     #[must_use]
-    pub fn finding(code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self::new(code.severity(), code, span, shortened(message.into()), shortened(label.into()))
+    pub fn finding(code: Code, span: Span, message: impl Into<Words>, label: impl Into<Words>) -> Self {
+        Self::new(code.severity(), code, span, shortened(message), shortened(label))
     }
 
     /// The same, as bad as that.
@@ -514,18 +516,18 @@ impl Diagnostic {
 
     /// The same, with more words at the end of the message.
     pub fn with_more(mut self, words: &str) -> Self {
-        self.0.message.push_str(words);
+        self.0.message = self.0.message.each(|text| text.push_str(words));
         self
     }
 
     /// The same, with words before the message.
     pub fn with_words_before(mut self, words: &str) -> Self {
-        self.0.message.insert_str(0, words);
+        self.0.message = self.0.message.each(|text| text.insert_str(0, words));
         self
     }
 
-    fn new(severity: Severity, code: Code, span: Span, message: String, label: String) -> Self {
-        let (remedy, file) = (String::new(), String::new());
+    fn new(severity: Severity, code: Code, span: Span, message: Words, label: Words) -> Self {
+        let (remedy, file) = (Words::default(), String::new());
         Self(Box::new(Parts {
             severity,
             code,
@@ -606,19 +608,19 @@ impl Diagnostic {
 
     /// The same, with what to do about it.
     #[must_use]
-    pub fn help(mut self, remedy: impl Into<String>) -> Self {
-        self.0.remedy = shortened(remedy.into());
+    pub fn help(mut self, remedy: impl Into<Words>) -> Self {
+        self.0.remedy = shortened(remedy);
         self
     }
 
-    /// The same in other words.
-    pub(crate) fn reworded(mut self, words: &dyn Fn(&str) -> String) -> Self {
+    /// The same, and those that it carries, in the words of documents.
+    pub(crate) fn of_document(mut self) -> Self {
         let parts = &mut self.0;
-        for text in [&mut parts.message, &mut parts.label, &mut parts.remedy] {
-            *text = words(text);
+        for words in [&mut parts.message, &mut parts.label, &mut parts.remedy] {
+            *words = std::mem::take(words).of_document();
         }
         let further = std::mem::take(&mut parts.further).into_iter();
-        parts.further = further.map(|error| error.reworded(words)).collect();
+        parts.further = further.map(Self::of_document).collect();
         self
     }
 
@@ -676,8 +678,7 @@ impl Diagnostic {
             && other.file() != self.0.span.file()
             && let Some(name) = name(other)
         {
-            self.0.label.push_str(" of ");
-            self.0.label.push_str(name);
+            self.0.label = std::mem::take(&mut self.0.label).each(|label| *label += &format!(" of {name}"));
         }
     }
 
@@ -696,19 +697,19 @@ impl Diagnostic {
     /// What is wrong, in one sentence.
     #[must_use]
     pub fn message(&self) -> &str {
-        &self.0.message
+        &self.0.message.text
     }
 
     /// What stands under the marked text.
     #[must_use]
     pub fn label(&self) -> &str {
-        &self.0.label
+        &self.0.label.text
     }
 
     /// What to do about it.
     #[must_use]
     pub fn remedy(&self) -> &str {
-        &self.0.remedy
+        &self.0.remedy.text
     }
 
     /// The name of the file.
@@ -933,7 +934,7 @@ impl Display for Diagnostic {
             }
             formatter.write_str(" ")?;
         }
-        write!(formatter, "{}{}", parts.message, self.others())
+        write!(formatter, "{}{}", self.message(), self.others())
     }
 }
 
@@ -953,7 +954,7 @@ impl miette::Diagnostic for Diagnostic {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        (!self.0.remedy.is_empty()).then(|| Box::new(&self.0.remedy) as Box<dyn Display>)
+        (!self.remedy().is_empty()).then(|| Box::new(self.remedy()) as Box<dyn Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
@@ -966,7 +967,7 @@ impl miette::Diagnostic for Diagnostic {
         let rest = excerpt.bytes.get(offset..).unwrap_or_default();
         let line = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
         let length = usize::try_from(self.0.span.end() - self.0.span.start()).unwrap_or(usize::MAX);
-        let label = LabeledSpan::new(Some(self.0.label.clone()), offset, length.min(line));
+        let label = LabeledSpan::new(Some(self.label().to_owned()), offset, length.min(line));
         Some(Box::new(std::iter::once(label)))
     }
 }
@@ -1012,21 +1013,21 @@ fn edits(a: &[char], b: &[char]) -> usize {
 }
 
 /// "; did you mean X?" when a candidate is close, otherwise the remedy alone.
-pub(crate) fn suggest<'a>(
+pub(crate) fn suggest<'a, T: From<String>>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
-    otherwise: impl FnOnce() -> String,
-) -> String {
-    nearest(word, candidates).map_or_else(otherwise, |near| format!("did you mean {near}?"))
+    otherwise: impl FnOnce() -> T,
+) -> T {
+    nearest(word, candidates).map_or_else(otherwise, |near| format!("did you mean {near}?").into())
 }
 
 /// The same for names that belong to instances: one that is called so in an instance is meant before one that is
 /// called almost so.
-pub(crate) fn suggest_scoped<'a>(
+pub(crate) fn suggest_scoped<'a, T: From<String>>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
-    otherwise: impl FnOnce() -> String,
-) -> String {
+    otherwise: impl FnOnce() -> T,
+) -> T {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     let bare = word.rsplit('.').next().unwrap_or(word);
     let scoped = candidates.iter().find(|candidate| {
@@ -1035,7 +1036,7 @@ pub(crate) fn suggest_scoped<'a>(
             .is_some_and(|rest| rest.ends_with('.') || (rest.is_empty() && bare != word))
     });
     match scoped {
-        Some(scoped) => format!("did you mean {scoped}?"),
+        Some(scoped) => format!("did you mean {scoped}?").into(),
         None => suggest(word, candidates, otherwise),
     }
 }

@@ -66,6 +66,7 @@ mod model;
 mod orientation;
 mod span;
 mod states;
+mod wording;
 mod written;
 
 pub use behavior::{
@@ -79,7 +80,6 @@ pub use choice::Choice;
 pub use deck::MAX_MEMBERS;
 pub use diagnostic::{Code, Diagnostic, MAX_ERRORS, Result, Severity};
 pub use digits::{Digits, DigitsOfState};
-pub use document::in_words_of;
 #[cfg(feature = "schema")]
 pub use document::schema;
 pub use document::{Converted, Format, MAX_DOCUMENT, SCHEMA_TEXT};
@@ -104,4 +104,5 @@ pub use orientation::{Definition, GLOBAL, Orientation, SMALLEST_SINE, System, Tr
 pub use span::{Span, Spanned};
 pub use states::{Degrees, InDegrees, is_in_degrees, told_in_degrees};
 pub use states::{MAX_ROTATION, QUATERNION_TOLERANCE, StateFile, StateMark, StateStream, Vanishing};
+pub use wording::Words;
 pub use written::{Placement, WrittenNode};

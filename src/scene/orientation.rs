@@ -108,11 +108,28 @@ impl Orientation {
         point: [f64; 3],
         element_nodes: &[[f64; 3]],
     ) -> Result<Triad> {
+        self.triad_of([name; 2], scene, point, element_nodes)
+    }
+
+    /// The same, where decks and documents call it differently.
+    pub(crate) fn triad_of(
+        &self,
+        names: [&str; 2],
+        scene: &Scene,
+        point: [f64; 3],
+        element_nodes: &[[f64; 3]],
+    ) -> Result<Triad> {
+        let [name, _] = names;
         let [a, b, c] = self.points(name, scene, element_nodes)?;
         let fail = |why: &str, remedy: &str| {
-            let message = format!("orientation {name} does not define three directions: {why}");
+            let message =
+                names.map(|name| format!("orientation {name} does not define three directions: {why}"));
             Diagnostic::error(Code::DegenerateOrientation, self.span, message, "this orientation")
                 .help(remedy)
+        };
+        let unless_rectangular = |why: &str, act: &str| {
+            let system = ["SYSTEM=RECTANGULAR", "system = RECTANGULAR"];
+            fail(why, "").help(system.map(|system| format!("{act}, or use {system}")))
         };
         let triad = match self.system {
             System::User => {
@@ -125,7 +142,10 @@ impl Orientation {
                     message,
                     "SYSTEM=USER, or a *DISTRIBUTION",
                 )
-                .help("give the directions by SYSTEM=RECTANGULAR and the points a, b"));
+                .help([
+                    "give the directions by SYSTEM=RECTANGULAR and the points a, b",
+                    "give the directions by system = RECTANGULAR and the points a, b",
+                ]));
             }
             System::Rectangular | System::ZRectangular => {
                 let (first, second) = (minus(a, c), minus(b, c));
@@ -152,9 +172,8 @@ impl Orientation {
                 let axial = direction(line).ok_or_else(|| {
                     fail("points a and b coincide", "give two different points of the axis")
                 })?;
-                let tangential = normal(line, minus(point, a)).ok_or_else(|| {
-                    fail("the node lies on the axis", "move the axis, or use SYSTEM=RECTANGULAR")
-                })?;
+                let tangential = normal(line, minus(point, a))
+                    .ok_or_else(|| unless_rectangular("the node lies on the axis", "move the axis"))?;
                 [cross(tangential, axial), tangential, axial]
             }
             System::Spherical => {
@@ -162,11 +181,10 @@ impl Orientation {
                 direction(polar).ok_or_else(|| {
                     fail("points a and b coincide", "give the centre and another point of the polar axis")
                 })?;
-                let radial = direction(radius).ok_or_else(|| {
-                    fail("the node lies at the centre", "move the centre, or use SYSTEM=RECTANGULAR")
-                })?;
+                let radial = direction(radius)
+                    .ok_or_else(|| unless_rectangular("the node lies at the centre", "move the centre"))?;
                 let circumferential = normal(polar, radius).ok_or_else(|| {
-                    fail("the node lies on the polar axis", "turn the polar axis, or use SYSTEM=RECTANGULAR")
+                    unless_rectangular("the node lies on the polar axis", "turn the polar axis")
                 })?;
                 [radial, circumferential, cross(radial, circumferential)]
             }
@@ -183,8 +201,10 @@ impl Orientation {
                 let node = |label: Label| {
                     scene.nodes.get(&label).map(|node| node.coordinates).ok_or_else(|| {
                         let message = format!("orientation {name} uses node {label}, which is not defined");
-                        Diagnostic::error(Code::UnknownNode, self.span, message, "this orientation")
-                            .help("define the node under *NODE, or use DEFINITION=COORDINATES")
+                        Diagnostic::error(Code::UnknownNode, self.span, message, "this orientation").help([
+                            "define the node under *NODE, or use DEFINITION=COORDINATES",
+                            "define the node under nodes, or use definition = COORDINATES",
+                        ])
                     })
                 };
                 Ok([node(*a)?, node(*b)?, c.map_or(Ok([0.0; 3]), node)?])
@@ -198,7 +218,10 @@ impl Orientation {
                             "orientation {name} uses node {number} of its element, which has {count} node{plural}"
                         );
                         Diagnostic::error(Code::DegenerateOrientation, self.span, message, "OFFSET TO NODES")
-                            .help("number the nodes of the element from 1, or use DEFINITION=COORDINATES")
+                            .help([
+                                "number the nodes of the element from 1, or use DEFINITION=COORDINATES",
+                                "number the nodes of the element from 1, or use definition = COORDINATES",
+                            ])
                     })
                 };
                 Ok([node(*a)?, node(*b)?, node(c.unwrap_or(1))?])

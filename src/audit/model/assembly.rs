@@ -12,7 +12,7 @@ use pintle_kinematics::catalog::COMPONENT;
 use pintle_model::evaluate::Freedom;
 use pintle_scene::grammar::number as short;
 use pintle_scene::grammar::{agree, count, ranges};
-use pintle_scene::{Boundary, Code, ConnectorMotion, Label, Mpc, Scene, Severity, Span, Target};
+use pintle_scene::{Boundary, Code, ConnectorMotion, Label, Mpc, Scene, Severity, Span, Target, Words};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The names that a message lists.
@@ -288,10 +288,12 @@ fn redundancies(scene: &Scene, assembly: &Assembly, levels: &Levels) -> Vec<Find
         let remedy = match holds {
             Holds::Here | Holds::Differs => {
                 "start from another position, or drive through this one with care: forces grow without bound near it"
+                    .into()
             }
             Holds::Isolated => {
                 "move a node, or change a length, so that the position is not singular: the constraints resist loads along the motions that are free to \
                  first order only as it deforms, and forces grow without bound as it comes nearer"
+                    .into()
             }
             _ => remedy(scene, &first.constraint, &makers, &redundant),
         };
@@ -337,16 +339,22 @@ fn name(scene: &Scene, one: &Constraint, follows: &Redundant) -> String {
 }
 
 /// What to do about a redundancy that does not depend on the position, by what it follows from.
-fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&Redundant]) -> &'static str {
+fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&Redundant]) -> Words {
     let is_mpc = of.index.is_some();
     let is_held = redundant.iter().all(|one| one.held);
-    match makers {
+    let remedy = match makers {
         [] if is_held && is_mpc => {
             "its nodes are held as it would hold them: leave out the constraint, or free one of the nodes"
         }
         [] if is_held => {
-            "its nodes are held as it would hold them: free one of the nodes in *BOUNDARY, or choose a connection type that leaves the component \
-             available"
+            return ["*BOUNDARY", "boundaries"]
+                .map(|held| {
+                    format!(
+                        "its nodes are held as it would hold them: free one of the nodes in {held}, or choose a connection type that leaves the \
+                         component available"
+                    )
+                })
+                .into();
         }
         [one] if nodes_of(scene, one) == nodes_of(scene, of) && is_mpc => {
             "it and the other one join the same nodes: remove one of the two"
@@ -362,7 +370,8 @@ fn remedy(scene: &Scene, of: &Constraint, makers: &[&Constraint], redundant: &[&
             "free the component: choose a connection type that leaves it available (of a planar loop of hinges, make one a SLOT along its axis with CARDAN, say), or \
              accept that its force is not determined"
         }
-    }
+    };
+    remedy.into()
 }
 
 /// Constraints that are redundant at a given state and not at others: a finding for each set of them, with its states.

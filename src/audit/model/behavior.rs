@@ -77,7 +77,8 @@ fn unused(scene: &Scene) -> impl Iterator<Item = Finding> {
     unused.map(|(name, behavior)| {
         let message = format!("no section names the behaviour {name}: it acts on no connector");
         let reason = "a behaviour acts on the connectors of the sections that name it";
-        let remedy = "name it by BEHAVIOR= of a *CONNECTOR SECTION, or remove it";
+        let remedy = ["BEHAVIOR= of a *CONNECTOR SECTION", "behavior of one of connector_sections"]
+            .map(|place| format!("name it by {place}, or remove it"));
         Finding::new(scene, Code::ModelUnusedBehavior, behavior.span, message, reason, remedy)
     })
 }

@@ -1,6 +1,6 @@
 //! What is found in a model: code, severity, place, what it is about, and what to do.
 
-use pintle_scene::{Code, Diagnostic, Label, Scene, Severity, Span};
+use pintle_scene::{Code, Diagnostic, Label, Scene, Severity, Span, Words};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
@@ -44,13 +44,12 @@ impl Finding {
         scene: &Scene,
         code: Code,
         place: Span,
-        message: impl Into<String>,
-        reason: impl Into<String>,
-        remedy: impl Into<String>,
+        message: impl Into<Words>,
+        reason: impl Into<Words>,
+        remedy: impl Into<Words>,
     ) -> Self {
         let diagnostic = Diagnostic::finding(code, place, message, reason).help(remedy);
-        let diagnostic = pintle_scene::in_words_of(scene, diagnostic).in_scene(scene);
-        Self { diagnostic, about: About::default() }
+        diagnostic.in_scene(scene).into()
     }
 
     /// The same, about these.

@@ -227,8 +227,8 @@ fn missing(scene: &Scene, element: &ConnectorElement, place: Span) -> Option<Fin
         components.join(", ")
     );
     let reason = format!("by {}", connection.pages());
-    let remedy =
-        "name an *ORIENTATION on the line after the type, or leave it out if the global directions are meant";
+    let remedy = ["name an *ORIENTATION on the line after the type", "give orientation_a"]
+        .map(|name| format!("{name}, or leave it out if the global directions are meant"));
     let finding = Finding::new(scene, Code::ModelOrientationDefault, place, message, reason, remedy);
     Some(finding.about(About { elements: vec![element.label], components, ..About::default() }))
 }

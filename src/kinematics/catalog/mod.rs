@@ -15,7 +15,7 @@ pub use friction::{
     Contact, ContactTerm, CrossAxis, Factor, Friction, FrictionConstant, FrictionCriterion,
     FrictionParameter, Load, PLANE, Quantity, SPATIAL, Traction, in_plane,
 };
-pub use rules::{Breach, Facts, Procedure, Rule};
+pub use rules::{Breach, EXPLICIT_STEP, Facts, Procedure, Rule};
 pub use table::TABLE;
 
 use crate::measure::{Measure, Unit};

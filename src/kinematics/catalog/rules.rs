@@ -124,11 +124,21 @@ struct ProcedureRule {
     only: Procedure,
     /// Whether a connector asks for it.
     asks: fn(&ConnectionType, &Facts) -> bool,
-    what: &'static str,
-    remedy: &'static str,
+    /// In the words of decks, and of documents.
+    what: [&'static str; 2],
+    remedy: [&'static str; 2],
     source: &'static str,
     evidence: Evidence,
     harmless: bool,
+}
+
+/// A step of Abaqus/Explicit, in the words of decks and of documents.
+pub const EXPLICIT_STEP: [&str; 2] =
+    ["a *DYNAMIC, EXPLICIT step", "a step with procedure = \"dynamic_explicit\""];
+
+/// What decks and documents say in the same words.
+fn both(text: String) -> [String; 2] {
+    [text.clone(), text]
 }
 
 const PROCEDURE_RULES: &[ProcedureRule] = &[
@@ -136,8 +146,11 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::ZRectangularNotInExplicit,
         only: Procedure::Standard,
         asks: |_, facts| facts.z_rectangular,
-        what: "an orientation with SYSTEM=Z RECTANGULAR",
-        remedy: "give the same directions by SYSTEM=RECTANGULAR",
+        what: ["an orientation with SYSTEM=Z RECTANGULAR", "an orientation with system = Z RECTANGULAR"],
+        remedy: [
+            "give the same directions by SYSTEM=RECTANGULAR",
+            "give the same directions by system = RECTANGULAR",
+        ],
         source: "keyword *ORIENTATION",
         evidence: Evidence::D,
         harmless: false,
@@ -148,8 +161,9 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         asks: |connection, facts| {
             connection.is_directed_by_orientation() && facts.orientation.contains(&true) && facts.coincident
         },
-        what: "the direction that an orientation gives to a connector whose nodes coincide",
-        remedy: "move the nodes apart, or use CARTESIAN; without a direction the force is zero until they separate",
+        what: ["the direction that an orientation gives to a connector whose nodes coincide"; 2],
+        remedy: ["move the nodes apart, or use CARTESIAN; without a direction the force is zero until they separate";
+            2],
         source: "connection type AXIAL, Description",
         evidence: Evidence::D,
         harmless: true,
@@ -158,8 +172,8 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::ControlsNotInExplicit,
         only: Procedure::Standard,
         asks: |_, facts| facts.controls,
-        what: "CONTROLS on *CONNECTOR SECTION",
-        remedy: "remove CONTROLS; it has no effect",
+        what: ["CONTROLS on *CONNECTOR SECTION", "CONTROLS on connector_sections"],
+        remedy: ["remove CONTROLS; it has no effect"; 2],
         source: "keyword *CONNECTOR SECTION",
         evidence: Evidence::D,
         harmless: true,
@@ -168,8 +182,8 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::EliminationNotInStandard,
         only: Procedure::Explicit,
         asks: |_, facts| facts.elimination,
-        what: "ELIMINATION on *CONNECTOR SECTION",
-        remedy: "remove ELIMINATION; it has no effect",
+        what: ["ELIMINATION on *CONNECTOR SECTION", "ELIMINATION on connector_sections"],
+        remedy: ["remove ELIMINATION; it has no effect"; 2],
         source: "keyword *CONNECTOR SECTION",
         evidence: Evidence::D,
         harmless: true,
@@ -178,8 +192,8 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::IntegrationNotInStandard,
         only: Procedure::Explicit,
         asks: |_, facts| facts.integration,
-        what: "INTEGRATION on *CONNECTOR BEHAVIOR",
-        remedy: "remove INTEGRATION; it has no effect",
+        what: ["INTEGRATION on *CONNECTOR BEHAVIOR", "INTEGRATION on behaviors"],
+        remedy: ["remove INTEGRATION; it has no effect"; 2],
         source: "keyword *CONNECTOR BEHAVIOR",
         evidence: Evidence::D,
         harmless: true,
@@ -188,8 +202,8 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::FrequencyNotInExplicit,
         only: Procedure::Standard,
         asks: |_, facts| facts.frequency,
-        what: "elasticity or damping that depends on frequency",
-        remedy: "leave the frequency blank",
+        what: ["elasticity or damping that depends on frequency"; 2],
+        remedy: ["leave the frequency blank"; 2],
         source: "keywords *CONNECTOR ELASTICITY and *CONNECTOR DAMPING",
         evidence: Evidence::D,
         harmless: false,
@@ -198,8 +212,8 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::UnsymmetricNotInExplicit,
         only: Procedure::Standard,
         asks: |_, facts| facts.unsymmetric,
-        what: "UNSYMM elasticity or damping",
-        remedy: "give the 21 terms of a symmetric matrix",
+        what: ["UNSYMM elasticity or damping"; 2],
+        remedy: ["give the 21 terms of a symmetric matrix"; 2],
         source: "connector elastic behaviour",
         evidence: Evidence::D,
         harmless: false,
@@ -208,8 +222,8 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::StructuralDampingNotInExplicit,
         only: Procedure::Standard,
         asks: |_, facts| facts.structural_damping,
-        what: "structural damping",
-        remedy: "use TYPE=VISCOUS; structural damping acts in frequency domain procedures",
+        what: ["structural damping"; 2],
+        remedy: ["use TYPE=VISCOUS; structural damping acts in frequency domain procedures"; 2],
         source: "connector damping behaviour",
         evidence: Evidence::P,
         harmless: false,
@@ -220,8 +234,9 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         asks: |connection, facts| {
             connection.is_belt() && facts.predefined_friction.is_some() && !facts.contact_angle
         },
-        what: "a contact angle from the positions of the nodes",
-        remedy: "give the contact angle in radians as item 2 of the section data; the default of Standard is 0, and then there is no friction",
+        what: ["a contact angle from the positions of the nodes"; 2],
+        remedy: ["give the contact angle in radians as item 2 of the section data; the default of Standard is 0, and then there is no friction";
+            2],
         source: "connection type SLIPRING, Friction (our reading)",
         evidence: Evidence::P,
         harmless: true,
@@ -230,8 +245,9 @@ const PROCEDURE_RULES: &[ProcedureRule] = &[
         rule: Rule::LockVelocity,
         only: Procedure::Standard,
         asks: |_, facts| facts.lock_temperature,
-        what: "a lock whose fifth item is a temperature",
-        remedy: "limits of velocity are not evaluated, and the fifth item is read as a temperature: leave it out, or give the lock by position and force alone",
+        what: ["a lock whose fifth item is a temperature"; 2],
+        remedy: ["limits of velocity are not evaluated, and the fifth item is read as a temperature: leave it out, or give the lock by position and force alone";
+            2],
         source: "connector lock behaviour",
         evidence: Evidence::P,
         harmless: true,
@@ -253,10 +269,10 @@ impl Procedure {
 pub struct Breach {
     /// The rule.
     pub rule: Rule,
-    /// What is wrong.
-    pub message: String,
-    /// What to do.
-    pub remedy: String,
+    /// What is wrong, in the words of decks and of documents.
+    pub message: [String; 2],
+    /// What to do, in these words.
+    pub remedy: [String; 2],
     /// Where the rule is documented.
     pub source: String,
     /// How well it is documented: only [`Evidence::S`] and [`Evidence::D`] refuse.
@@ -292,8 +308,9 @@ impl ConnectionType {
     pub fn breaches(&self, facts: &Facts) -> Vec<Breach> {
         let mut found = Vec::new();
         let source = self.pages();
-        let mut about = |item, rule, message: String, remedy: String, evidence, harmless| {
-            found.push(Breach { rule, message, remedy, source: source.clone(), evidence, harmless, item });
+        let mut about = |item, rule, message: String, remedy: [String; 2], evidence, harmless| {
+            let (message, source) = (both(message), source.clone());
+            found.push(Breach { rule, message, remedy, source, evidence, harmless, item });
         };
         let mut breach = |rule, message, remedy, evidence, harmless| {
             about(None, rule, message, remedy, evidence, harmless)
@@ -304,7 +321,10 @@ impl ConnectionType {
                 breach(
                     Rule::OrientationRequired,
                     format!("{} requires an orientation at node {node}", self.name),
-                    format!("name an *ORIENTATION as item {} of the line after the type", at + 1),
+                    [
+                        format!("name an *ORIENTATION as item {} of the line after the type", at + 1),
+                        format!("give orientation_{node}"),
+                    ],
                     rule.evidence,
                     false,
                 );
@@ -323,7 +343,7 @@ impl ConnectionType {
                 Some(*first),
                 Rule::OrientationIgnored,
                 format!("{} does not use an orientation at {nodes}", self.name),
-                format!("leave {them} out; there is no effect"),
+                both(format!("leave {them} out; there is no effect")),
                 self.orientation[*first].evidence,
                 true,
             );
@@ -335,7 +355,8 @@ impl ConnectionType {
             breach(
                 Rule::NotInTwoDimensions,
                 format!("{} cannot be used in two-dimensional or axisymmetric analysis", self.name),
-                "use TYPE=CONN3D2, or a type that has a two-dimensional form".into(),
+                ["TYPE=CONN3D2", "dimension = CONN3D2"]
+                    .map(|dimension| format!("use {dimension}, or a type that has a two-dimensional form")),
                 Evidence::D,
                 false,
             );
@@ -351,8 +372,8 @@ impl ConnectionType {
                 Rule::NotInProcedure,
                 format!("{} is available only in Abaqus/{only}", self.name),
                 match only {
-                    "Explicit" => "use a *DYNAMIC, EXPLICIT step, or another type".into(),
-                    _ => "use an implicit step, or another type".into(),
+                    "Explicit" => EXPLICIT_STEP.map(|step| format!("use {step}, or another type")),
+                    _ => both("use an implicit step, or another type".into()),
                 },
                 Evidence::D,
                 false,
@@ -368,7 +389,7 @@ impl ConnectionType {
                     Some(*k),
                     Rule::StopNotAvailable,
                     format!("{} takes no stop on component {} ({})", self.name, k + 1, COMPONENT[*k]),
-                    format!("stops apply to available components; here: {available}"),
+                    both(format!("stops apply to available components; here: {available}")),
                     Evidence::D,
                     false,
                 );
@@ -386,7 +407,7 @@ impl ConnectionType {
                         k + 1,
                         COMPONENT[*k]
                     ),
-                    format!("references apply to available components; here: {available}"),
+                    both(format!("references apply to available components; here: {available}")),
                     Evidence::D,
                     false,
                 );
@@ -398,7 +419,9 @@ impl ConnectionType {
                     Some(*k),
                     Rule::ActionNotAvailable,
                     format!("component {} ({}) of {} is not available", k + 1, COMPONENT[*k], self.name),
-                    format!("behaviour, motion and load act on available components; here: {available}"),
+                    both(format!(
+                        "behaviour, motion and load act on available components; here: {available}"
+                    )),
                     Evidence::D,
                     false,
                 );
@@ -420,7 +443,7 @@ impl ConnectionType {
                                 "predefined friction of {} takes {least} to {most} numbers, not {count}",
                                 self.name
                             ),
-                            format!("give {} in this order", symbols.join(", ")),
+                            both(format!("give {} in this order", symbols.join(", "))),
                             friction.evidence,
                             false,
                         );
@@ -434,8 +457,7 @@ impl ConnectionType {
                         breach(
                             Rule::FrictionParameterUnused,
                             format!("{symbol} of the friction of {} is read, and nothing depends on it", self.name),
-                            "write 0: where the manual's formula has it could not be read, and ours does not hold it"
-                                .to_string(),
+                            both("write 0: where the manual's formula has it could not be read, and ours does not hold it".into()),
                             friction.evidence,
                             true,
                         );
@@ -445,8 +467,11 @@ impl ConnectionType {
                 (None, _) => breach(
                     Rule::FrictionNotPredefined,
                     format!("{} has no predefined friction", self.name),
-                    "define the friction with COMPONENT= or *CONNECTOR POTENTIAL, or remove PREDEFINED"
-                        .into(),
+                    [
+                        "define the friction with COMPONENT= or *CONNECTOR POTENTIAL, or remove PREDEFINED",
+                        "describe the friction with component or potential instead of predefined",
+                    ]
+                    .map(String::from),
                     Evidence::D,
                     false,
                 ),
@@ -463,7 +488,7 @@ impl ConnectionType {
                     "{} takes {takes_data} numbers on its data line, not {}",
                     self.name, facts.section_data
                 ),
-                "remove the extra numbers".into(),
+                both("remove the extra numbers".into()),
                 Evidence::D,
                 false,
             );
@@ -476,7 +501,7 @@ impl ConnectionType {
             breach(
                 Rule::CoincidentNodes,
                 format!("{} needs two nodes apart, and they coincide initially", self.name),
-                "move a node, or use JOIN to keep nodes together".into(),
+                both("move a node, or use JOIN to keep nodes together".into()),
                 Evidence::D,
                 false,
             );
@@ -516,7 +541,7 @@ impl ConnectionType {
                             COMPONENT[k],
                             self.name
                         ),
-                        format!("trigger by and {verb} available components; here: {available}"),
+                        both(format!("trigger by and {verb} available components; here: {available}")),
                         Evidence::D,
                         rule == Rule::LockNotAvailable && !is_absent,
                     );
@@ -530,13 +555,10 @@ impl ConnectionType {
             }
             found.push(Breach {
                 rule: rule.rule,
-                message: format!(
-                    "{}: {} is available only in Abaqus/{}",
-                    self.name,
-                    rule.what,
-                    rule.only.name()
-                ),
-                remedy: rule.remedy.into(),
+                message: rule.what.map(|what| {
+                    format!("{}: {what} is available only in Abaqus/{}", self.name, rule.only.name())
+                }),
+                remedy: rule.remedy.map(String::from),
                 source: page(rule.source).into(),
                 evidence: rule.evidence,
                 harmless: rule.harmless,
@@ -577,6 +599,6 @@ mod tests {
         let planar = cartesian.breaches(&facts(true));
         let rules: Vec<Rule> = planar.iter().map(|breach| breach.rule).collect();
         assert_eq!(rules, [Rule::StopNotAvailable, Rule::ReferenceNotAvailable, Rule::ActionNotAvailable]);
-        assert!(planar.iter().all(|breach| breach.remedy.ends_with("here: u1, u2")));
+        assert!(planar.iter().all(|breach| breach.remedy[0].ends_with("here: u1, u2")));
     }
 }

@@ -7,7 +7,7 @@ use crate::evaluate::belt::Ring;
 use crate::evaluate::mpc::MpcElement;
 use crate::evaluate::relation::{RelationElement, relations};
 use crate::evaluate::{mpc, plane, rules, shared};
-use pintle_kinematics::catalog::{ConnectionType, NameError, Orientation, Rule};
+use pintle_kinematics::catalog::{ConnectionType, EXPLICIT_STEP, NameError, Orientation, Rule};
 use pintle_kinematics::connector::{Connector, Definition, Stop};
 use pintle_kinematics::measure::Measure;
 use pintle_kinematics::node::{Node, PSI_A, PSI_B, Pair};
@@ -95,7 +95,7 @@ impl Shared {
 #[derive(PartialEq, Eq, Hash)]
 enum Broken {
     /// A rule of connection types, with what is wrong: others of it may be warned of at the same place.
-    Rule(Rule, String),
+    Rule(Rule, [String; 2]),
     /// A law, with what is wrong.
     Law(String),
     /// All that is refused with that code at the place.
@@ -293,7 +293,7 @@ impl Model {
                     let here = format!("by {}", resolved.pages());
                     let place = section.type_names.first().map_or(section.span, |name| name.span);
                     let warning = Diagnostic::warning(Code::ConvertedInStandard, place, message, here)
-                        .help(format!("write {becomes}, or use a *DYNAMIC, EXPLICIT step"));
+                        .help(EXPLICIT_STEP.map(|step| format!("write {becomes}, or use {step}")));
                     converted = Some(self.warnings.len());
                     self.warnings.push(warning.in_scene(scene));
                     resolved = other;

@@ -310,14 +310,14 @@ pub(super) fn diagnose(breach: &Breach, label: Label, place: Span, scene: &Scene
         .filter(|_| breach.rule == Rule::ZRectangularNotInExplicit)
         .and_then(|section| z_rectangular(scene, section).find(|name| name.span == place))
         .map_or_else(String::new, |name| format!(" (orientation {})", name.value));
-    let message = format!("element {label}: {}{orientation}", breach.message);
+    let message = breach.message.each_ref().map(|message| format!("element {label}: {message}{orientation}"));
     let here = format!("by {}", breach.source);
     let build = if breach.refuses() { Diagnostic::error } else { Diagnostic::warning };
     let certainty = match breach.evidence {
         Evidence::S | Evidence::D => "",
         Evidence::P | Evidence::R => " (the rule rests on our reading, so this is a warning)",
     };
-    let diagnostic =
-        build(code(breach.rule), place, message, here).help(format!("{}{certainty}", breach.remedy));
-    pintle_scene::in_words_of(scene, diagnostic).in_scene(scene)
+    build(code(breach.rule), place, message, here)
+        .help(breach.remedy.each_ref().map(|remedy| format!("{remedy}{certainty}")))
+        .in_scene(scene)
 }

@@ -9,7 +9,7 @@ use crate::behavior::{
 use crate::choice::Choice;
 use crate::deck::mesh::not_negative;
 use crate::deck::table;
-use crate::deck::table::{no_rows, raw, records, rows};
+use crate::deck::table::{LINE_FOLLOWS, no_rows, raw, records, rows};
 use crate::deck::{Deck, Host, misplaced};
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::label::normal;
@@ -92,9 +92,9 @@ fn component_line(deck: &mut Deck<'_>, keyword: &Keyword, what: &str) -> Result<
     match deck.lexer.row()? {
         Some(line) => components(&line),
         None => {
-            let message = format!("*{} has no {what}", keyword.name);
-            Err(Diagnostic::error(Code::MissingData, keyword.span, message, "a data line should follow")
-                .help(format!("give a line with {what}, such as 1, 2")))
+            let message = keyword.words().map(|keyword| format!("{keyword} has no {what}"));
+            Err(Diagnostic::error(Code::MissingData, keyword.span, message, LINE_FOLLOWS)
+                .help(["line", "row"].map(|line| format!("give a {line} with {what}, such as 1, 2"))))
         }
     }
 }
@@ -109,22 +109,25 @@ fn independent(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<Option<Independ
         .transpose()
 }
 
+/// Two parameters that exclude each other, in the words of decks and of documents.
+fn exclusive(keyword: &Keyword, first: [&str; 2], second: [&str; 2]) -> Diagnostic {
+    let all = [0, 1].map(|form| (first[form], second[form]));
+    let message = all.map(|(first, second)| format!("{first} and {second} exclude each other"));
+    Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "this keyword")
+        .help(all.map(|(first, second)| format!("remove {first} or {second}")))
+}
+
 /// The law of an elasticity or damping; `coefficient` and `motion` name its columns.
 fn law(deck: &mut Deck<'_>, keyword: &Keyword, coefficient: &str, motion: &str) -> Result<Law> {
     let fields = keyword.dependencies()?;
     let component = keyword.component("COMPONENT")?;
     let (nonlinear, rigid) = (keyword.has("NONLINEAR"), keyword.has("RIGID"));
     let (unsymmetric, frequency) = (keyword.has("UNSYMM"), flag(keyword, "FREQUENCY DEPENDENCE")?);
-    let exclude = |first: &str, second: &str| {
-        let message = format!("{first} and {second} exclude each other");
-        Err(Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "this keyword")
-            .help(format!("remove {first} or {second}")))
-    };
     if nonlinear && rigid {
-        return exclude("NONLINEAR", "RIGID");
+        return Err(exclusive(keyword, ["NONLINEAR", "nonlinear"], ["RIGID", "rigid"]));
     }
     if unsymmetric && component.is_some() {
-        return exclude("UNSYMM", "COMPONENT");
+        return Err(exclusive(keyword, ["UNSYMM", "unsymmetric"], ["COMPONENT", "component"]));
     }
     let header = (keyword.name.as_str(), keyword.span);
     if rigid {
@@ -172,10 +175,12 @@ fn law(deck: &mut Deck<'_>, keyword: &Keyword, coefficient: &str, motion: &str) 
         if !is_of_one || error.code() != Code::MissingData {
             return error;
         }
-        keyword.missing("COMPONENT").help(format!(
-            "write *{}, COMPONENT=… for {coefficient} of one component; the matrix of all has {terms} terms, 8 on a line",
-            keyword.name
-        ))
+        let what =
+            format!("for {coefficient} of one component; the matrix of all has {terms} terms, 8 on a line");
+        let [deck, field] = keyword.words();
+        let remedy =
+            [format!("write {deck}, COMPONENT=… {what}"), format!("write {field}, component {what}")];
+        keyword.missing("COMPONENT").help(remedy)
     })?;
     Ok(Law::Coupled { unsymmetric, frequency, rows })
 }
@@ -219,9 +224,9 @@ fn check_order(rows: &[TableRow], index: usize, what: &str, spans: &[Span]) -> R
                 Code::TableOrder,
                 *span,
                 message,
-                "must be larger than on the line before",
+                ["must be larger than on the line before", "must be larger than in the row before"],
             )
-            .help(format!("order the lines so that {what} increases")));
+            .help(["lines", "rows"].map(|rows| format!("order the {rows} so that {what} increases"))));
         }
     }
     Ok(())
@@ -242,7 +247,10 @@ pub(super) fn damping(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if kind == DampingKind::Structural && matches!(law, Law::Nonlinear { .. } | Law::Rigid { .. }) {
         let message = "structural damping is linear";
         return Err(Diagnostic::error(Code::ConflictingParameters, keyword.span, message, "this keyword")
-            .help("remove NONLINEAR or RIGID, or TYPE=STRUCTURAL"));
+            .help([
+                "remove NONLINEAR or RIGID, or TYPE=STRUCTURAL",
+                "remove nonlinear or rigid, or type = \"structural\"",
+            ]));
     }
     let damping = Damping { kind, law, table: table_options(keyword)?, span: keyword.span };
     deck.behavior(keyword)?.damping.push(damping);
@@ -274,17 +282,13 @@ pub(super) fn friction(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         .map(|value| source(value.text(), value.is_integer(), value.component(), value.name(), value.span))
         .transpose()?;
     let kind = if predefined {
-        for parameter in ["COMPONENT", "CONTACT FORCE", "INDEPENDENT COMPONENTS"] {
-            if keyword.has(parameter) {
-                let message = format!("PREDEFINED and {parameter} exclude each other");
-                return Err(Diagnostic::error(
-                    Code::ConflictingParameters,
-                    keyword.span,
-                    message,
-                    "this keyword",
-                )
-                .help(format!("remove PREDEFINED or {parameter}")));
-            }
+        let others = [
+            ["COMPONENT", "component"],
+            ["CONTACT FORCE", "contact_force"],
+            ["INDEPENDENT COMPONENTS", "independent"],
+        ];
+        if let Some(other) = others.into_iter().find(|[parameter, _]| keyword.has(parameter)) {
+            return Err(exclusive(keyword, ["PREDEFINED", "predefined"], other));
         }
         let constants = match deck.lexer.row()? {
             Some(line) => {
@@ -305,14 +309,17 @@ pub(super) fn friction(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
         let width = 4 + independent.as_ref().map_or(0, |independent| independent.components.len()) + fields;
         let rows = raw(&mut deck.lexer, width)?;
         if rows.is_empty() && contact_force.is_none() {
-            let message = "*CONNECTOR FRICTION has no normal force";
+            let message = keyword.words().map(|keyword| format!("{keyword} has no normal force"));
             return Err(Diagnostic::error(
                 Code::MissingData,
                 keyword.span,
                 message,
-                "neither data nor CONTACT FORCE",
+                ["neither data nor CONTACT FORCE", "neither rows nor contact_force"],
             )
-            .help("give CONTACT FORCE=…, or a line with the internal contact force, or PREDEFINED"));
+            .help([
+                "give CONTACT FORCE=…, or a line with the internal contact force, or PREDEFINED",
+                "give contact_force, or rows with the internal contact force, or predefined",
+            ]));
         }
         FrictionKind::User { component, potential: None, contact_force, independent, rows }
     };
@@ -330,7 +337,7 @@ pub(super) fn friction(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn friction_coefficient(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if deck.host != Host::Friction {
-        return Err(misplaced(keyword, "*CONNECTOR FRICTION"));
+        return Err(misplaced(keyword, ["*CONNECTOR FRICTION"; 2]));
     }
     let fields = keyword.dependencies()?;
     let (exponential, test) = (keyword.has("EXPONENTIAL DECAY"), keyword.has("TEST DATA"));
@@ -380,7 +387,7 @@ pub(super) fn friction_coefficient(deck: &mut Deck<'_>, keyword: &Keyword) -> Re
     let coefficient = FrictionCoefficient { law, maximum, slip_tolerance, elastic_slip, span: keyword.span };
     match deck.behavior(keyword)?.friction.last_mut() {
         Some(friction) if friction.coefficient.is_none() => friction.coefficient = Some(coefficient),
-        _ => return Err(misplaced(keyword, "a *CONNECTOR FRICTION of its own")),
+        _ => return Err(misplaced(keyword, ["a *CONNECTOR FRICTION of its own"; 2])),
     }
     Ok(())
 }
@@ -391,8 +398,10 @@ pub(super) fn derived_component(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
     let components = component_line(deck, keyword, "component numbers")?;
     if components.is_empty() {
         let message = format!("derived component {} has no components", name.value);
-        return Err(Diagnostic::error(Code::MissingData, name.span, message, "without components")
-            .help("list component numbers on the first data line"));
+        return Err(Diagnostic::error(Code::MissingData, name.span, message, "without components").help(
+            ["on the first data line", "in components"]
+                .map(|place| format!("list component numbers {place}")),
+        ));
     }
     let independent = independent(deck, keyword)?;
     let columns =
@@ -474,7 +483,11 @@ pub(super) fn potential(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
             Ok(())
         }
         _ => {
-            Err(misplaced(keyword, "a coupled *CONNECTOR FRICTION, PLASTICITY or DAMAGE (without COMPONENT)"))
+            let coupled = [
+                "a coupled *CONNECTOR FRICTION, PLASTICITY or DAMAGE (without COMPONENT)",
+                "a coupled friction, plasticity or damage (without component)",
+            ];
+            Err(misplaced(keyword, coupled))
         }
     }
 }
@@ -489,7 +502,7 @@ pub(super) fn plasticity(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
 
 pub(super) fn hardening(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if deck.host != Host::Plasticity {
-        return Err(misplaced(keyword, "*CONNECTOR PLASTICITY"));
+        return Err(misplaced(keyword, ["*CONNECTOR PLASTICITY"; 2]));
     }
     let fields = keyword.dependencies()?;
     let kind = keyword.choice("TYPE")?.unwrap_or(HardeningKind::Isotropic);
@@ -515,7 +528,7 @@ pub(super) fn hardening(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     };
     match deck.behavior(keyword)?.plasticity.last_mut() {
         Some(plasticity) => plasticity.hardening.push(hardening),
-        None => return Err(misplaced(keyword, "*CONNECTOR PLASTICITY")),
+        None => return Err(misplaced(keyword, ["*CONNECTOR PLASTICITY"; 2])),
     }
     Ok(())
 }
@@ -551,7 +564,7 @@ pub(super) fn damage_initiation(deck: &mut Deck<'_>, keyword: &Keyword) -> Resul
 
 pub(super) fn damage_evolution(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     if deck.host != Host::Damage {
-        return Err(misplaced(keyword, "*CONNECTOR DAMAGE INITIATION"));
+        return Err(misplaced(keyword, ["*CONNECTOR DAMAGE INITIATION"; 2]));
     }
     let fields = keyword.dependencies()?;
     let affected = if keyword.has("AFFECTED COMPONENTS") {
@@ -574,7 +587,7 @@ pub(super) fn damage_evolution(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
     };
     match deck.behavior(keyword)?.damage.last_mut() {
         Some(damage) if damage.evolution.is_none() => damage.evolution = Some(evolution),
-        _ => return Err(misplaced(keyword, "a *CONNECTOR DAMAGE INITIATION of its own")),
+        _ => return Err(misplaced(keyword, ["a *CONNECTOR DAMAGE INITIATION of its own"; 2])),
     }
     Ok(())
 }
@@ -592,7 +605,7 @@ fn check_limits(lower: Option<f64>, upper: Option<f64>, what: &str, span: Span) 
 }
 
 fn no_limits(keyword: &Keyword, span: Span) -> Diagnostic {
-    let message = format!("this *{} never acts: it has no limit", keyword.name);
+    let message = keyword.words().map(|keyword| format!("this {keyword} never acts: it has no limit"));
     Diagnostic::warning(Code::LimitsMissing, span, message, "no limit given")
         .help("give a lower or an upper limit")
 }

@@ -2,6 +2,7 @@
 
 use crate::deck::Deck;
 use crate::deck::lookup::target;
+use crate::deck::table::LINE_FOLLOWS;
 use crate::diagnostic::{Code, Diagnostic, Result, nearest};
 use crate::label::normal;
 use crate::lexer::{Data, Item, Keyword};
@@ -17,14 +18,9 @@ pub(super) fn section(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
     let type_names = match deck.lexer.data()? {
         Some(line) => type_names(&line)?,
         None => {
-            let message = "*CONNECTOR SECTION has no connection type";
-            return Err(Diagnostic::error(
-                Code::MissingData,
-                keyword.span,
-                message,
-                "a data line should follow",
-            )
-            .help("give one or two connection types, such as HINGE or SLOT, REVOLUTE"));
+            let message = keyword.words().map(|keyword| format!("{keyword} has no connection type"));
+            return Err(Diagnostic::error(Code::MissingData, keyword.span, message, LINE_FOLLOWS)
+                .help("give one or two connection types, such as HINGE or SLOT, REVOLUTE"));
         }
     };
     let [mut orientation_a, mut orientation_b] = [None, None];

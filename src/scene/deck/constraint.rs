@@ -449,7 +449,7 @@ fn decide(deck: &mut Deck<'_>, keyword: &Keyword, kind: Option<CouplingKind>) ->
     }
     let Some(coupling) = deck.constraints.couplings.last_mut().filter(|coupling| coupling.kind.is_none())
     else {
-        return Err(misplaced(keyword, "*COUPLING"));
+        return Err(misplaced(keyword, ["*COUPLING"; 2]));
     };
     coupling.kind = kind;
     if coupling.kind.is_none() {

@@ -40,7 +40,7 @@ fn motion_type(keyword: &Keyword) -> Result<MotionType> {
 
 /// The step that is being read; the stage of the keyword has been checked.
 fn step_of<'a>(step: &'a mut Option<Step>, keyword: &Keyword) -> Result<&'a mut Step> {
-    step.as_mut().ok_or_else(|| misplaced(keyword, "*STEP"))
+    step.as_mut().ok_or_else(|| misplaced(keyword, ["*STEP"; 2]))
 }
 
 pub(super) fn connector_motion(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> {
@@ -263,7 +263,7 @@ pub(super) fn distributed_load(deck: &mut Deck<'_>, keyword: &Keyword) -> Result
                     message,
                     "needs three or four numbers",
                 )
-                .help("write: set, GRAV, g, x, y, z"));
+                .help(["write: set, GRAV, g, x, y, z", "write values = [g, x, y, z]"]));
             }
             // In a plane there is no z, and a blank is zero.
             values.resize(4, None);
@@ -405,7 +405,7 @@ pub(super) fn set_procedure(step: &mut Step, procedure: Procedure, keyword: &Key
             "a step has two procedures",
             "the second one",
         )
-        .help("close the step by *END STEP and begin another one"));
+        .help(["close the step by *END STEP and begin another one", "make two steps of it"]));
     }
     step.procedure = Some(procedure);
     Ok(())
@@ -445,14 +445,15 @@ fn times(deck: &mut Deck<'_>) -> Result<Times> {
 
 fn set_solver(deck: &mut Deck<'_>, solver: Solver, keyword: &Keyword) -> Result<()> {
     if deck.scene.solver.is_some_and(|before| before != solver) {
-        let message = "one deck cannot have explicit dynamics and other procedures";
+        let message = ["deck", "scene"]
+            .map(|deck| format!("one {deck} cannot have explicit dynamics and other procedures"));
         return Err(Diagnostic::error(
             Code::MixedSolvers,
             keyword.span,
             message,
             "differs from the steps before",
         )
-        .help("make two decks of it"));
+        .help(["make two decks of it", "make two scenes of it"]));
     }
     deck.scene.solver = Some(solver);
     Ok(())

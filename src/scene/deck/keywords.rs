@@ -1098,7 +1098,7 @@ impl Parameter {
     fn check(&self, keyword: &Keyword, index: usize) -> Result<()> {
         let given = &keyword.parameters[index];
         let bad = |label: &str, remedy: String| {
-            let message = format!("bad value of {} on *{}", self.name, keyword.name);
+            let message = keyword.words().map(|keyword| format!("bad value of {} on {keyword}", self.name));
             Err(Diagnostic::error(Code::BadParameterValue, given.span, message, label).help(remedy))
         };
         let value = match &given.value {

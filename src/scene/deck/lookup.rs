@@ -6,6 +6,7 @@ use crate::label::Label;
 use crate::lexer::Item;
 use crate::model::{Scene, Set, Target};
 use crate::span::{Span, Spanned};
+use crate::wording::definition;
 
 /// A number or a set.
 pub(super) fn target(item: &Item<'_>, what: &str) -> Result<Spanned<Target>> {
@@ -29,7 +30,7 @@ pub(super) fn check_name<T>(
     let Some(name) = name.filter(|name| !known.contains_key(&name.value)) else { return Ok(()) };
     let message = format!("there is no {what} {}", name.value);
     let remedy = suggest_scoped(&name.value, known.keys().map(String::as_str), || {
-        format!("define it by *{keyword}, NAME={}", name.value)
+        definition(keyword, "NAME", &name.value)
     });
     Err(Diagnostic::error(code, name.span, message, "not defined").help(remedy))
 }
@@ -53,18 +54,10 @@ pub(super) fn node_target(scene: &Scene, target: &Spanned<Target>) -> Result<Vec
     }
 }
 
-/// What to do about a node or element that is not there.
-pub(super) fn undefined(kind: Kind) -> impl Fn() -> String {
-    move || match kind {
-        Kind::Node => "define it under *NODE".to_owned(),
-        Kind::Element => "define it under *ELEMENT".to_owned(),
-    }
-}
-
 pub(super) fn unknown(kind: Kind, label: Label, span: Span) -> Diagnostic {
     let name = kind.name();
     let message = format!("there is no {name} {label}");
-    Diagnostic::error(kind.unknown(), span, message, "not defined").help(undefined(kind)())
+    Diagnostic::error(kind.unknown(), span, message, "not defined").help(kind.undefined())
 }
 
 /// A node set that may lack nothing.

@@ -491,14 +491,9 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
         Definition::None
     } else {
         let Some(line) = deck.lexer.row()? else {
-            let message = format!("*ORIENTATION {} has no points", name.value);
-            return Err(Diagnostic::error(
-                Code::MissingData,
-                keyword.span,
-                message,
-                "a data line should follow",
-            )
-            .help("give a line with Xa, Ya, Za, Xb, Yb, Zb"));
+            let message = keyword.words().map(|keyword| format!("{keyword} {} has no points", name.value));
+            return Err(Diagnostic::error(Code::MissingData, keyword.span, message, table::LINE_FOLLOWS)
+                .help(["line", "row"].map(|line| format!("give a {line} with Xa, Ya, Za, Xb, Yb, Zb"))));
         };
         let definition = definition.unwrap_or("COORDINATES");
         if definition == "COORDINATES" && line.items().maybe().is_some_and(|item| is_distribution(&item)) {
@@ -517,8 +512,11 @@ pub(super) fn orientation(deck: &mut Deck<'_>, keyword: &Keyword) -> Result<()> 
             let number = item.integer("the axis")?;
             axis = u8::try_from(number).ok().filter(|axis| (1..=3).contains(axis)).ok_or_else(|| {
                 let message = format!("there is no axis {number}");
-                Diagnostic::error(Code::BadValue, item.span, message, "must be 1, 2 or 3")
-                    .help("line 2 of *ORIENTATION is: axis, additional rotation in degrees about it")
+                Diagnostic::error(Code::BadValue, item.span, message, "must be 1, 2 or 3").help(
+                    keyword.words().map(|keyword| {
+                        format!("line 2 of {keyword} is: axis, additional rotation in degrees about it")
+                    }),
+                )
             })?;
         }
         angle = items.number()?.unwrap_or(0.0);

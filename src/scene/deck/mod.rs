@@ -32,6 +32,7 @@ use crate::label::labelled::LabelSet;
 use crate::lexer::{Keyword, Lexer, Value, not_utf8};
 use crate::model::{Dimension, MAX_WARNINGS, Scene, SkippedConstraint, Step, Target};
 use crate::span::{Span, Spanned};
+use crate::wording::keyword;
 use errors::Errors;
 use faces::OtherElements;
 use indexmap::IndexMap;
@@ -402,7 +403,7 @@ impl Deck<'_> {
         match self.lexer.row()? {
             None => Ok(()),
             Some(line) => {
-                let message = format!("*{} takes no such data line", keyword.name);
+                let message = keyword.words().map(|keyword| format!("{keyword} takes no such data line"));
                 Err(Diagnostic::error(Code::UnexpectedData, line.span, message, "not expected")
                     .help(format!("remove the line, or a keyword is missing before it; {}", rule.data)))
             }
@@ -568,7 +569,7 @@ impl Deck<'_> {
     fn behavior(&mut self, keyword: &Keyword) -> Result<&mut Behavior> {
         match self.scene.behaviors.last_mut().filter(|_| self.behavior_open) {
             Some((_, behavior)) => Ok(behavior),
-            None => Err(misplaced(keyword, "*CONNECTOR BEHAVIOR")),
+            None => Err(misplaced(keyword, ["*CONNECTOR BEHAVIOR"; 2])),
         }
     }
 }
@@ -578,13 +579,21 @@ pub(super) fn lost() -> Diagnostic {
     Diagnostic::error(Code::Unreadable, Span::default(), "an error was lost", "")
 }
 
-fn misplaced(keyword: &Keyword, host: &str) -> Diagnostic {
-    let message = format!("*{} does not follow {host}", keyword.name);
-    Diagnostic::error(Code::MisplacedKeyword, keyword.span, message, format!("belongs to {host}"))
-        .help(format!("put it directly below {host}"))
+fn misplaced(keyword: &Keyword, host: [&str; 2]) -> Diagnostic {
+    let [deck, field] = keyword.words();
+    let message =
+        [format!("{deck} does not follow {}", host[0]), format!("{field} does not follow {}", host[1])];
+    let label = host.map(|host| format!("belongs to {host}"));
+    Diagnostic::error(Code::MisplacedKeyword, keyword.span, message, label)
+        .help(host.map(|host| format!("put it directly below {host}")))
 }
 
 impl Keyword {
+    /// What it is called.
+    fn words(&self) -> [String; 2] {
+        keyword(&self.name)
+    }
+
     /// Gives every parameter that is written by a beginning of exactly one of `names`, or without its blanks, that name.
     fn complete(&mut self, names: &[&str]) {
         for given in &mut self.parameters {
@@ -626,9 +635,12 @@ impl Keyword {
     }
 
     fn missing(&self, parameter: &str) -> Diagnostic {
-        let message = format!("*{} needs the parameter {parameter}", self.name);
+        let message = self.words().map(|keyword| format!("{keyword} needs the parameter {parameter}"));
+        let [deck, field] = self.words();
+        let remedy =
+            [format!("write {deck}, {parameter}=…"), format!("write {field}, {}", parameter.to_lowercase())];
         Diagnostic::error(Code::MissingParameter, self.span, message, format!("{parameter} is missing"))
-            .help(format!("write *{}, {parameter}=…", self.name))
+            .help(remedy)
     }
 
     fn number(&self, parameter: &str) -> Result<Option<f64>> {
@@ -669,7 +681,7 @@ impl Keyword {
 
     /// Two definitions called `name`.
     fn duplicate(&self, name: &Spanned<String>, first: Span) -> Diagnostic {
-        let message = format!("*{} {} is defined twice", self.name, name.value);
+        let message = self.words().map(|keyword| format!("{keyword} {} is defined twice", name.value));
         let label = format!("first defined on line {}", first.line());
         Diagnostic::error(Code::DuplicateName, name.span, message, label)
             .beside(first)

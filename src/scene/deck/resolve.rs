@@ -7,7 +7,7 @@ use crate::deck::constraint;
 use crate::deck::errors::Errors;
 use crate::deck::faces::OtherElements;
 use crate::deck::lookup::{
-    check_name, check_orientation, complete_node_set, element_set, node_set, node_target, undefined, unknown,
+    check_name, check_orientation, complete_node_set, element_set, node_set, node_target, unknown,
 };
 use crate::deck::mesh::duplicate_element;
 use crate::deck::sets;
@@ -18,6 +18,7 @@ use crate::label::Label;
 use crate::label::labelled::{Beside, LabelMap, LabelSet};
 use crate::model::{Application, ConnectorSection, Discrete, Mpc, PointKind, Scene, Set, Target};
 use crate::span::Spanned;
+use crate::wording::{definition, keyword};
 use std::cell::OnceCell;
 use std::collections::HashSet;
 
@@ -89,8 +90,8 @@ fn elements(deck: &mut Deck<'_>, errors: &mut Errors) {
         for node in nodes.into_iter().flatten() {
             if !known.contains(node) {
                 let message = format!("element {label} uses node {node}, which is not defined");
-                let elsewhere = || "the model is in another deck: read that one".to_owned();
-                let remedy = if is_elsewhere { elsewhere() } else { undefined(Kind::Node)() };
+                let elsewhere = || ["the model is in another deck: read that one"; 2].map(String::from);
+                let remedy = if is_elsewhere { elsewhere() } else { Kind::Node.undefined() };
                 let label = format!("no node {node}");
                 errors.misses(node, Diagnostic::error(Code::UnknownNode, span, message, label).help(remedy));
             }
@@ -116,7 +117,6 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
     let mut warn = |warning| warnings.push(warning);
     let (needed_nodes, needed_elements) = needed_sets(deck);
     let (named_nodes, named_elements) = named_sets(deck, &needed_nodes, &needed_elements);
-    let hint = undefined(Kind::Element);
     let elements = Known {
         member: &element,
         count: scene.connectors.len() + scene.point_elements.len(),
@@ -126,15 +126,8 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         needed: &|name| needed_elements.contains(name),
         named: &|name| named_elements.contains(name),
     };
-    let element_sets = sets::resolve(
-        Kind::Element,
-        &deck.element_sets,
-        &elements,
-        &|_, _| Ok(()),
-        &hint,
-        &mut warn,
-        errors,
-    )?;
+    let element_sets =
+        sets::resolve(Kind::Element, &deck.element_sets, &elements, &|_, _| Ok(()), &mut warn, errors)?;
     let nodes_of = |name: &Spanned<String>, set: &mut Set| {
         let Some(elements) = element_sets.get(&name.value) else {
             return Err(unknown_set(Kind::Element, name, element_sets.keys().map(String::as_str)));
@@ -154,7 +147,6 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         set.labels.extend(found);
         Ok(())
     };
-    let hint = undefined(Kind::Node);
     let known = Known {
         member: &node,
         count: scene.nodes.len(),
@@ -164,7 +156,7 @@ fn build_sets(deck: &mut Deck<'_>, errors: &mut Errors) -> Result<()> {
         needed: &|name| needed_nodes.contains(name),
         named: &|name| named_nodes.contains(name),
     };
-    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &hint, &mut warn, errors)?;
+    let node_sets = sets::resolve(Kind::Node, &deck.node_sets, &known, &nodes_of, &mut warn, errors)?;
     (deck.scene.node_sets, deck.scene.element_sets) = (node_sets, element_sets);
     warnings.into_iter().for_each(|warning| deck.warn(warning));
     Ok(())
@@ -265,9 +257,15 @@ fn sections(scene: &mut Scene, fasteners: &[String], errors: &mut Errors) {
     for (label, connector) in &scene.connectors {
         if connector.section == usize::MAX {
             let message = format!("connector {label} has no section");
+            let section = ["*CONNECTOR SECTION", "connector_sections"];
             errors.add(
-                Diagnostic::error(Code::MissingSection, connector.span, message, "no *CONNECTOR SECTION")
-                    .help("put the element into a set and give that set a *CONNECTOR SECTION"),
+                Diagnostic::error(
+                    Code::MissingSection,
+                    connector.span,
+                    message,
+                    section.map(|it| format!("no {it}")),
+                )
+                .help(section.map(|it| format!("put the element into a set and give that set a {it}"))),
             );
         }
     }
@@ -286,8 +284,10 @@ fn section_elements(scene: &Scene, section: &ConnectorSection) -> Result<Vec<Lab
     if set.unmodelled > 0 || other.is_some() {
         let which = other.map_or_else(|| "elements".to_owned(), |label| format!("element {label}"));
         let message = format!("set {name} has {which} that cannot have a connector section");
-        return Err(Diagnostic::error(Code::WrongElementType, *span, message, "not only connectors")
-            .help("give *CONNECTOR SECTION a set of CONN3D2 or CONN2D2 elements only"));
+        return Err(Diagnostic::error(Code::WrongElementType, *span, message, "not only connectors").help(
+            ["*CONNECTOR SECTION", "connector_sections"]
+                .map(|section| format!("give {section} a set of CONN3D2 or CONN2D2 elements only")),
+        ));
     }
     Ok(set.labels.clone())
 }
@@ -297,9 +297,8 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
         Source::Derived(derived) if !behavior.derived_components.contains_key(derived) => {
             let message = format!("behaviour {name} has no derived component {derived}");
             let names = behavior.derived_components.keys().map(String::as_str);
-            let remedy = suggest(derived, names, || {
-                format!("define it by *CONNECTOR DERIVED COMPONENT, NAME={derived}")
-            });
+            let remedy =
+                suggest(derived, names, || definition("CONNECTOR DERIVED COMPONENT", "NAME", derived));
             Err(Diagnostic::error(Code::UnknownDerivedComponent, source.span, message, "not defined")
                 .help(remedy))
         }
@@ -317,9 +316,12 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
                     Code::MissingParameter,
                     friction.span,
                     "this friction has no direction of slip",
-                    "neither COMPONENT nor a potential",
+                    ["neither COMPONENT nor a potential", "neither component nor potential"],
                 )
-                .help("give COMPONENT=…, or *CONNECTOR POTENTIAL below, or PREDEFINED"));
+                .help([
+                    "give COMPONENT=…, or *CONNECTOR POTENTIAL below, or PREDEFINED",
+                    "give component, potential or predefined",
+                ]));
             }
         }
         if friction.coefficient.is_none() {
@@ -328,9 +330,12 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
                 Code::MissingFriction,
                 friction.span,
                 message,
-                "*FRICTION is missing",
+                ["*FRICTION is missing", "coefficient is missing"],
             )
-            .help("put *FRICTION with the coefficient directly below *CONNECTOR FRICTION"));
+            .help([
+                "put *FRICTION with the coefficient directly below *CONNECTOR FRICTION",
+                "give the friction its `coefficient`",
+            ]));
         }
     }
     for plasticity in &behavior.plasticity {
@@ -340,9 +345,9 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
                 Code::MissingParameter,
                 plasticity.span,
                 "this plasticity has no yield function",
-                "neither COMPONENT nor a potential",
+                ["neither COMPONENT nor a potential", "neither component nor potential"],
             )
-            .help("give COMPONENT=…, or *CONNECTOR POTENTIAL below"));
+            .help(["give COMPONENT=…, or *CONNECTOR POTENTIAL below", "give component or potential"]));
         }
     }
     for damage in &behavior.damage {
@@ -354,19 +359,23 @@ fn check_behavior(name: &str, behavior: &Behavior) -> Result<()> {
 
 /// Masses, inertias, springs and dashpots.
 fn properties(scene: &Scene, errors: &mut Errors) {
-    let of_kind = |name: &Spanned<String>, keyword: &str, kinds: &[PointKind]| {
+    let of_kind = |name: &Spanned<String>, of: &str, kinds: &[PointKind]| {
         let set = element_set(scene, name)?;
         let wrong = set.labels.iter().find(|label| {
             scene.point_elements.get(*label).is_none_or(|element| !kinds.contains(&element.kind))
         });
         if set.unmodelled > 0 || wrong.is_some() || set.labels.is_empty() {
             let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
-            let message = match wrong {
-                Some(label) => format!("element {label} of set {} cannot have a *{keyword}", name.value),
-                None => format!("set {} has elements that cannot have a *{keyword}, or none", name.value),
-            };
-            return Err(Diagnostic::error(Code::WrongElementType, name.span, message, "of another type")
-                .help(format!("give *{keyword} a set of {} elements", names.join(", "))));
+            let keyword = keyword(of);
+            let message = keyword.each_ref().map(|keyword| match wrong {
+                Some(label) => format!("element {label} of set {} cannot have a {keyword}", name.value),
+                None => format!("set {} has elements that cannot have a {keyword}, or none", name.value),
+            });
+            let remedy =
+                keyword.map(|keyword| format!("give {keyword} a set of {} elements", names.join(", ")));
+            return Err(
+                Diagnostic::error(Code::WrongElementType, name.span, message, "of another type").help(remedy)
+            );
         }
         Ok(set)
     };
@@ -379,18 +388,16 @@ fn properties(scene: &Scene, errors: &mut Errors) {
     }
     let springs = [PointKind::Spring1, PointKind::Spring2, PointKind::Springa];
     let dashpots = [PointKind::Dashpot1, PointKind::Dashpot2, PointKind::Dashpota];
-    for (keyword, kinds, list) in
-        [("SPRING", springs, &scene.springs), ("DASHPOT", dashpots, &scene.dashpots)]
-    {
+    for (of, kinds, list) in [("SPRING", springs, &scene.springs), ("DASHPOT", dashpots, &scene.dashpots)] {
         for discrete in list {
             errors.value(check_orientation(scene, discrete.orientation.as_ref()));
-            let Some(set) = errors.value(of_kind(&discrete.element_set, keyword, &kinds)) else { continue };
+            let Some(set) = errors.value(of_kind(&discrete.element_set, of, &kinds)) else { continue };
             let kinds = set
                 .labels
                 .iter()
                 .filter_map(|label| scene.point_elements.get(label))
                 .map(|element| element.kind);
-            errors.value(check_degrees_of_freedom(discrete, keyword, kinds));
+            errors.value(check_degrees_of_freedom(discrete, of, kinds));
         }
     }
 }
@@ -414,7 +421,7 @@ fn transforms(scene: &Scene, bearing: &LabelSet) -> Result<()> {
                 continue;
             };
             let (first, span) = (first.node_set.span, transform.node_set.span);
-            let message = format!("node {label} has two *TRANSFORMs");
+            let message = ["*TRANSFORMs", "transforms"].map(|axes| format!("node {label} has two {axes}"));
             let label = format!("the first one is on line {}", first.line());
             return Err(Diagnostic::error(Code::TwoTransforms, span, message, label)
                 .beside(first)
@@ -426,7 +433,7 @@ fn transforms(scene: &Scene, bearing: &LabelSet) -> Result<()> {
 
 fn check_degrees_of_freedom(
     discrete: &Discrete,
-    keyword: &str,
+    of: &str,
     kinds: impl Iterator<Item = PointKind>,
 ) -> Result<()> {
     for kind in kinds {
@@ -437,22 +444,18 @@ fn check_degrees_of_freedom(
         };
         let given = discrete.degrees_of_freedom.len();
         if given != needed {
-            let message = format!(
-                "*{keyword} of {} elements gives {given} degrees of freedom, not {needed}",
-                kind.name()
-            );
-            let span = discrete.element_set.span;
-            return Err(Diagnostic::error(
-                Code::MissingData,
-                span,
-                message,
-                format!("elements of type {}", kind.name()),
-            )
-            .help(match needed {
-                0 => "leave the first data line blank".to_owned(),
-                1 => "give one degree of freedom on the first data line".to_owned(),
-                _ => "give two degrees of freedom on the first data line".to_owned(),
-            }));
+            let (name, span) = (kind.name(), discrete.element_set.span);
+            let message = keyword(of).map(|keyword| {
+                format!("{keyword} of {name} elements gives {given} degrees of freedom, not {needed}")
+            });
+            let first_line = ["on the first data line", "in degrees_of_freedom"];
+            let remedy = match needed {
+                0 => ["leave the first data line blank", "leave degrees_of_freedom out"].map(String::from),
+                1 => first_line.map(|place| format!("give one degree of freedom {place}")),
+                _ => first_line.map(|place| format!("give two degrees of freedom {place}")),
+            };
+            let label = format!("elements of type {name}");
+            return Err(Diagnostic::error(Code::MissingData, span, message, label).help(remedy));
         }
     }
     Ok(())

@@ -8,6 +8,7 @@ use crate::label::labelled::{LabelSet, LabelState};
 use crate::label::{Instance, Label};
 use crate::model::Set;
 use crate::span::{Span, Spanned};
+use crate::wording::{definition, keyword};
 use indexmap::IndexMap;
 use std::cell::OnceCell;
 use std::collections::HashSet;
@@ -126,6 +127,15 @@ impl Kind {
             Self::Node => "node",
             Self::Element => "element",
         }
+    }
+
+    /// What to do about one that is not there.
+    pub(super) fn undefined(self) -> [String; 2] {
+        let of = match self {
+            Self::Node => "NODE",
+            Self::Element => "ELEMENT",
+        };
+        keyword(of).map(|keyword| format!("define it under {keyword}"))
     }
 
     pub(super) fn unknown(self) -> Code {
@@ -324,7 +334,6 @@ pub(super) fn resolve(
     builders: &IndexMap<String, SetBuilder>,
     known: &Known<'_>,
     nodes_of: NodesOf<'_>,
-    hint: &dyn Fn() -> String,
     warn: &mut dyn FnMut(Diagnostic),
     errors: &mut Errors,
 ) -> Result<IndexMap<String, Set>> {
@@ -388,7 +397,7 @@ pub(super) fn resolve(
                 Entry::Fault(_) => {}
                 &Entry::Range { instance, first, last, step, generated, span } => {
                     let range = (Label::of(instance, first), last, step, generated);
-                    match expand(kind, range, span, known, hint, &mut set, warn) {
+                    match expand(kind, range, span, known, &mut set, warn) {
                         Ok(found) => listed += found,
                         Err(error) if (known.needed)(name) => errors.add(error),
                         // No connector and no constraint has to do with the set.
@@ -441,7 +450,6 @@ fn expand(
     (first, last, step, generated): (Label, u64, u64, bool),
     span: Span,
     known: &Known<'_>,
-    hint: &dyn Fn() -> String,
     set: &mut Set,
     warn: &mut dyn FnMut(Diagnostic),
 ) -> Result<u64> {
@@ -463,7 +471,7 @@ fn expand(
                 Member::Unknown => {
                     let message = format!("the set contains {name} {label}, which is not defined");
                     return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}"))
-                        .help(hint()));
+                        .help(kind.undefined()));
                 }
             }
             number += step;
@@ -478,7 +486,8 @@ fn expand(
     let last = Label::of(first.instance(), last);
     if found == 0 {
         let message = format!("no {name} from {first} to {last} is defined");
-        return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}s")).help(hint()));
+        return Err(Diagnostic::error(kind.unknown(), span, message, format!("no such {name}s"))
+            .help(kind.undefined()));
     }
     if gaps > 0 {
         let message = format!("{gaps} of {count} {name}s from {first} to {last} are not defined");
@@ -573,11 +582,8 @@ pub(super) fn unknown_set<'a>(
     name: &Spanned<String>,
     names: impl IntoIterator<Item = &'a str>,
 ) -> Diagnostic {
-    let (kind_name, keyword) = match kind {
-        Kind::Node => ("node", "*NSET, NSET"),
-        Kind::Element => ("element", "*ELSET, ELSET"),
-    };
-    let message = format!("there is no {kind_name} set {}", name.value);
-    let remedy = suggest_scoped(&name.value, names, || format!("define it by {keyword}={}", name.value));
+    let message = format!("there is no {} set {}", kind.name(), name.value);
+    let keyword = kind.keyword();
+    let remedy = suggest_scoped(&name.value, names, || definition(keyword, keyword, &name.value));
     Diagnostic::error(kind.unknown_set(), name.span, message, "not defined").help(remedy)
 }

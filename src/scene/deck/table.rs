@@ -4,6 +4,10 @@ use crate::behavior::TableRow;
 use crate::diagnostic::{Code, Diagnostic, Result};
 use crate::lexer::Lexer;
 use crate::span::Span;
+use crate::wording::keyword;
+
+/// What is said where the lines of a keyword should be.
+pub(super) const LINE_FOLLOWS: [&str; 2] = ["a data line should follow", "here"];
 
 /// Items on one data line of a table.
 pub(super) const PER_LINE: usize = 8;
@@ -97,7 +101,8 @@ pub(super) fn rows(
 }
 
 pub(super) fn no_rows((name, span): (&str, Span), columns: &[&str]) -> Diagnostic {
-    let message = format!("*{name} has no data line");
-    Diagnostic::error(Code::MissingData, span, message, "a data line should follow")
-        .help(format!("give a line with {}", columns.join(", ")))
+    let [keyword, field] = keyword(name);
+    let message = [format!("{keyword} has no data line"), format!("{field} has no rows")];
+    Diagnostic::error(Code::MissingData, span, message, LINE_FOLLOWS)
+        .help(["line", "row"].map(|line| format!("give a {line} with {}", columns.join(", "))))
 }

@@ -423,10 +423,10 @@ pub(super) fn judge(deck: &mut Deck<'_>, bearing: &LabelSet) {
                     format!("{what} acts on node {label} of a connector or constraint, and is not read");
                 if moves_nodes {
                     let error = Diagnostic::error(Code::UnsupportedKeyword, target.span, message, "not read");
-                    deck.errors.add(error.help(&remedy));
+                    deck.errors.add(error.help(remedy.as_str()));
                 } else {
                     let warning = Diagnostic::warning(Code::NotFollowed, target.span, message, "not read");
-                    not_followed.push((holds, warning.help(&remedy)));
+                    not_followed.push((holds, warning.help(remedy.as_str())));
                 }
             }
         }

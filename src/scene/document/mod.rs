@@ -8,7 +8,6 @@ pub(super) mod de;
 pub(super) mod form;
 mod tree;
 mod value;
-mod wording;
 mod write;
 
 use crate::deck;
@@ -48,11 +47,16 @@ impl Format {
     }
 }
 
-/// The diagnostic in the words of the form that a scene was read from.
-pub fn in_words_of(scene: &Scene, diagnostic: Diagnostic) -> Diagnostic {
-    match Format::of_path(Path::new(&scene.name)) {
-        Format::Deck => diagnostic,
-        Format::Toml | Format::Json => wording::of_document(diagnostic),
+impl Diagnostic {
+    /// The same, in the file of a scene that its place is in, and in the words of its format.
+    #[must_use]
+    pub fn in_scene(self, scene: &Scene) -> Self {
+        let file = scene.files.get(usize::from(self.span().file()));
+        let diagnostic = self.in_file(file.unwrap_or(&scene.name));
+        match Format::of_path(Path::new(&scene.name)) {
+            Format::Deck => diagnostic,
+            Format::Toml | Format::Json => diagnostic.of_document(),
+        }
     }
 }
 
@@ -131,9 +135,10 @@ pub(super) fn read(path: &Path, format: Format) -> Result<Scene> {
 }
 
 fn parse(name: &str, text: &str, format: Format) -> Result<Scene> {
-    let mut result = scene(name, text, format).map_err(wording::of_document);
+    let mut result = scene(name, text, format).map_err(Diagnostic::of_document);
     if let Ok(scene) = &mut result {
-        scene.warnings = std::mem::take(&mut scene.warnings).into_iter().map(wording::of_document).collect();
+        let warnings = std::mem::take(&mut scene.warnings).into_iter();
+        scene.warnings = warnings.map(Diagnostic::of_document).collect();
     }
     let source = Named { root: name, text: Some(text.as_bytes()), files: &NoFiles };
     let (scene, error) = result.map_or_else(|error| (Scene::default(), Some(error)), |scene| (scene, None));

@@ -173,8 +173,9 @@ impl<'a> Items<'a> {
             return Ok(item);
         }
         let span = item.map_or(self.line.last_byte(), |item| item.span);
-        Err(Diagnostic::error(Code::MissingData, span, format!("{what} is missing"), "expected here")
-            .help(format!("give {what}; items of a data line are separated by commas")))
+        Err(Diagnostic::error(Code::MissingData, span, format!("{what} is missing"), "expected here").help(
+            ["; items of a data line are separated by commas", ""].map(|more| format!("give {what}{more}")),
+        ))
     }
 
     /// The next item, if it is there and not empty.

@@ -11,6 +11,7 @@ use crate::model::{
     Mass, Mpc, Node, PointElement, RotaryInertia, Set, Skipped, Solver, Step, Transform, TransformKind,
 };
 use crate::orientation::{Definition, GLOBAL, Orientation, System, Triad};
+use crate::wording::keyword;
 use crate::written::Written;
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -99,15 +100,6 @@ pub struct Scene {
 /// The number of warnings of one code that a scene keeps.
 pub const MAX_WARNINGS: usize = 100;
 
-impl Diagnostic {
-    /// The same, in the file of a scene that its place is in.
-    #[must_use]
-    pub fn in_scene(self, scene: &Scene) -> Self {
-        let file = scene.files.get(usize::from(self.span().file()));
-        self.in_file(file.unwrap_or(&scene.name))
-    }
-}
-
 impl Scene {
     /// The initial position of an end of a connector. The ground sits where the other node is.
     #[must_use]
@@ -170,6 +162,8 @@ impl Transform {
         };
         let definition = Definition::Coordinates { a: self.a, b: self.b, c: [0.0; 3] };
         let axes = Orientation { system, definition, axis: 1, angle: 0.0, span: self.node_set.span };
-        axes.triad(&format!("by *TRANSFORM of set {}", self.node_set.value), scene, point, &[])
+        let names =
+            keyword("TRANSFORM").map(|keyword| format!("by {keyword} of set {}", self.node_set.value));
+        axes.triad_of(names.each_ref().map(String::as_str), scene, point, &[])
     }
 }
