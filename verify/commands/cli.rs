@@ -123,8 +123,8 @@ fn explain() {
     assert!(output(&["explain", "cardan", "Cartesian"]).starts_with("CARTESIAN + CARDAN\n"));
     assert!(output(&["explain", "JOIN", "REVOLUTE"]).starts_with("HINGE\n"));
     for (asked, said) in [
-        (vec!["undecidd"], "did you mean \"undecided\"?"),
-        (vec!["beem"], "did you mean \"BEAM\"?"),
+        (vec!["undecidd"], "did you mean undecided?"),
+        (vec!["beem"], "did you mean BEAM?"),
         (vec!["no", "such", "word"], "nothing called \"no such word\"; it explains"),
         (vec!["JOIN", "REVOLUT"], "did you mean REVOLUTE?"),
     ] {

@@ -582,10 +582,11 @@ fn unknown(asked: &str) -> Option<Failure> {
     let away = |word: &String| strsim::damerau_levenshtein(&word.to_lowercase(), &lower);
     let near = words.into_iter().map(|word| (away(&word), word)).min();
     let near = near.filter(|(away, _)| *away <= 1.max(lower.chars().count() / 4));
-    let meant = near.map_or_else(String::new, |(_, word)| format!("; did you mean {word:?}?"));
-    Some(Failure::Usage(format!(
-        "pintle explains nothing called {asked:?}{meant}; it explains types (pintle list), MPCs, outputs, codes and words of reports"
-    )))
+    let meant = near.map_or_else(
+        || "it explains types (pintle list), MPCs, outputs, codes and words of reports".to_owned(),
+        |(_, word)| format!("did you mean {word}?"),
+    );
+    Some(Failure::Usage(format!("pintle explains nothing called {asked:?}; {meant}")))
 }
 
 /// `pintle explain`.
