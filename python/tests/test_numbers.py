@@ -205,7 +205,7 @@ DECK = """*NODE
     "element, connection, has, lacks",
     (
         ("CONN3D2", "JOIN", {"u": [1, 2, 3]}, "no rotational degrees of freedom"),
-        ("CONN2D2", "CARTESIAN", {"u": [1, 2, 0], "rotation_vector": [0, 0, 1]}, "leaves the plane"),
+        ("CONN2D2", "WELD", {"u": [1, 2, 0], "rotation_vector": [0, 0, 1]}, "leaves the plane"),
     ),
 )
 def test_nodes_move_only_by_degrees_of_freedom_that_they_have(tmp_path, element, connection, has, lacks):
