@@ -425,7 +425,8 @@ def work_precision(arguments):
     report |= {"points": points, "untimed": untimed, "rounds": arguments.rounds}
     merged.write_text(json.dumps(report))
     folder = EXPLANATION / "work-precision"
-    for figure in folder.glob("*.svg"):
+    # Of the folder, figures of types are drawn here alone.
+    for figure in folder.glob("*-*.svg"):
         figure.unlink()
     text = run(program, "--draw", merged, folder).rstrip()
     named = ", ".join(f"{name} {version}" for name, version in versions.items())

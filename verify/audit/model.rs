@@ -522,6 +522,8 @@ fn door(types: [&str; 2], at: &str, axis: &str, tied: &str) -> ModelReport {
 fn axes_of_one_door_are_one_line() {
     const BODY: &str = "*NSET,NSET=D\n4\n*RIGID BODY,REF NODE=2,TIE NSET=D\n";
     const BEAM: &str = "*ELEMENT,TYPE=CONN3D2,ELSET=C\n3,2,4\n*CONNECTOR SECTION,ELSET=C\nBEAM\n";
+    const FAILING: &str = "*ELEMENT,TYPE=CONN3D2,ELSET=C\n3,2,4\n*CONNECTOR SECTION,ELSET=C,BEHAVIOR=F\nBEAM\n\
+                           *CONNECTOR BEHAVIOR,NAME=F\n*CONNECTOR FAILURE,COMPONENT=1,RELEASE=ALL\n,,-1.,1.\n";
     const UP: &str = "0,0,1,1,0,0";
     for (types, at, axis, tied, said) in [
         (
@@ -544,6 +546,11 @@ fn axes_of_one_door_are_one_line() {
         (["HINGE"; 2], "0.1,0,2", UP, "", None),
         (["HINGE"; 2], "0.1,0,2", "1,0,0,0,1,0", BODY, None),
         (["HINGE", "JOIN"], "0.1,0,2", UP, BODY, None),
+        // What is tied and apart does not move as one body; what may fail holds nothing for good; rounding is no distance.
+        (["HINGE"; 2], "0.1,0,2", UP, "*MPC\nTIE,4,2\n", None),
+        (["HINGE"; 2], "0.1,0,2", UP, FAILING, None),
+        (["HINGE"; 2], "1e-17,0,2", UP, BODY, None),
+        (["HINGE"; 2], "1e-17,0,0", UP, BODY, None),
     ] {
         let report = door(types, at, axis, tied);
         let found = of(&report, Code::ModelAxesApart);

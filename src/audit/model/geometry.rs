@@ -4,7 +4,7 @@
 use crate::model::finding::{About, Finding};
 use crate::model::gather::Gathered;
 use crate::model::levels::Levels;
-use crate::model::still::{Bodies, Still};
+use crate::model::still::{Bodies, Still, may_fail};
 use pintle_kinematics::catalog::{COMPONENT, Condition, Orientation as Given, Slot};
 use pintle_kinematics::connector::{Increment, Output, Request, State, Tally};
 use pintle_kinematics::measure::{Measure, Unit};
@@ -313,7 +313,10 @@ impl<'a> Hinge<'a> {
     fn of(scene: &Scene, element: &'a ConnectorElement) -> Option<Self> {
         let connector = &element.connector;
         let is_held = |k: usize| connector.is_constrained(k);
-        let turns = !is_held(3) && [1, 2, 4, 5].into_iter().all(is_held) && !element.is_planar();
+        let turns = !is_held(3)
+            && [1, 2, 4, 5].into_iter().all(is_held)
+            && !element.is_planar()
+            && !may_fail(element);
         let point = scene.position(scene.connectors.get(&element.label)?, pintle_scene::End::B)?;
         turns.then(|| Self { element, point, axis: element.triads()[0].map(|row| row[0]) })
     }
@@ -321,6 +324,14 @@ impl<'a> Hinge<'a> {
     /// The sine of the angle between two axes, and how far the other's point is from this line.
     fn apart(&self, other: &Self) -> [f64; 2] {
         [norm(cross(self.axis, other.axis)), norm(cross(self.axis, sub(other.point, self.point)))]
+    }
+
+    /// Whether two axes are nearly parallel and not one line, by more than a deck's digits or the rounding of coordinates explain.
+    fn is_off(&self, other: &Self, [sine, distance]: [f64; 2]) -> bool {
+        let points = [self.point, other.point];
+        let largest = points.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let explained = (ORTHOGONAL * norm(sub(other.point, self.point))).max(16.0 * U * largest);
+        sine <= NEARLY.sin() && (sine > ORTHOGONAL || distance > explained)
     }
 
     fn name(&self) -> String {
@@ -336,7 +347,7 @@ pub(super) fn axes_apart(scene: &Scene, model: &Model) -> Result<Vec<Finding>, D
         return Ok(Vec::new());
     }
     let bodies = Bodies::of(model, &Still::of(scene, model)?);
-    let mut between: BTreeMap<[Option<Label>; 2], Vec<&Hinge<'_>>> = BTreeMap::new();
+    let mut between: BTreeMap<_, Vec<&Hinge<'_>>> = BTreeMap::new();
     for hinge in &hinges {
         let mut ends = hinge.element.nodes.map(|node| bodies.body(node));
         ends.sort_unstable();
@@ -344,41 +355,48 @@ pub(super) fn axes_apart(scene: &Scene, model: &Model) -> Result<Vec<Finding>, D
             between.entry(ends).or_default().push(hinge);
         }
     }
-    let mut found = Vec::new();
-    for group in between.values() {
-        let [first, others @ ..] = group.as_slice() else { continue };
-        let far = others.iter().map(|other| norm(sub(other.point, first.point))).fold(0.0, f64::max);
-        let off = |other: &&&Hinge<'_>| {
-            let [sine, distance] = first.apart(other);
-            sine <= NEARLY.sin() && (sine > ORTHOGONAL || distance > ORTHOGONAL * far)
-        };
-        let others: Vec<&Hinge<'_>> = others.iter().filter(off).copied().collect();
-        let size = |hinge: &&&Hinge<'_>| first.apart(hinge).into_iter().fold(0.0, f64::max);
-        let Some(worst) = others.iter().max_by(|x, y| size(x).total_cmp(&size(y))) else { continue };
-        let [sine, distance] = first.apart(worst);
-        let angle = if sine > ALIGNED { degrees(sine.asin()) } else { "parallel".into() };
-        let more = match others.len() - 1 {
-            0 => String::new(),
-            more => format!(" (and so do {})", count(more, "other connector")),
-        };
-        let message = format!(
-            "{} and {} join the same two bodies about axes that are not one line: {}, {} apart{more}: together they let \
-             nothing turn",
-            first.name(),
-            worst.name(),
-            if sine > ALIGNED { format!("{angle} from parallel") } else { angle },
-            short(distance, 4)
-        );
-        let reason = "two bodies that turn against each other about two lines do not turn";
-        let remedy = "put the nodes of both on one line along the axis, and give both one orientation; where nothing is to turn, one \
-                      WELD or BEAM says so";
-        let elements = std::iter::once(*first).chain(others.iter().copied()).map(|hinge| hinge.element.label);
-        let about =
-            About { elements: elements.collect(), value: Some(distance.max(sine)), ..About::default() };
-        let place = scene.connectors.get(&worst.element.label).map_or_else(Span::default, |given| given.span);
-        found.push(Finding::new(scene, Code::ModelAxesApart, place, message, reason, remedy).about(about));
-    }
-    Ok(found)
+    Ok(between.values().filter_map(|group| widest_apart(scene, group)).collect())
+}
+
+/// The two hinges of a group that are farthest from one line, and how many others are off it.
+fn widest_apart(scene: &Scene, group: &[&Hinge<'_>]) -> Option<Finding> {
+    // Each beside each of the first ones: of a strip of very many, pairs would be too many.
+    const BESIDE: usize = 20;
+    let pairs = group
+        .iter()
+        .take(BESIDE)
+        .enumerate()
+        .flat_map(|(n, one)| group.iter().skip(n + 1).map(move |other| (*one, *other, one.apart(other))));
+    let off: Vec<(&Hinge<'_>, &Hinge<'_>, [f64; 2])> =
+        pairs.filter(|(one, other, apart)| one.is_off(other, *apart)).collect();
+    let size = |[sine, distance]: [f64; 2]| sine.max(distance);
+    let (one, other, [sine, distance]) =
+        off.iter().copied().max_by(|x, y| size(x.2).total_cmp(&size(y.2)))?;
+    let elements: BTreeSet<Label> =
+        off.iter().flat_map(|(one, other, _)| [one.element.label, other.element.label]).collect();
+    let more = match elements.len() - 2 {
+        0 => String::new(),
+        1 => " (so does 1 other connector)".into(),
+        more => format!(" (so do {more} other connectors)"),
+    };
+    let angle =
+        if sine > ALIGNED { format!("{} from parallel", degrees(sine.asin())) } else { "parallel".into() };
+    let message = format!(
+        "{} and {} join the same two bodies about axes that are not one line: {angle}, {} apart{more}: together they let nothing turn",
+        one.name(),
+        other.name(),
+        short(distance, 4)
+    );
+    let reason = "two bodies that turn against each other about two lines do not turn";
+    let remedy = "put the nodes of both on one line along the axis, and give both one orientation; where nothing is to turn, one \
+                  WELD or BEAM says so";
+    let about = About {
+        elements: elements.into_iter().collect(),
+        value: Some(distance.max(sine)),
+        ..About::default()
+    };
+    let place = scene.connectors.get(&other.element.label).map_or_else(Span::default, |given| given.span);
+    Some(Finding::new(scene, Code::ModelAxesApart, place, message, reason, remedy).about(about))
 }
 
 /// Nodes so close together that the direction of their line is lost in the rounding of their coordinates.

@@ -15,6 +15,7 @@ use pintle_model::evaluate::{
     ConnectorElement, Fixed, Freedom, Jacobian, Model, MpcElement, Plan, RelationElement,
 };
 use pintle_scene::{Diagnostic, Label, Scene};
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::ops::{Range, RangeInclusive};
 
@@ -96,70 +97,79 @@ impl Still {
     }
 }
 
-/// Which nodes move as one body.
+/// Which nodes move as one body, whatever happens: what fails holds nothing together.
 #[derive(Debug, Default)]
 pub(super) struct Bodies {
-    /// The next node on the way to the one that stands for its body.
-    towards: HashMap<Label, Label>,
-    ground: Option<Label>,
+    /// The number of a body by node, where it has more nodes than one, or stands still: then 0.
+    of: HashMap<Label, usize>,
 }
 
 impl Bodies {
     /// Those that connectors without a free component, rigid bodies and multi-point constraints join, and those that stand still.
     pub(super) fn of(model: &Model, still: &Still) -> Self {
-        let mut found = Self::default();
-        for element in &model.connectors {
-            let is_rigid = !element.is_planar() && (0..6).all(|k| element.connector.is_constrained(k));
-            match element.nodes {
-                [Some(a), Some(b)] if is_rigid => found.join(a, b),
-                [Some(node), None] | [None, Some(node)] if is_rigid => found.to_ground(node),
-                _ => {}
+        let mut beside: HashMap<Label, Vec<Label>> = HashMap::new();
+        let mut grounded: Vec<Label> = still.places.intersection(&still.turning).copied().collect();
+        let mut join = |a: Label, b: Label| {
+            beside.entry(a).or_default().push(b);
+            beside.entry(b).or_default().push(a);
+        };
+        for element in model.connectors.iter().filter(|element| !element.is_planar() && !may_fail(element)) {
+            if (0..6).all(|k| element.connector.is_constrained(k)) {
+                match element.nodes {
+                    [Some(a), Some(b)] => join(a, b),
+                    nodes => grounded.extend(nodes.iter().flatten()),
+                }
             }
         }
         for MpcElement { constraint, nodes, .. } in &model.mpcs {
             let entry = constraint.kind().entry();
-            let is_rigid = entry.hinges == Some(0)
-                && matches!(entry.translation, Translation::Equal | Translation::Carried);
-            if let ([s, m, ..], true) = (nodes.as_slice(), is_rigid) {
-                found.join(*s, *m);
+            // Equal displacements of nodes that are apart are no motion of one body.
+            let carries = match entry.translation {
+                Translation::Carried => true,
+                Translation::Equal => constraint.arm() == [0.0; 3],
+                Translation::Free | Translation::Distance => false,
+            };
+            if let ([s, m, ..], true) = (nodes.as_slice(), carries && entry.hinges == Some(0)) {
+                join(*s, *m);
             }
         }
         for RelationElement { relation, nodes, .. } in &model.relations {
             let is_rigid = matches!(relation.form(), Form::Carried { fixed, .. } if !fixed.contains(&false));
             if let ([s, m, ..], true) = (nodes.as_slice(), is_rigid) {
-                found.join(*s, *m);
+                join(*s, *m);
             }
         }
-        for node in still.places.intersection(&still.turning) {
-            found.to_ground(*node);
+        let mut found = Self::default();
+        let mut flood = |first: Vec<Label>, number: usize| {
+            let mut waiting = first;
+            while let Some(node) = waiting.pop() {
+                if let Entry::Vacant(place) = found.of.entry(node) {
+                    place.insert(number);
+                    waiting.extend(beside.get(&node).into_iter().flatten());
+                }
+            }
+        };
+        flood(grounded, 0);
+        for (number, node) in beside.keys().enumerate() {
+            flood(vec![*node], number + 1);
         }
         found
     }
 
-    fn join(&mut self, a: Label, b: Label) {
-        let (a, b) = (self.end(a), self.end(b));
-        if a != b {
-            self.towards.insert(a, b);
+    /// The body of a node: none for the ground, else its number or, of a body of one node, its label.
+    pub(super) fn body(&self, node: Option<Label>) -> Option<Result<usize, Label>> {
+        let node = node?;
+        match self.of.get(&node) {
+            Some(0) => None,
+            Some(number) => Some(Ok(*number)),
+            None => Some(Err(node)),
         }
     }
+}
 
-    fn to_ground(&mut self, node: Label) {
-        match self.ground {
-            None => self.ground = Some(node),
-            Some(ground) => self.join(node, ground),
-        }
-    }
-
-    fn end(&self, node: Label) -> Label {
-        std::iter::successors(Some(node), |at| self.towards.get(at).copied()).last().unwrap_or(node)
-    }
-
-    /// The node that stands for the body of a node; none for the ground.
-    pub(super) fn body(&self, node: Option<Label>) -> Option<Label> {
-        let end = self.end(node?);
-        let is_ground = self.ground.is_some_and(|ground| self.end(ground) == end);
-        (!is_ground).then_some(end)
-    }
+/// Whether a failure may release what a connector holds, a constraint too.
+pub(super) fn may_fail(element: &ConnectorElement) -> bool {
+    !element.behavior.behavior.failures.is_empty()
 }
 
 /// The directions along which the position of b from a is said.
@@ -203,8 +213,7 @@ impl<'a> Known<'a> {
 
     /// Whether a connector holds components (0-based) in every step.
     fn holds_all(&self, element: &ConnectorElement, mut components: Range<usize>) -> bool {
-        // A failure may release what is held, a constraint too.
-        if !element.behavior.behavior.failures.is_empty() {
+        if may_fail(element) {
             return false;
         }
         let holds = |k: usize| {
