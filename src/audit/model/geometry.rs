@@ -327,9 +327,9 @@ impl<'a> Hinge<'a> {
     }
 
     /// Whether two axes are nearly parallel and not one line, by more than a deck's digits or the rounding of coordinates explain.
-    fn is_off(&self, other: &Self, [sine, distance]: [f64; 2]) -> bool {
+    fn is_off(&self, other: &Self, [sine, distance]: [f64; 2], length: f64) -> bool {
         let points = [self.point, other.point];
-        let largest = points.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let largest = points.as_flattened().iter().fold(length, |most, x| most.max(x.abs()));
         let explained = (ORTHOGONAL * norm(sub(other.point, self.point))).max(16.0 * U * largest);
         sine <= NEARLY.sin() && (sine > ORTHOGONAL || distance > explained)
     }
@@ -355,11 +355,11 @@ pub(super) fn axes_apart(scene: &Scene, model: &Model) -> Result<Vec<Finding>, D
             between.entry(ends).or_default().push(hinge);
         }
     }
-    Ok(between.values().filter_map(|group| widest_apart(scene, group)).collect())
+    Ok(between.values().filter_map(|group| widest_apart((scene, model.length), group)).collect())
 }
 
 /// The two hinges of a group that are farthest from one line, and how many others are off it.
-fn widest_apart(scene: &Scene, group: &[&Hinge<'_>]) -> Option<Finding> {
+fn widest_apart((scene, length): (&Scene, f64), group: &[&Hinge<'_>]) -> Option<Finding> {
     // Each beside each of the first ones: of a strip of very many, pairs would be too many.
     const BESIDE: usize = 20;
     let pairs = group
@@ -368,7 +368,7 @@ fn widest_apart(scene: &Scene, group: &[&Hinge<'_>]) -> Option<Finding> {
         .enumerate()
         .flat_map(|(n, one)| group.iter().skip(n + 1).map(move |other| (*one, *other, one.apart(other))));
     let off: Vec<(&Hinge<'_>, &Hinge<'_>, [f64; 2])> =
-        pairs.filter(|(one, other, apart)| one.is_off(other, *apart)).collect();
+        pairs.filter(|(one, other, apart)| one.is_off(other, *apart, length)).collect();
     let size = |[sine, distance]: [f64; 2]| sine.max(distance);
     let (one, other, [sine, distance]) =
         off.iter().copied().max_by(|x, y| size(x.2).total_cmp(&size(y.2)))?;
