@@ -9,6 +9,8 @@
 
 #[path = "hand/commit.rs"]
 mod commit;
+#[path = "hand/picture_file.rs"]
+mod picture_file;
 #[path = "../examples/peer_rules/rules.rs"]
 mod rules;
 #[path = "../examples/peer_rules/subject.rs"]
@@ -22,13 +24,14 @@ use pintle_audit::sampling::{Region, draw_case};
 use pintle_audit::singular::atlas;
 use pintle_audit::{Bound, Case, Entries, Oracle, Quantity, product};
 use pintle_bench::Environment;
+use pintle_kinematics::catalog::ConnectionType;
 use pintle_kinematics::draw::Draw;
 use pintle_kinematics::node::dof_size;
 use plotters::prelude::*;
 use rules::{Jacobian, NAMES, Peers, Problem, exceeds};
 use std::error::Error;
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 use subject::{Subject, functions};
 
@@ -278,37 +281,21 @@ fn draw(panels: &[(&str, usize, Vec<Found>)], ways: &[Way], told: &str, path: &P
     Ok(())
 }
 
-/// The file that the picture is drawn into.
-fn picture() -> Result<PathBuf> {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
-    match words.as_slice() {
-        [] => Ok(Path::new(env!("CARGO_TARGET_TMPDIR")).join("notice.svg")),
-        [option, file] if option == "--picture" => Ok(file.into()),
-        _ => Err(format!("unknown: {}; there is: --picture FILE.svg", words.join(" ")).into()),
-    }
-}
-
 fn main() -> Result<()> {
     if commit::is_told() {
         return Ok(());
     }
-    let picture = picture()?;
+    let picture = picture_file::picture_file("notice.svg")?;
     rules::tried();
     let ways = ways();
-    let draw_of = &mut Draw::new("notice");
-    let far: Vec<Given> = functions()
-        .flat_map(|connection| {
-            (0..EACH).filter_map(|_| draw_case(connection, Region::Aligned, draw_of)).collect::<Vec<_>>()
-        })
-        .filter_map(Given::of)
-        .collect();
-    let draw_of = &mut Draw::new("notice, near");
-    let near: Vec<Given> = functions()
-        .flat_map(|connection| {
-            (0..EACH).filter_map(|_| atlas::random_near(connection, draw_of)).collect::<Vec<_>>()
-        })
-        .filter_map(Given::of)
-        .collect();
+    let drawn = |seed: &str, draw_one: &dyn Fn(&'static ConnectionType, &mut Draw) -> Option<Case>| {
+        let draw = &mut Draw::new(seed);
+        let cases: Vec<Case> =
+            functions().flat_map(|of| [of; EACH]).filter_map(|of| draw_one(of, draw)).collect();
+        cases.into_iter().filter_map(Given::of).collect::<Vec<_>>()
+    };
+    let far = drawn("notice", &|of, draw| draw_case(of, Region::Aligned, draw));
+    let near = drawn("notice, near", &atlas::random_near);
     let mut panels = Vec::new();
     for (title, states) in [("both nodes turned and moved", far), ("1e-1 to 1e-12 from a singular set", near)]
     {

@@ -8,6 +8,8 @@
 mod commit;
 mod peer;
 mod picture;
+#[path = "../hand/picture_file.rs"]
+mod picture_file;
 mod walk;
 
 use picture::{Curve, Panel, draw};
@@ -24,7 +26,6 @@ use pintle_model::evaluate::Sequence;
 use rayon::prelude::*;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::{Path, PathBuf};
 use walk::{Motion, Rotations, Sample, Stressed, Winding, half_spacing, turned};
 
 /// u, the unit of rounding.
@@ -364,22 +365,11 @@ const EULER_BACK: Lock = Lock {
     ..EULER
 };
 
-/// The file that the picture is drawn into.
-fn picture() -> Result<PathBuf> {
-    // The first is what cargo gives to every bench.
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
-    match words.as_slice() {
-        [] => Ok(Path::new(env!("CARGO_TARGET_TMPDIR")).join("stress.svg")),
-        [option, file] if option == "--picture" => Ok(file.into()),
-        _ => Err(format!("unknown: {}; there is: --picture FILE.svg", words.join(" ")).into()),
-    }
-}
-
 fn main() -> Result<()> {
     if commit::is_told() {
         return Ok(());
     }
-    let picture = picture()?;
+    let picture = picture_file::picture_file("stress.svg")?;
     // What is done soonest first.
     let [cardan, cardan_back, euler, euler_back] = [&CARDAN, &CARDAN_BACK, &EULER, &EULER_BACK].map(lock);
     let locks = [cardan?, cardan_back?, euler?, euler_back?];

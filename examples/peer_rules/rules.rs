@@ -110,8 +110,8 @@ pub(crate) struct Peers {
 /// Computes what one rule needs.
 pub(crate) type Prepare = fn(&mut Peers, &Problem);
 
-/// What a fresh `torch.Generator()` gives to `torch.rand`: the numbers m · 2⁻²⁴ on single precision, always the same, for it starts from
-/// the default seed 67280421310721 (c10/core/GeneratorImpl.h; a Mersenne twister seeded with its lower 32 bits).
+/// What a fresh `torch.Generator()` gives to `torch.rand`: the numbers m · 2⁻²⁴ on single precision. They are always the same, for it starts
+/// from the default seed 67280421310721 (c10/core/GeneratorImpl.h; a Mersenne twister seeded with its lower 32 bits).
 const RAND: [u32; 20] = [
     4484470, 14638596, 5625213, 6761484, 13205677, 7677331, 1206898, 16298478, 11989963, 7171481, 1418518,
     8228157, 2789127, 2580282, 6103388, 8631631, 11948430, 14742583, 14144298, 16574150,
@@ -210,9 +210,10 @@ impl Peers {
     }
 
     /// internal/ceres/gradient_checker.cc: `NumericDiffCostFunction` by `RIDDERS` with the defaults of
-    /// include/ceres/numeric_diff_options.h (of `check_gradients`, only the step of other methods comes from the solver's options),
-    /// compared by internal/ceres/is_close.cc to the solver's `gradient_check_relative_precision`, 1e-8: relative to the larger of
-    /// the two, absolute where one of them is exactly zero.
+    /// include/ceres/numeric_diff_options.h. Of `check_gradients`, only the step of other methods comes from the solver's options.
+    ///
+    /// internal/ceres/is_close.cc compares to the solver's `gradient_check_relative_precision`, 1e-8: relative to the larger of the
+    /// two, absolute where one of them is exactly zero.
     fn ceres(&self, found: &Jacobian) -> bool {
         let entries = found.iter().flatten().zip(self.ridders.iter().flatten());
         entries.into_iter().any(|(x, y)| !is_close(*x, *y, 1e-8))

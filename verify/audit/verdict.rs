@@ -291,7 +291,7 @@ fn a_true_singularity_is_no_kink() {
     }
 }
 
-/// The order of Taylor's remainder is judged: what falls more slowly than h², or jumps on the way, is none of a derivative, and what does
+/// The order of Taylor's remainder is judged: what falls more slowly than h², or jumps on the way, is none of a derivative. What does
 /// fall so is no false alarm, at any state that is drawn, however near to a singular set.
 #[test]
 fn the_order_of_a_remainder_is_judged() {

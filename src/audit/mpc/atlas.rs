@@ -1,8 +1,8 @@
 //! The singular points of multi-point constraints, approached on the ladder of the atlas: what is declared of an equation, or of the angle
 //! of a hinge, is compared with what happens there.
 //!
-//! The angle of a hinge has no row among the numbers of a constraint: its derivatives
-//! are its rates as one degree of freedom moves at a time, and the truth is differences of the angle on 237 bits.
+//! The angle of a hinge has no row among the numbers of a constraint. Its derivatives
+//! are its rates as one degree of freedom moves at a time; the truth is differences of the angle on 237 bits.
 
 use crate::case::failing::MpcCase;
 use crate::judge::bound::scales;

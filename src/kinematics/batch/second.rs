@@ -123,8 +123,8 @@ impl Batch {
 }
 
 impl Batch {
-    /// The geometric stiffness along a variation, (Σ_k λ_k ∂²c_k) v, without the matrix: half the gradient of Σ_k λ_k ∂²c_k[v, v], and so the
-    /// change of Σ_k λ_k ∂c_k along v at constant λ. Rotations vary as in [`Pair::nodal_hessian`](crate::node::Pair::nodal_hessian).
+    /// The geometric stiffness along a variation, (Σ_k λ_k ∂²c_k) v, without the matrix. It is half the gradient of Σ_k λ_k ∂²c_k[v, v], and
+    /// so the change of Σ_k λ_k ∂c_k along v at constant λ. Rotations vary as in [`Pair::nodal_hessian`](crate::node::Pair::nodal_hessian).
     ///
     /// - `multipliers`: as of [`Batch::geometric_stiffness_of`]
     /// - `along`: of each tile v by x_a, θ_a, x_b, θ_b (length, rad), global components

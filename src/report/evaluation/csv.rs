@@ -3,8 +3,8 @@
 //! One line for each state × connector × component, one column for each output asked for. With derivatives there are five columns
 //! more, `dof_1, node_1, dof_2, node_2, derivative`, and further lines that leave the outputs empty. There is one for each first
 //! derivative that is not zero (`dof_2` empty), and for each second derivative that is not zero, ∂²/∂dof_1∂dof_2. Nodal forces
-//! (column NF) have lines of their own, with `dof_1` and `node_1`. So have the entries of KG, DNF, KT, CT and KR that are not zero:
-//! of the force on `dof_1` by `dof_2`, which for KR names a reaction. `flags` names what needs care, on the lines of the component.
+//! (column NF) have lines of their own, with `dof_1` and `node_1`. So have the entries of KG, DNF, KT, CT and KR that are not zero.
+//! They are of the force on `dof_1` by `dof_2`, which for KR names a reaction. `flags` names what needs care, on the lines of the component.
 //! Numbers read back to the same double.
 
 use crate::evaluation::block::{Block, BlockKind, Derivative, NodalDerivative, Value, node_name, slopes};
