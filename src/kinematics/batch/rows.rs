@@ -36,18 +36,6 @@ impl<'a> Array<'a> {
         self.numbers.get(state.checked_mul(self.stride)?..)?.first_chunk::<N>()
     }
 
-    /// The first N numbers of four states.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn four<const N: usize>(self, [a, b, c, d]: [usize; LANES]) -> [[f64; N]; LANES] {
-        let none = &[f64::NAN; N];
-        [
-            *self.at(a).unwrap_or(none),
-            *self.at(b).unwrap_or(none),
-            *self.at(c).unwrap_or(none),
-            *self.at(d).unwrap_or(none),
-        ]
-    }
-
     /// The states named, in whole tiles: where they lie, if they stand one after the other, else copied into `room`. Beyond the
     /// last stands the last again.
     fn taken<'b, const N: usize>(self, states: &Range<usize>, room: &'b mut Vec<[f64; N]>) -> &'b [[f64; N]]
@@ -147,15 +135,16 @@ impl States<'_> {
     /// The nodes of a state; NaN where an array ends before it.
     pub fn pair(&self, state: usize) -> Pair<f64> {
         let three = |array: Array<'_>| array.at(state).copied().unwrap_or([f64::NAN; 3]);
-        let triads = self.nodes.map(|node| {
-            let mut room = Vec::new();
-            let of = node.orientation.triads(Arch::Scalar, &(state..state + 1), &mut room);
-            of.first()
-                .map_or([[f64::NAN; 3]; 3], |m| [[m[0], m[1], m[2]], [m[3], m[4], m[5]], [m[6], m[7], m[8]]])
-        });
+        let mut tile = [STILL];
+        let mut rooms = [Room::default(), Room::default()];
+        for (end, room) in rooms.iter_mut().enumerate() {
+            let turned = self.nodes[end].orientation.taken(&(state..state + 1), room);
+            on_unit(Arch::Scalar, FillTriads { turned, end, tiles: &mut tile });
+        }
+        let [Tile { triad, .. }] = &tile;
         let node = |end: usize| Node {
             displacement: three(self.nodes[end].displacement),
-            triad: triads[end],
+            triad: triad[end].map(|row| row.map(|of| of[0])),
             flow: 0.0,
         };
         Pair { reference: three(self.reference), a: node(0), b: node(1) }
@@ -357,11 +346,19 @@ const IDENTITY: [[Four; 3]; 3] = [[ONE, ZERO, ZERO], [ZERO, ONE, ZERO], [ZERO, Z
 /// Nodes at the origin, along the axes.
 const STILL: Tile = Tile { reference: [ZERO; 3], displacement: [[ZERO; 3]; 2], triad: [IDENTITY, IDENTITY] };
 
+/// Room for numbers of a node that do not stand one after the other.
+#[derive(Debug, Default)]
+struct Room {
+    threes: Vec<[f64; 3]>,
+    fours: Vec<[f64; 4]>,
+    nines: Vec<[f64; 9]>,
+}
+
 /// Room for states that are read at a time.
 struct Work {
     reference: Vec<[f64; 3]>,
     displacement: [Vec<[f64; 3]>; 2],
-    triad: [Vec<[f64; 9]>; 2],
+    rooms: [Room; 2],
     needed: Dependence,
     tiles: Vec<Tile>,
     /// The first state of the tiles.
@@ -375,28 +372,31 @@ impl Work {
         Self {
             reference: Vec::new(),
             displacement: [Vec::new(), Vec::new()],
-            triad: [Vec::new(), Vec::new()],
+            rooms: [Room::default(), Room::default()],
             needed: needed.fold(Dependence::default(), Dependence::or),
             tiles: vec![STILL; tiles],
             first: 0,
         }
     }
 
-    /// Takes some states, in tiles; the last tile is filled with the last state.
+    /// Takes some states, in tiles; the last tile is filled with the last state. What is not needed is left as it is.
     fn fill(&mut self, batch: &Batch, states: &States<'_>, these: &Range<usize>) {
-        let [a, b] = states.nodes;
-        let ([x_a, x_b], [triad_a, triad_b]) = (&mut self.displacement, &mut self.triad);
-        let block = Block {
-            reference: states.reference.taken(these, &mut self.reference),
-            displacement: [a.displacement.taken(these, x_a), b.displacement.taken(these, x_b)],
-            triad: [
-                a.orientation.triads(batch.arch, these, triad_a),
-                b.orientation.triads(batch.arch, these, triad_b),
-            ],
-        };
-        let tiles = part(&mut self.tiles, these.len().div_ceil(LANES));
-        on_unit(batch.arch, Fill { block, needed: self.needed, tiles });
-        self.first = these.start;
+        let Self { reference, displacement: [x_a, x_b], rooms, needed, tiles, first } = self;
+        let tiles = part(tiles, these.len().div_ceil(LANES));
+        if needed.translation {
+            let [a, b] = &states.nodes;
+            let (a, b) = (a.displacement.taken(these, x_a), b.displacement.taken(these, x_b));
+            let reference = states.reference.taken(these, reference);
+            on_unit(batch.arch, FillSeparations { reference, a, b, tiles });
+        }
+        let [of_a, of_b] = rooms;
+        for (end, room, is_needed) in [(0, of_a, true), (1, of_b, needed.rotation)] {
+            if is_needed {
+                let turned = states.nodes[end].orientation.taken(these, room);
+                on_unit(batch.arch, FillTriads { turned, end, tiles });
+            }
+        }
+        *first = these.start;
     }
 
     /// The tiles of some of these states, with what belongs to them.
@@ -419,12 +419,32 @@ fn part<T>(of: &mut [T], count: usize) -> &mut [T] {
     of.split_at_mut(count).0
 }
 
-/// States that stand one after the other, with triads row by row.
+/// How a node is turned, state after state.
 #[derive(Clone, Copy, Debug)]
-struct Block<'a> {
-    reference: &'a [[f64; 3]],
-    displacement: [&'a [[f64; 3]]; 2],
-    triad: [&'a [[f64; 9]]; 2],
+enum Turned<'a> {
+    Triads(&'a [[f64; 9]]),
+    Directions(&'a [[f64; 9]]),
+    Quaternions(&'a [[f64; 4]], Matrix<f64>),
+    Vectors(&'a [[f64; 3]], Matrix<f64>),
+}
+
+impl<'a> Orientation<'a> {
+    /// The numbers of the states named, in whole tiles; beyond the last stand those of the last again.
+    fn taken<'b>(self, states: &Range<usize>, room: &'b mut Room) -> Turned<'b>
+    where
+        'a: 'b,
+    {
+        match self {
+            Self::Triad(array) => Turned::Triads(array.taken(states, &mut room.nines)),
+            Self::Directions(array) => Turned::Directions(array.taken(states, &mut room.nines)),
+            Self::Quaternion(array, initial) => {
+                Turned::Quaternions(array.taken(states, &mut room.fours), initial)
+            }
+            Self::RotationVector(array, initial) => {
+                Turned::Vectors(array.taken(states, &mut room.threes), initial)
+            }
+        }
+    }
 }
 
 /// What moves numbers.
@@ -455,59 +475,108 @@ impl<U: Unit, W: Moves> WithSimd for On<U, W> {
     }
 }
 
-/// Tiles from states. What is not needed is left as it is.
-struct Fill<'l, 'a> {
-    block: Block<'a>,
-    needed: Dependence,
+/// x_b − x_a of tiles, in the place of the reference.
+struct FillSeparations<'l> {
+    reference: &'l [[f64; 3]],
+    a: &'l [[f64; 3]],
+    b: &'l [[f64; 3]],
     tiles: &'l mut [Tile],
 }
 
-impl Moves for Fill<'_, '_> {
+impl Moves for FillSeparations<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn on<U: Unit>(self, unit: U) {
-        let Self { block, needed, tiles } = self;
         // By numbers: an iterator over several arrays is a call for each where another unit of the crate holds it.
-        let reference = block.reference.as_chunks::<LANES>().0;
-        let [x_a, x_b] = block.displacement.map(|of| of.as_chunks::<LANES>().0);
-        let [of_a, of_b] = block.triad.map(|of| of.as_chunks::<LANES>().0);
-        let count =
-            tiles.len().min(reference.len()).min(x_a.len()).min(x_b.len()).min(of_a.len()).min(of_b.len());
+        let (reference, a, b) = (threes(self.reference), threes(self.a), threes(self.b));
+        let count = self.tiles.len().min(reference.len()).min(a.len()).min(b.len());
         for i in 0..count {
-            if needed.translation {
-                let mut separation = [[0.0; 3]; LANES];
-                for lane in 0..LANES {
-                    for k in 0..3 {
-                        separation[lane][k] = reference[i][lane][k] + (x_b[i][lane][k] - x_a[i][lane][k]);
-                    }
-                }
-                fill_vector(unit, &separation, &mut tiles[i].reference);
+            let mut apart = [ZERO; 3];
+            for k in 0..3 {
+                apart[k] = unit.separation(reference[i][k], a[i][k], b[i][k]);
             }
-            fill_matrix(unit, &of_a[i], &mut tiles[i].triad[0]);
-            if needed.rotation {
-                fill_matrix(unit, &of_b[i], &mut tiles[i].triad[1]);
+            self.tiles[i].reference = unit.from_threes(apart);
+        }
+    }
+}
+
+/// The triads of one end of tiles.
+struct FillTriads<'l> {
+    turned: Turned<'l>,
+    end: usize,
+    tiles: &'l mut [Tile],
+}
+
+impl Moves for FillTriads<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn on<U: Unit>(self, unit: U) {
+        let Self { turned, end, tiles } = self;
+        match turned {
+            Turned::Triads(of) => {
+                let of = of.as_chunks::<LANES>().0;
+                for i in 0..tiles.len().min(of.len()) {
+                    tiles[i].triad[end] = nines(unit, &of[i]);
+                }
+            }
+            Turned::Directions(of) => {
+                let of = of.as_chunks::<LANES>().0;
+                for i in 0..tiles.len().min(of.len()) {
+                    let [[a, b, c], [d, e, f], [g, h, j]] = nines(unit, &of[i]);
+                    tiles[i].triad[end] = [[a, d, g], [b, e, h], [c, f, j]];
+                }
+            }
+            Turned::Quaternions(of, initial) => {
+                let of = of.as_chunks::<LANES>().0;
+                for i in 0..tiles.len().min(of.len()) {
+                    let [w, x, y, z] = unit.transposed(of[i]);
+                    let q = so3::normalize([Lanes(w), Lanes(x), Lanes(y), Lanes(z)]);
+                    tiles[i].triad[end] = after(&so3::matrix(q), &initial);
+                }
+            }
+            Turned::Vectors(of, initial) => {
+                let of = threes(of);
+                for i in 0..tiles.len().min(of.len()) {
+                    let [x, y, z] = unit.from_threes(of[i]);
+                    tiles[i].triad[end] = after(&so3::exp([Lanes(x), Lanes(y), Lanes(z)]), &initial);
+                }
             }
         }
     }
 }
 
+/// Three numbers of each of four states, as they stand one after the other.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn fill_vector<U: Unit>(unit: U, of: &[[f64; 3]; LANES], to: &mut [Four; 3]) {
-    let [[a, b, c], [d, e, f], [g, h, i], [j, k, l]] = *of;
-    let last = unit.rotated([i, j, k, l]);
-    let [x, y, z, _] = unit.transposed([[a, b, c, d], [d, e, f, g], [g, h, i, j], last]);
-    *to = [x, y, z];
+fn threes(of: &[[f64; 3]]) -> &[[Four; 3]] {
+    of.as_flattened().as_chunks::<LANES>().0.as_chunks::<3>().0
 }
 
+/// Nine numbers of each of four states.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn fill_matrix<U: Unit>(unit: U, of: &[[f64; 9]; LANES], to: &mut [[Four; 3]; 3]) {
-    let at = |k: usize| unit.paired([half(&of[0], k), half(&of[1], k), half(&of[2], k), half(&of[3], k)]);
+fn nines<U: Unit>(unit: U, of: &[[f64; 9]; LANES]) -> [[Four; 3]; 3] {
+    let at = |k: usize| {
+        let half = |lane: usize| [of[lane][k], of[lane][k + 1]];
+        unit.from_pairs([half(0), half(1), half(2), half(3)])
+    };
     let ([a, b], [c, d], [e, f], [g, h], [_, i]) = (at(0), at(2), at(4), at(6), at(7));
-    *to = [[a, b, c], [d, e, f], [g, h, i]];
+    [[a, b, c], [d, e, f], [g, h, i]]
 }
 
+/// R T₀ of four.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn half(of: &[f64; 9], k: usize) -> [f64; 2] {
-    [of[k], of[k + 1]]
+fn after(turn: &Matrix<Lanes<false>>, initial: &Matrix<f64>) -> [[Four; 3]; 3] {
+    let mut start = [[Lanes::splat(0.0); 3]; 3];
+    let mut to = [[ZERO; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            start[i][j] = Lanes::splat(initial[i][j]);
+        }
+    }
+    let triad = product(turn, &start);
+    for i in 0..3 {
+        for j in 0..3 {
+            to[i][j] = triad[i][j].0;
+        }
+    }
+    to
 }
 
 /// Values and rows of tiles, state by state.
@@ -533,18 +602,21 @@ impl Moves for Spread<'_> {
                 let row = &tile[i];
                 (v0[i], v1[i], v2[i], v3[i]) = (row.value[0], row.value[1], row.value[2], row.value[3]);
                 let to = [&mut r0[i], &mut r1[i], &mut r2[i], &mut r3[i]];
-                let [t1, t2, t3] = row.turning_a;
-                let [x1, x2, x3] = row.moving_b;
-                let [y1, y2, y3] = row.turning_b;
-                let of = [unit.opposite(x1), unit.opposite(x2), unit.opposite(x3), t1];
-                put(
-                    [
-                        unit.transposed(of),
-                        unit.transposed([t2, t3, x1, x2]),
-                        unit.transposed([x3, y1, y2, y3]),
-                    ],
-                    to,
-                );
+                let ([t1, t2, t3], [x1, x2, x3], [y1, y2, y3]) = (row.turning_a, row.moving_b, row.turning_b);
+                let pairs = [
+                    unit.to_pairs([unit.opposite(x1), unit.opposite(x2)]),
+                    unit.to_pairs([unit.opposite(x3), t1]),
+                    unit.to_pairs([t2, t3]),
+                    unit.to_pairs([x1, x2]),
+                    unit.to_pairs([x3, y1]),
+                    unit.to_pairs([y2, y3]),
+                ];
+                for lane in 0..LANES {
+                    let to = to[lane].as_chunks_mut::<2>().0;
+                    for k in 0..6 {
+                        to[k] = pairs[k][lane];
+                    }
+                }
             }
         }
     }
@@ -611,92 +683,4 @@ fn quarters<T>(of: &mut [T], each: usize) -> [&mut [T]; LANES] {
     let (b, rest) = rest.split_at_mut(each);
     let (c, rest) = rest.split_at_mut(each);
     [a, b, c, rest.split_at_mut(each).0]
-}
-
-/// Twelve columns of four states.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn put([first, second, third]: [[Four; LANES]; 3], to: [&mut Dense; LANES]) {
-    for lane in 0..LANES {
-        let (to, _) = to[lane].as_chunks_mut();
-        (to[0], to[1], to[2]) = (first[lane], second[lane], third[lane]);
-    }
-}
-
-impl<'a> Orientation<'a> {
-    /// The triads of the states named, row by row, in whole tiles; beyond the last stands the last again.
-    fn triads<'b>(self, arch: Arch, these: &Range<usize>, room: &'b mut Vec<[f64; 9]>) -> &'b [[f64; 9]]
-    where
-        'a: 'b,
-    {
-        if let Self::Triad(array) = self {
-            return array.taken(these, room);
-        }
-        room.resize(these.len().next_multiple_of(LANES), [0.0; 9]);
-        arch.dispatch(Triads { of: self, these, room });
-        room
-    }
-}
-
-/// Triads from what else is given.
-struct Triads<'l, 'a> {
-    of: Orientation<'a>,
-    these: &'l Range<usize>,
-    room: &'l mut [[f64; 9]],
-}
-
-impl WithSimd for Triads<'_, '_> {
-    type Output = ();
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn with_simd<V: Simd>(self, _: V) {
-        let Self { of, these, room } = self;
-        let last = these.end - 1;
-        for (to, s) in room.as_chunks_mut().0.iter_mut().zip(these.clone().step_by(LANES)) {
-            let states = [s, (s + 1).min(last), (s + 2).min(last), (s + 3).min(last)];
-            match of {
-                Orientation::Triad(array) => *to = array.four(states),
-                Orientation::Directions(array) => {
-                    for (to, d) in to.iter_mut().zip(array.four::<9>(states)) {
-                        *to = [d[0], d[3], d[6], d[1], d[4], d[7], d[2], d[5], d[8]];
-                    }
-                }
-                Orientation::Quaternion(array, initial) => {
-                    let [w, x, y, z] = lanes_of(&array.four(states));
-                    after(&so3::matrix(so3::normalize([w, x, y, z])), &initial, to);
-                }
-                Orientation::RotationVector(array, initial) => {
-                    after(&so3::exp(lanes_of(&array.four(states))), &initial, to);
-                }
-            }
-        }
-    }
-}
-
-/// N numbers of each of four.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn lanes_of<const N: usize>([a, b, c, d]: &[[f64; N]; LANES]) -> [Lanes<false>; N] {
-    let mut lanes = [Lanes::splat(0.0); N];
-    for i in 0..N {
-        lanes[i] = Lanes([a[i], b[i], c[i], d[i]]);
-    }
-    lanes
-}
-
-/// R T₀ of four, row by row.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn after(turn: &Matrix<Lanes<false>>, initial: &Matrix<f64>, to: &mut [[f64; 9]; LANES]) {
-    let mut start = [[Lanes::splat(0.0); 3]; 3];
-    for i in 0..3 {
-        for j in 0..3 {
-            start[i][j] = Lanes::splat(initial[i][j]);
-        }
-    }
-    let triad = product(turn, &start);
-    for i in 0..3 {
-        for j in 0..3 {
-            for lane in 0..LANES {
-                to[lane][3 * i + j] = triad[i][j].0[lane];
-            }
-        }
-    }
 }

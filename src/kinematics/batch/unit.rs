@@ -12,10 +12,16 @@ pub(super) trait Unit: Copy {
     fn transposed(self, rows: [Four; 4]) -> [Four; 4];
 
     /// The first numbers of four pairs, and the second ones.
-    fn paired(self, pairs: [[f64; 2]; 4]) -> [Four; 2];
+    fn from_pairs(self, pairs: [[f64; 2]; 4]) -> [Four; 2];
 
-    /// The second number first, and the first last.
-    fn rotated(self, of: Four) -> Four;
+    /// The pairs of four first numbers and four second ones.
+    fn to_pairs(self, of: [Four; 2]) -> [[f64; 2]; 4];
+
+    /// The first, second and third numbers of four triples that stand one after the other.
+    fn from_threes(self, of: [Four; 3]) -> [Four; 3];
+
+    /// X + (b − a) of each.
+    fn separation(self, reference: Four, a: Four, b: Four) -> Four;
 
     /// 0 − x of each: no zero is negative.
     fn opposite(self, of: Four) -> Four;
@@ -32,13 +38,24 @@ impl Unit for Any {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn paired(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
-        [0, 1].map(|i| [a[i], b[i], c[i], d[i]])
+    fn from_pairs(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
+        [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]]]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn rotated(self, [a, b, c, d]: Four) -> Four {
-        [b, c, d, a]
+    fn to_pairs(self, [a, b]: [Four; 2]) -> [[f64; 2]; 4] {
+        [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]], [a[3], b[3]]]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_threes(self, [a, b, c]: [Four; 3]) -> [Four; 3] {
+        [[a[0], a[3], b[2], c[1]], [a[1], b[0], b[3], c[2]], [a[2], b[1], c[0], c[3]]]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn separation(self, reference: Four, a: Four, b: Four) -> Four {
+        let of = |lane: usize| reference[lane] + (b[lane] - a[lane]);
+        [of(0), of(1), of(2), of(3)]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -65,7 +82,7 @@ impl Unit for pulp::x86::V3 {
 
     /// Halves of a register come from memory as they are, so that two shuffles do what four would.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn paired(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
+    fn from_pairs(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
         let avx = self.avx;
         let both = |low: [f64; 2], high: [f64; 2]| {
             avx._mm256_insertf128_pd::<1>(avx._mm256_castpd128_pd256(cast(low)), cast(high))
@@ -74,9 +91,38 @@ impl Unit for pulp::x86::V3 {
         [cast(avx._mm256_unpacklo_pd(ac, bd)), cast(avx._mm256_unpackhi_pd(ac, bd))]
     }
 
+    /// Halves go to memory as they are. Large arrays begin 16 bytes after a line of the cache, which a half never crosses.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn rotated(self, of: Four) -> Four {
-        cast(self.avx2._mm256_permute4x64_pd::<0b00_11_10_01>(cast(of)))
+    fn to_pairs(self, [a, b]: [Four; 2]) -> [[f64; 2]; 4] {
+        let avx = self.avx;
+        let (even, odd) = (avx._mm256_unpacklo_pd(cast(a), cast(b)), avx._mm256_unpackhi_pd(cast(a), cast(b)));
+        [
+            cast(avx._mm256_castpd256_pd128(even)),
+            cast(avx._mm256_castpd256_pd128(odd)),
+            cast(avx._mm256_extractf128_pd::<1>(even)),
+            cast(avx._mm256_extractf128_pd::<1>(odd)),
+        ]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_threes(self, [a, b, c]: [Four; 3]) -> [Four; 3] {
+        let avx = self.avx;
+        let (a, b, c): (__m256d, __m256d, __m256d) = (cast(a), cast(b), cast(c));
+        let ab = avx._mm256_blend_pd::<0b1100>(a, b);
+        let ac = avx._mm256_permute2f128_pd::<0x21>(a, c);
+        let bc = avx._mm256_blend_pd::<0b1100>(b, c);
+        [
+            cast(avx._mm256_shuffle_pd::<0b1010>(ab, ac)),
+            cast(avx._mm256_shuffle_pd::<0b0101>(ab, bc)),
+            cast(avx._mm256_shuffle_pd::<0b1010>(ac, bc)),
+        ]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn separation(self, reference: Four, a: Four, b: Four) -> Four {
+        let avx = self.avx;
+        let apart = avx._mm256_sub_pd(cast(b), cast(a));
+        cast(avx._mm256_add_pd(cast(reference), apart))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

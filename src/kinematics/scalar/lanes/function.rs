@@ -246,6 +246,36 @@ fn larger<const FUSED: bool>(
     (a.0.greater(b.0), column)
 }
 
+/// cos x and sin x / (2 x) of x = √s / 2, without derivatives.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn exp_series<const FUSED: bool>(
+    s: Lanes<FUSED>,
+) -> (Series<Lanes<FUSED>>, Series<Lanes<FUSED>>) {
+    let half = Lanes::splat(0.5);
+    let x = s.square_root() * half;
+    let (sine, cosine) = sine_cosine(x);
+    let (mut w, mut k) = const { ([Lanes([0.0; LANES]); MAX_ORDER + 1], [Lanes([0.0; LANES]); MAX_ORDER + 1]) };
+    w[0] = cosine;
+    // Nearer to zero than this, sin x is x. NaN is not less.
+    k[0] = Lanes::select(x.less(Lanes::splat(1e-8)), half, half * (sine / x));
+    (w, k)
+}
+
+#[cold]
+#[inline(never)]
+pub(super) fn exp_series_lane_by_lane<const FUSED: bool>(
+    s: Lanes<FUSED>,
+    order: usize,
+) -> (Series<Lanes<FUSED>>, Series<Lanes<FUSED>>) {
+    let part = |which: usize| {
+        s.lane_by_lane(|lane| {
+            let (w, k) = f64::exp_series(lane, order);
+            if which == 0 { w } else { k }
+        })
+    };
+    (part(0), part(1))
+}
+
 /// The coefficients of K at c in [0, 1], to the second.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {

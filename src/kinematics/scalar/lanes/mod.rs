@@ -312,14 +312,12 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
         function::inverted_cosines(v)
     }
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn exp_series(s: Self, order: usize) -> (Series<Self>, Series<Self>) {
-        let part = |which: usize| {
-            s.lane_by_lane(|lane| {
-                let (w, k) = f64::exp_series(lane, order);
-                if which == 0 { w } else { k }
-            })
-        };
-        (part(0), part(1))
+        if order > 0 {
+            return function::exp_series_lane_by_lane(s, order);
+        }
+        function::exp_series(s)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
