@@ -7,6 +7,10 @@ use crate::node::{Dependence, arm};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Scalar, unrolled};
 use crate::vector::{Matrix, Vector, cross, dot, sub, transpose};
+#[cfg(target_arch = "x86_64")]
+use pulp::bytemuck::{cast, try_cast_mut};
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::__m256d;
 
 /// Values and rows of first derivatives of one measure of four elements, in the order x_a, θ_a, x_b, θ_b.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -205,6 +209,18 @@ impl Derivatives {
     }
 }
 
+/// Writes four lanes as one vector. As four numbers beside those of the next column, the compiler would take any four that follow each
+/// other, from where that first looks cheap to it, and shuffle lanes.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn set(to: &mut Four, lanes: Fused) {
+    #[cfg(target_arch = "x86_64")]
+    if let Ok(whole) = try_cast_mut::<Four, __m256d>(to) {
+        *whole = cast(lanes.0);
+        return;
+    }
+    *to = lanes.0;
+}
+
 impl Put for Row {
     const ORDER: usize = 1;
 
@@ -212,11 +228,11 @@ impl Put for Row {
     fn put(&mut self, value: Fused, of: &Derivatives) {
         let (g, arm) = (of.translation, of.turning_a());
         let minus_g = if of.shape.translation { [-g[0], -g[1], -g[2]] } else { g };
-        self.value = value.0;
+        set(&mut self.value, value);
         // In the order of memory: two stores to one line of the cache are done at once where one follows the other.
         for (place, part) in [minus_g, arm, g, of.rotation].into_iter().enumerate() {
             for i in 0..3 {
-                self.columns[3 * place + i] = part[i].0;
+                set(&mut self.columns[3 * place + i], part[i]);
             }
         }
     }
@@ -228,11 +244,11 @@ impl Put for CompactRow {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Fused, of: &Derivatives) {
         let arm = of.turning_a();
-        self.value = value.0;
+        set(&mut self.value, value);
         for i in 0..3 {
-            self.turning_a[i] = arm[i].0;
-            self.moving_b[i] = of.translation[i].0;
-            self.turning_b[i] = of.rotation[i].0;
+            set(&mut self.turning_a[i], arm[i]);
+            set(&mut self.moving_b[i], of.translation[i]);
+            set(&mut self.turning_b[i], of.rotation[i]);
         }
     }
 }
@@ -253,17 +269,17 @@ impl Put for RelativeRow {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Fused, of: &Derivatives) {
-        self.value = value.0;
+        set(&mut self.value, value);
         unrolled!(i < 3, {
-            self.translation[i] = of.translation[i].0;
-            self.rotation[i] = of.rotation[i].0;
+            set(&mut self.translation[i], of.translation[i]);
+            set(&mut self.rotation[i], of.rotation[i]);
         });
         let is_there = of.shape.blocks();
         unrolled!(block < 3, {
             if is_there[block] {
                 unrolled!(i < 3, {
                     unrolled!(j < 3, {
-                        self.second[block][i][j] = of.second[block][i][j].0;
+                        set(&mut self.second[block][i][j], of.second[block][i][j]);
                     })
                 });
             }
