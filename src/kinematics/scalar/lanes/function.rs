@@ -35,29 +35,36 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side.
+/// Σ c_i xⁱ as four interleaved polynomials in x⁴, which the processor evaluates side by side. Of longer chains the compiler makes no vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
+    const { assert!(5 <= N && N <= 28, "not as many coefficients as are written out") };
     let square = x * x;
-    let mut own = Lanes::splat(c[N - 1]);
-    let mut other = Lanes::splat(c[N - 2]);
-    // Written out, as `unrolled` does.
-    macro_rules! pairs {
+    let fourth = square * square;
+    // Coefficient number i of the last ones belongs to part i % 4.
+    let last = const { N - 4 };
+    let mut parts = [Lanes::splat(0.0); 4];
+    unrolled!(i < 4, {
+        parts[(last + i) % 4] = Lanes::splat(c[last + i]);
+    });
+    macro_rules! fours {
         ($($done:literal)+) => {
             $(if const { N >= $done + 4 } {
-                own = own.multiply_add(square, Lanes::splat(c[N - 3 - $done]));
-                other = other.multiply_add(square, Lanes::splat(c[N - 4 - $done]));
+                unrolled!(i < 4, {
+                    let at = N - $done - 4 + i;
+                    parts[at % 4] = parts[at % 4].multiply_add(fourth, Lanes::splat(c[at]));
+                });
             })+
         };
     }
-    const { assert!(N <= 25, "more coefficients than are written out") };
-    pairs!(0 2 4 6 8 10 12 14 16 18 20);
-    if const { N % 2 == 1 } {
-        // c[0] is left, and belongs to the powers of `own`.
-        own = own.multiply_add(square, Lanes::splat(c[0]));
-        return other.multiply_add(x, own);
-    }
-    own.multiply_add(x, other)
+    fours!(4 8 12 16 20);
+    unrolled!(i < 4, {
+        if i < N % 4 {
+            parts[i] = parts[i].multiply_add(fourth, Lanes::splat(c[i]));
+        }
+    });
+    let [one, two, three, four] = parts;
+    four.multiply_add(x, three).multiply_add(square, two.multiply_add(x, one))
 }
 
 /// The angle of (x, y), 2.4 u; signs of zeros as IEEE 754 asks.
@@ -280,10 +287,10 @@ pub(super) fn exp_series_lane_by_lane<const FUSED: bool>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
     let mut series = const { [Lanes([0.0; LANES]); MAX_ORDER + 1] };
-    let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);
-    series[0] = polynomial(&LONG_LOG_0, y);
+    let y = ((Lanes::splat(1.0) - c) * Lanes::splat(0.5)).kept();
+    series[0] = polynomial(&LONG_LOG_0, y).kept();
     if order > 0 {
-        series[1] = polynomial(&LONG_LOG_1, y);
+        series[1] = polynomial(&LONG_LOG_1, y).kept();
     }
     if order > 1 {
         series[2] = polynomial(&LONG_LOG_2, y - Lanes::splat(0.25));

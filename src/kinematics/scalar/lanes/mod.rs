@@ -58,6 +58,18 @@ impl<const FUSED: bool> Lanes<FUSED> {
         Self([x; LANES])
     }
 
+    /// The same, by way of memory: what goes there and comes back are whole vectors, so that the compiler does not take lanes apart.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kept(self) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let whole: std::arch::x86_64::__m256d = pulp::cast(self.0);
+            return Self(pulp::cast(*std::hint::black_box(&whole)));
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        self
+    }
+
     /// `function` of each lane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn each(self, function: impl Fn(f64) -> f64) -> Self {
