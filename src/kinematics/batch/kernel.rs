@@ -172,7 +172,7 @@ impl<F: Formula<M>, L: Put, const M: usize> LoopOf<'_, '_, F, L, M> {
     fn run(self) {
         let Loop { rows, first, tiles, sections, histories, ref mut out, .. } = *self.all;
         let Some(mut rest) = out.get_mut(first..) else { return };
-        let [of_section, of_history] = [sections.len(), histories.len()].map(|count| usize::from(count > 1));
+        let (of_section, of_history) = (usize::from(sections.len() > 1), usize::from(histories.len() > 1));
         for i in 0..tiles.len() {
             let constants = (sections.get(i * of_section), histories.get(i * of_history));
             let (Some(target), (Some(section), Some(history))) = (rest.first_chunk_mut::<M>(), constants)

@@ -7,10 +7,6 @@ use crate::node::{Dependence, arm};
 use crate::scalar::lanes::{LANES, Lanes};
 use crate::scalar::{Scalar, unrolled};
 use crate::vector::{Matrix, Vector, cross, dot, sub, transpose};
-#[cfg(target_arch = "x86_64")]
-use pulp::bytemuck::{cast, try_cast_mut};
-#[cfg(target_arch = "x86_64")]
-use std::arch::x86_64::__m256d;
 
 /// Values and rows of first derivatives of one measure of four elements, in the order x_a, θ_a, x_b, θ_b.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -209,18 +205,6 @@ impl Derivatives {
     }
 }
 
-/// Writes four lanes as one vector. As four numbers beside those of the next column, the compiler would take any four that follow each
-/// other, from where that first looks cheap to it, and shuffle lanes.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn set(to: &mut Four, lanes: Fused) {
-    #[cfg(target_arch = "x86_64")]
-    if let Ok(whole) = try_cast_mut::<Four, __m256d>(to) {
-        *whole = cast(lanes.0);
-        return;
-    }
-    *to = lanes.0;
-}
-
 impl Put for Row {
     const ORDER: usize = 1;
 
@@ -228,11 +212,11 @@ impl Put for Row {
     fn put(&mut self, value: Fused, of: &Derivatives) {
         let (g, arm) = (of.translation, of.turning_a());
         let minus_g = if of.shape.translation { [-g[0], -g[1], -g[2]] } else { g };
-        set(&mut self.value, value);
+        value.store(&mut self.value);
         // In the order of memory: two stores to one line of the cache are done at once where one follows the other.
         for (place, part) in [minus_g, arm, g, of.rotation].into_iter().enumerate() {
             for i in 0..3 {
-                set(&mut self.columns[3 * place + i], part[i]);
+                part[i].store(&mut self.columns[3 * place + i]);
             }
         }
     }
@@ -244,11 +228,11 @@ impl Put for CompactRow {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Fused, of: &Derivatives) {
         let arm = of.turning_a();
-        set(&mut self.value, value);
+        value.store(&mut self.value);
         for i in 0..3 {
-            set(&mut self.turning_a[i], arm[i]);
-            set(&mut self.moving_b[i], of.translation[i]);
-            set(&mut self.turning_b[i], of.rotation[i]);
+            arm[i].store(&mut self.turning_a[i]);
+            of.translation[i].store(&mut self.moving_b[i]);
+            of.rotation[i].store(&mut self.turning_b[i]);
         }
     }
 }
@@ -269,17 +253,17 @@ impl Put for RelativeRow {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn put(&mut self, value: Fused, of: &Derivatives) {
-        set(&mut self.value, value);
+        value.store(&mut self.value);
         unrolled!(i < 3, {
-            set(&mut self.translation[i], of.translation[i]);
-            set(&mut self.rotation[i], of.rotation[i]);
+            of.translation[i].store(&mut self.translation[i]);
+            of.rotation[i].store(&mut self.rotation[i]);
         });
         let is_there = of.shape.blocks();
         unrolled!(block < 3, {
             if is_there[block] {
                 unrolled!(i < 3, {
                     unrolled!(j < 3, {
-                        set(&mut self.second[block][i][j], of.second[block][i][j]);
+                        of.second[block][i][j].store(&mut self.second[block][i][j]);
                     })
                 });
             }
@@ -336,9 +320,9 @@ const NOTHING: Block = [[Lanes([0.0; 4]); 3]; 3];
 fn write(to: &mut [[Four; 12]; 12], at: (usize, usize), block: &Block) {
     unrolled!(i < 3, {
         unrolled!(j < 3, {
-            to[at.0 + i][at.1 + j] = block[i][j].0;
+            block[i][j].store(&mut to[at.0 + i][at.1 + j]);
             if at.0 != at.1 {
-                to[at.1 + j][at.0 + i] = block[i][j].0;
+                block[i][j].store(&mut to[at.1 + j][at.0 + i]);
             }
         })
     });

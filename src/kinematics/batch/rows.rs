@@ -389,10 +389,9 @@ impl Work {
             let reference = states.reference.taken(these, reference);
             on_unit(batch.arch, FillSeparations { reference, a, b, tiles });
         }
-        let [of_a, of_b] = rooms;
-        for (end, room, is_needed) in [(0, of_a, true), (1, of_b, needed.rotation)] {
-            if is_needed {
-                let turned = states.nodes[end].orientation.taken(these, room);
+        for end in 0..2 {
+            if end == 0 || needed.rotation {
+                let turned = states.nodes[end].orientation.taken(these, &mut rooms[end]);
                 on_unit(batch.arch, FillTriads { turned, end, tiles });
             }
         }
@@ -529,14 +528,15 @@ impl Moves for FillTriads<'_> {
                 for i in 0..tiles.len().min(of.len()) {
                     let [w, x, y, z] = unit.transposed(of[i]);
                     let q = so3::normalize([Lanes(w), Lanes(x), Lanes(y), Lanes(z)]);
-                    tiles[i].triad[end] = after(&so3::matrix(q), &initial);
+                    place(&so3::matrix(q), &initial, &mut tiles[i].triad[end]);
                 }
             }
             Turned::Vectors(of, initial) => {
                 let of = threes(of);
                 for i in 0..tiles.len().min(of.len()) {
                     let [x, y, z] = unit.from_threes(of[i]);
-                    tiles[i].triad[end] = after(&so3::exp([Lanes(x), Lanes(y), Lanes(z)]), &initial);
+                    let turn = so3::exp([Lanes(x), Lanes(y), Lanes(z)]);
+                    place(&turn, &initial, &mut tiles[i].triad[end]);
                 }
             }
         }
@@ -562,9 +562,8 @@ fn nines<U: Unit>(unit: U, of: &[[f64; 9]; LANES]) -> [[Four; 3]; 3] {
 
 /// R T₀ of four.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn after(turn: &Matrix<Lanes<false>>, initial: &Matrix<f64>) -> [[Four; 3]; 3] {
+fn place(turn: &Matrix<Lanes<false>>, initial: &Matrix<f64>, to: &mut [[Four; 3]; 3]) {
     let mut start = [[Lanes::splat(0.0); 3]; 3];
-    let mut to = [[ZERO; 3]; 3];
     for i in 0..3 {
         for j in 0..3 {
             start[i][j] = Lanes::splat(initial[i][j]);
@@ -573,10 +572,9 @@ fn after(turn: &Matrix<Lanes<false>>, initial: &Matrix<f64>) -> [[Four; 3]; 3] {
     let triad = product(turn, &start);
     for i in 0..3 {
         for j in 0..3 {
-            to[i][j] = triad[i][j].0;
+            triad[i][j].store(&mut to[i][j]);
         }
     }
-    to
 }
 
 /// Values and rows of tiles, state by state.

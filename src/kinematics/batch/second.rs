@@ -396,7 +396,7 @@ impl Made for Bias<'_> {
             let (Some(row), Some(shape), Some(to)) = (rows.get(k), shapes.get(k), out.get_mut(k)) else {
                 return;
             };
-            *to = with_constant!(*shape, |shape| row.read(shape, separation).bias(&motion)).0;
+            with_constant!(*shape, |shape| row.read(shape, separation).bias(&motion)).store(to);
         }
     }
 }
@@ -537,7 +537,7 @@ impl Derivatives {
             let parts = [(i, -force[i]), (3 + i, of_a[i]), (6 + i, force[i]), (9 + i, moment[i])];
             for (to, part) in parts {
                 let both: Fused = Lanes(out[to]) + part;
-                out[to] = both.0;
+                both.store(&mut out[to]);
             }
         }
     }
@@ -583,7 +583,7 @@ impl Made for Stiffness<'_> {
             for i in 0..144 {
                 let (row, column) = (i / 12, i % 12);
                 let both: Fused = Lanes(out[row][column]) + Lanes(other[row][column]);
-                out[row][column] = both.0;
+                both.store(&mut out[row][column]);
             }
         }
     }

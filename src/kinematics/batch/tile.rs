@@ -164,7 +164,7 @@ impl WithSimd for Place<'_> {
             let triad = product(&turn, &lanes_matrix(&initial.0[end]));
             for i in 0..3 {
                 for j in 0..3 {
-                    tile.triad[end][i][j] = triad[i][j].0;
+                    triad[i][j].store(&mut tile.triad[end][i][j]);
                 }
             }
         }

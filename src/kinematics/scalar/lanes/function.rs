@@ -35,36 +35,38 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Σ c_i xⁱ as four interleaved polynomials in x⁴, which the processor evaluates side by side. Of longer chains the compiler makes no vectors.
+/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side, or four in x⁴ of long ones: of longer chains
+/// the compiler makes no vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
-    const { assert!(5 <= N && N <= 28, "not as many coefficients as are written out") };
+    const { assert!(4 <= N && N <= 32, "not as many coefficients as are written out") };
     let square = x * x;
+    if const { N < 16 } {
+        return part::<FUSED, N, 1, 2>(c, square).multiply_add(x, part::<FUSED, N, 0, 2>(c, square));
+    }
     let fourth = square * square;
-    // Coefficient number i of the last ones belongs to part i % 4.
-    let last = const { N - 4 };
-    let mut parts = [Lanes::splat(0.0); 4];
-    unrolled!(i < 4, {
-        parts[(last + i) % 4] = Lanes::splat(c[last + i]);
-    });
-    macro_rules! fours {
-        ($($done:literal)+) => {
-            $(if const { N >= $done + 4 } {
-                unrolled!(i < 4, {
-                    let at = N - $done - 4 + i;
-                    parts[at % 4] = parts[at % 4].multiply_add(fourth, Lanes::splat(c[at]));
-                });
+    let low = part::<FUSED, N, 1, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 0, 4>(c, fourth));
+    let high = part::<FUSED, N, 3, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 2, 4>(c, fourth));
+    high.multiply_add(square, low)
+}
+
+/// Σ c_i yʲ over i = FIRST + j STEP.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn part<const FUSED: bool, const N: usize, const FIRST: usize, const STEP: usize>(
+    c: &[f64; N],
+    y: Lanes<FUSED>,
+) -> Lanes<FUSED> {
+    let mut sum = Lanes::splat(c[const { FIRST + (N - 1 - FIRST) / STEP * STEP }]);
+    // Written out, as `unrolled` does.
+    macro_rules! terms {
+        ($($j:literal)+) => {
+            $(if const { FIRST + ($j + 1) * STEP < N } {
+                sum = sum.multiply_add(y, Lanes::splat(c[FIRST + $j * STEP]));
             })+
         };
     }
-    fours!(4 8 12 16 20);
-    unrolled!(i < 4, {
-        if i < N % 4 {
-            parts[i] = parts[i].multiply_add(fourth, Lanes::splat(c[i]));
-        }
-    });
-    let [one, two, three, four] = parts;
-    four.multiply_add(x, three).multiply_add(square, two.multiply_add(x, one))
+    terms!(6 5 4 3 2 1 0);
+    sum
 }
 
 /// The angle of (x, y), 2.4 u; signs of zeros as IEEE 754 asks.

@@ -16,6 +16,12 @@ mod function;
 pub use dual::{FirstOrder, SecondOrder};
 
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
+#[cfg(target_arch = "x86_64")]
+use pulp::bytemuck::{cast, try_cast_mut};
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::__m256d;
+#[cfg(target_arch = "x86_64")]
+use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The number of lanes.
@@ -58,14 +64,24 @@ impl<const FUSED: bool> Lanes<FUSED> {
         Self([x; LANES])
     }
 
-    /// The same, by way of memory: what goes there and comes back are whole vectors, so that the compiler does not take lanes apart.
+    /// Writes the lanes as one vector. Of four numbers beside those of the next column the compiler takes any that follow each other, from
+    /// where that first looks cheap to it, and shuffles lanes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn store(self, to: &mut [f64; LANES]) {
+        #[cfg(target_arch = "x86_64")]
+        if let Ok(whole) = try_cast_mut::<[f64; LANES], __m256d>(to) {
+            *whole = cast(self.0);
+            return;
+        }
+        *to = self.0;
+    }
+
+    /// The same, by way of memory. Where a long computation is narrow, the compiler makes vectors of what is before and of what is behind it;
+    /// of all at once it does not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kept(self) -> Self {
         #[cfg(target_arch = "x86_64")]
-        {
-            let whole: std::arch::x86_64::__m256d = pulp::cast(self.0);
-            return Self(pulp::cast(*std::hint::black_box(&whole)));
-        }
+        return Self(cast(*black_box(&cast::<_, __m256d>(self.0))));
         #[cfg(not(target_arch = "x86_64"))]
         self
     }
