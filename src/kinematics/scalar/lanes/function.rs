@@ -17,6 +17,9 @@ const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 const HALF: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 const LARGE_ANGLE: f64 = 1e5;
 
+/// 1.5 · 2⁵²: a small number added to it is rounded to an integer, whose last bits are those of the sum.
+const COUNTER: f64 = 6_755_399_441_055_744.0;
+
 /// sin r = r + r³ (…) and cos r = 1 − r²/2 + r⁴ (…) for |r| ≤ π/4: fits of fdlibm (Sun Microsystems, 1993), ascending powers of r².
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
@@ -102,7 +105,8 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
         return (x.each(f64::sin), x.each(f64::cos));
     }
     let one = Lanes::splat(1.0);
-    let quarter = (x * Lanes::splat(std::f64::consts::FRAC_2_PI)).nearest_integer();
+    let counted = x.multiply_add(Lanes::splat(std::f64::consts::FRAC_2_PI), Lanes::splat(COUNTER));
+    let quarter = counted - Lanes::splat(COUNTER);
     let mut r = x;
     unrolled!(i < 3, {
         r = r - quarter * Lanes::splat(HALF[i]);
@@ -114,16 +118,13 @@ pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, 
     // 1 − r²/2 with its rounding error.
     let lost = (one - whole) - half;
     let cosine = whole + (polynomial(&COSINE, square) * square).multiply_add(square, lost);
-    // Which quarter turn: odd ones exchange sine and cosine, the second half changes signs.
-    let half_turn = quarter * Lanes::splat(0.5);
-    let odd = Lanes::splat(0.25).less((half_turn - half_turn.each(f64::floor)).magnitude());
-    let (s, c) = (Lanes::select(odd, cosine, sine), Lanes::select(odd, sine, cosine));
-    // sin is negative in quarters 2 and 3, cos in quarters 1 and 2.
-    let below = |quarter: Lanes<FUSED>| {
-        let quarters = quarter * Lanes::splat(0.25);
-        Lanes::splat(0.4).less(quarters - quarters.each(f64::floor))
+    // Odd quarter turns exchange sine and cosine. The sine is negative in quarters 2 and 3, the cosine in 1 and 2.
+    let sign_from = |bit: u32, more: u64| {
+        counted.each(|count| f64::from_bits(count.to_bits().wrapping_add(more) << (63 - bit)))
     };
-    (Lanes::select(below(quarter), -s, s), Lanes::select(below(quarter + one), -c, c))
+    let odd = sign_from(0, 0);
+    let (s, c) = (Lanes::by_sign(odd, cosine, sine), Lanes::by_sign(odd, sine, cosine));
+    (s.mirrored_by(sign_from(1, 0)), c.mirrored_by(sign_from(1, 1)))
 }
 
 /// The sum of the squares.
