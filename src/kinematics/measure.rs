@@ -258,6 +258,16 @@ fn picked<T>([first, second, third]: [T; 3], i: usize) -> T {
     }
 }
 
+/// |d|, or where that is zero the component of d along a fixed direction. Lanes come here where one of them may be: a function of its
+/// own keeps the rest of theirs in vectors.
+#[cold]
+#[inline(never)]
+fn length_or_along<S: Scalar>(length: S, fixed: Vector<S::Real>, d: Vector<S>) -> S {
+    let has_length = || S::Real::ZERO.less(length.real());
+    let [distance] = S::joined(|| [S::Real::choose(has_length(), || length, || vector::dot_real(fixed, d))]);
+    distance
+}
+
 /// The formulas: principal values on any scalar.
 impl<S: Scalar> Shared<'_, S> {
     /// [`Measure::Position`].
@@ -313,11 +323,10 @@ impl<S: Scalar> Shared<'_, S> {
     pub(crate) fn distance(&mut self) -> S {
         let d = self.relative.d;
         let length = norm(d);
-        let fixed = vector::apply_transposed(self.triad_a, self.section.fixed_direction);
-        let has_length = || S::Real::ZERO.less(length.real());
-        let [distance] =
-            S::joined(|| [S::Real::choose(has_length(), || length, || vector::dot_real(fixed, d))]);
-        distance
+        if S::Real::shortcut_where_positive(|| length.real() - S::Real::from_f64(f64::MIN_POSITIVE)) {
+            return length;
+        }
+        length_or_along(length, vector::apply_transposed(self.triad_a, self.section.fixed_direction), d)
     }
 
     /// [`Measure::Strain`].

@@ -733,13 +733,24 @@ inlined_for_doubles! {
     /// ψ)/2, of the sign that has β/2 in (−π/2, π/2].
     fn half_torsion<S: Scalar>(r: &Matrix<S>, spin: Option<Vector<S>>) -> Quaternion<S> {
         let q = quaternion_along(r, spin);
-        let zero = S::Real::ZERO;
-        S::joined(|| {
-            let opposite = [S::zero() - q[0], S::zero() - q[1], S::zero() - q[2], S::zero() - q[3]];
-            let known = S::Real::choose(zero.less(q[0].real()), || S::Real::integer(1), || q[3].real());
-            S::Real::either(known.less(zero), opposite, q)
-        })
+        if S::Real::shortcut_where_positive(|| q[0].real() - S::Real::from_f64(f64::MIN_POSITIVE)) {
+            return q;
+        }
+        beside_half_a_turn(q)
     }
+}
+
+/// That of q and −q, w ≥ 0, which [`half_torsion`] gives. Lanes come here where a w may be zero: a function of its own keeps the rest of
+/// theirs in vectors.
+#[cold]
+#[inline(never)]
+fn beside_half_a_turn<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
+    let zero = S::Real::ZERO;
+    S::joined(|| {
+        let opposite = [S::zero() - q[0], S::zero() - q[1], S::zero() - q[2], S::zero() - q[3]];
+        let known = S::Real::choose(zero.less(q[0].real()), || S::Real::integer(1), || q[3].real());
+        S::Real::either(known.less(zero), opposite, q)
+    })
 }
 
 /// The sign that e1, e2 midway between a and b take after whole `turns` of β, whose half they follow: −1 after an odd number.

@@ -38,8 +38,8 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side, or four in x⁴ of long ones: of longer chains
-/// the compiler makes no vectors.
+/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side; of long ones c₀ + x (four in x⁴), whose
+/// roundings |x| < 1 makes small. Of longer chains the compiler makes no vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
     const { assert!(4 <= N && N <= 32, "not as many coefficients as are written out") };
@@ -48,9 +48,9 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
         return part::<FUSED, N, 1, 2>(c, square).multiply_add(x, part::<FUSED, N, 0, 2>(c, square));
     }
     let fourth = square * square;
-    let low = part::<FUSED, N, 1, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 0, 4>(c, fourth));
-    let high = part::<FUSED, N, 3, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 2, 4>(c, fourth));
-    high.multiply_add(square, low)
+    let low = part::<FUSED, N, 2, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 1, 4>(c, fourth));
+    let high = part::<FUSED, N, 4, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 3, 4>(c, fourth));
+    high.multiply_add(square, low).multiply_add(x, Lanes::splat(c[0]))
 }
 
 /// Σ c_i yʲ over i = FIRST + j STEP.

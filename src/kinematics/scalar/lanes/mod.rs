@@ -17,7 +17,7 @@ pub use dual::{FirstOrder, SecondOrder};
 
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 #[cfg(target_arch = "x86_64")]
-use pulp::bytemuck::{cast, try_cast_mut};
+use pulp::bytemuck::cast;
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::__m256d;
 #[cfg(target_arch = "x86_64")]
@@ -69,11 +69,13 @@ impl<const FUSED: bool> Lanes<FUSED> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn store(self, to: &mut [f64; LANES]) {
         #[cfg(target_arch = "x86_64")]
-        if let Ok(whole) = try_cast_mut::<[f64; LANES], __m256d>(to) {
-            *whole = cast(self.0);
-            return;
+        {
+            *to = cast(cast::<[f64; LANES], __m256d>(self.0));
         }
-        *to = self.0;
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            *to = self.0;
+        }
     }
 
     /// The same, by way of memory. Where a long computation is narrow, the compiler makes vectors of what is before and of what is behind it;
