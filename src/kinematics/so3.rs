@@ -21,7 +21,7 @@
 //! ```
 
 use crate::scalar::elementary::{
-    atan2, atan2_opposite, direction, elevation, inverse_sqrt, norm, norm_and_direction, recip,
+    atan2, atan2_opposite, direction, elevation, norm, norm_and_direction, recip,
 };
 use crate::scalar::{MAX_ORDER, Real, Scalar, Series, each, inlined_for_doubles, unrolled};
 use crate::vector;
@@ -159,12 +159,10 @@ pub fn conjugate<S: Scalar>([w, x, y, z]: Quaternion<S>) -> Quaternion<S> {
     [w, -x, -y, -z]
 }
 
-inlined_for_doubles! {
-    /// q / |q|; q ≠ 0.
-    pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
-        let inverse = inverse_sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-        [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
-    }
+/// q / |q|, of any length between 1e−300 and 1e300; zero where q = 0, which is no rotation.
+#[inline(always)]
+pub fn normalize<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
+    direction(q)
 }
 
 /// The unit quaternion, w ≥ 0, of the rotation nearest to a rotation matrix with rounding errors.

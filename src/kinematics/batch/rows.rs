@@ -7,7 +7,9 @@ use crate::batch::unit::{Any, Unit};
 use crate::batch::{Batch, BatchError, History, Layout, Section, Tile, same_length};
 use crate::measure::Measure;
 use crate::node::{Dependence, Node, Pair};
+use crate::scalar::elementary::norm_and_direction;
 use crate::scalar::lanes::{LANES, Lanes};
+use crate::scalar::{Real, Scalar};
 use crate::so3;
 use crate::vector::{Matrix, product};
 use pulp::{Arch, Simd, WithSimd};
@@ -527,7 +529,7 @@ impl Moves for FillTriads<'_> {
                 let of = of.as_chunks::<LANES>().0;
                 for i in 0..tiles.len().min(of.len()) {
                     let [w, x, y, z] = unit.transposed(of[i]);
-                    let q = so3::normalize([Lanes(w), Lanes(x), Lanes(y), Lanes(z)]);
+                    let q = unit_quaternion([Lanes(w), Lanes(x), Lanes(y), Lanes(z)]);
                     place(&so3::matrix(q), &initial, &mut tiles[i].triad[end]);
                 }
             }
@@ -558,6 +560,28 @@ fn nines<U: Unit>(unit: U, of: &[[f64; 9]; LANES]) -> [[Four; 3]; 3] {
     };
     let ([a, b], [c, d], [e, f], [g, h], [_, i]) = (at(0), at(2), at(4), at(6), at(7));
     [[a, b, c], [d, e, f], [g, h, i]]
+}
+
+/// q/‖q‖; NaN of zero.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn unit_quaternion(q: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
+    const SMALL: f64 = 1e-200;
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    let (small, large) = (Lanes::splat(SMALL), Lanes::splat(1.0 / SMALL));
+    if !Lanes::shortcut_where_positive(|| (square - small).lesser(large - square)) {
+        return of_any_length(q);
+    }
+    let inverse = Lanes::splat(1.0) / square.square_root();
+    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
+}
+
+/// The same of lengths whose squares are no numbers, or lose digits.
+#[cold]
+#[inline(never)]
+fn of_any_length(q: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
+    let (length, direction) = norm_and_direction(q);
+    let has_length = Lanes::splat(0.0).less(length);
+    direction.map(|part| Lanes::select(has_length, part, Lanes::splat(f64::NAN)))
 }
 
 /// R T₀ of four.

@@ -91,11 +91,13 @@ impl Unit for pulp::x86::V3 {
         [cast(avx._mm256_unpacklo_pd(ac, bd)), cast(avx._mm256_unpackhi_pd(ac, bd))]
     }
 
-    /// Halves go to memory as they are. Large arrays begin 16 bytes after a line of the cache, which a half never crosses.
+    /// Halves go to memory as they are. Where arrays begin at a multiple of 16 bytes, as those of glibc and NumPy do, no half crosses a
+    /// line of the cache.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn to_pairs(self, [a, b]: [Four; 2]) -> [[f64; 2]; 4] {
         let avx = self.avx;
-        let (even, odd) = (avx._mm256_unpacklo_pd(cast(a), cast(b)), avx._mm256_unpackhi_pd(cast(a), cast(b)));
+        let (even, odd) =
+            (avx._mm256_unpacklo_pd(cast(a), cast(b)), avx._mm256_unpackhi_pd(cast(a), cast(b)));
         [
             cast(avx._mm256_castpd256_pd128(even)),
             cast(avx._mm256_castpd256_pd128(odd)),

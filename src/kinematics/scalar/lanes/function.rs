@@ -1,7 +1,7 @@
 //! Elementary functions without branches: one division at most, and polynomials.
 
 use crate::scalar::coefficients::{ARCTANGENT, LONG_LOG_0, LONG_LOG_1, LONG_LOG_2};
-use crate::scalar::lanes::{LANES, Lanes, MAX_ORDER, Real, Scalar, Series};
+use crate::scalar::lanes::{LANES, LaneMask, Lanes, MAX_ORDER, Real, Scalar, Series};
 
 /// A quarter of π in two parts. The first happens to have three zero bits at its end, so that up to eight of it are exact.
 const QUARTER: f64 = std::f64::consts::FRAC_PI_4;
@@ -13,7 +13,7 @@ const SMALLEST: f64 = f64::from_bits(1);
 /// tan(π/8): beyond it an arctangent is taken from π/4.
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 
-/// Half of π in three parts, each of 33 bits, and beyond which angle a multiple of the first is not exact.
+/// Half of π in three parts, the first two of 33 bits, and beyond which angle sines are those of doubles.
 const HALF: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 const LARGE_ANGLE: f64 = 1e5;
 
@@ -38,8 +38,8 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side; of long ones c₀ + x (four in x⁴), whose
-/// roundings |x| < 1 makes small. Of longer chains the compiler makes no vectors.
+/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side, or four in x⁴ of long ones, the largest
+/// added last. Of longer chains the compiler makes no vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
     const { assert!(4 <= N && N <= 32, "not as many coefficients as are written out") };
@@ -48,9 +48,8 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
         return part::<FUSED, N, 1, 2>(c, square).multiply_add(x, part::<FUSED, N, 0, 2>(c, square));
     }
     let fourth = square * square;
-    let low = part::<FUSED, N, 2, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 1, 4>(c, fourth));
-    let high = part::<FUSED, N, 4, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 3, 4>(c, fourth));
-    high.multiply_add(square, low).multiply_add(x, Lanes::splat(c[0]))
+    let high = part::<FUSED, N, 3, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 2, 4>(c, fourth));
+    high.multiply_add(square, part::<FUSED, N, 1, 4>(c, fourth) * x) + part::<FUSED, N, 0, 4>(c, fourth)
 }
 
 /// Σ c_i yʲ over i = FIRST + j STEP.
@@ -98,12 +97,28 @@ pub(super) fn arctangent<const FUSED: bool>(y: Lanes<FUSED>, x: Lanes<FUSED>) ->
     quarters.multiply_add(Lanes::splat(QUARTER), rest).with_sign_of(y)
 }
 
-/// (sin x, cos x), 1.8 u.
+/// (sin x, cos x), 1.8 u of |x| < π, 2.7 u of larger angles.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn sine_cosine<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, Lanes<FUSED>) {
-    if !x.magnitude().less(Lanes::splat(LARGE_ANGLE)).all() {
-        return (x.each(f64::sin), x.each(f64::cos));
-    }
+    let found = of_small_angles(x);
+    let is_small = x.magnitude().less(Lanes::splat(LARGE_ANGLE));
+    if is_small.all() { found } else { of_large_angles(x, is_small, found) }
+}
+
+/// Those of doubles where an angle is large or NaN: what a lane has does not depend on others.
+#[cold]
+#[inline(never)]
+fn of_large_angles<const FUSED: bool>(
+    x: Lanes<FUSED>,
+    is_small: LaneMask,
+    (sine, cosine): (Lanes<FUSED>, Lanes<FUSED>),
+) -> (Lanes<FUSED>, Lanes<FUSED>) {
+    (Lanes::select(is_small, sine, x.each(f64::sin)), Lanes::select(is_small, cosine, x.each(f64::cos)))
+}
+
+/// (sin x, cos x) of |x| < [`LARGE_ANGLE`].
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn of_small_angles<const FUSED: bool>(x: Lanes<FUSED>) -> (Lanes<FUSED>, Lanes<FUSED>) {
     let one = Lanes::splat(1.0);
     let counted = x.multiply_add(Lanes::splat(std::f64::consts::FRAC_2_PI), Lanes::splat(COUNTER));
     let quarter = counted - Lanes::splat(COUNTER);
@@ -258,13 +273,12 @@ fn larger<const FUSED: bool>(
 
 /// cos x and sin x / (2 x) of x = √s / 2, without derivatives.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn exp_series<const FUSED: bool>(
-    s: Lanes<FUSED>,
-) -> (Series<Lanes<FUSED>>, Series<Lanes<FUSED>>) {
+pub(super) fn exp_series<const FUSED: bool>(s: Lanes<FUSED>) -> (Series<Lanes<FUSED>>, Series<Lanes<FUSED>>) {
     let half = Lanes::splat(0.5);
     let x = s.square_root() * half;
     let (sine, cosine) = sine_cosine(x);
-    let (mut w, mut k) = const { ([Lanes([0.0; LANES]); MAX_ORDER + 1], [Lanes([0.0; LANES]); MAX_ORDER + 1]) };
+    let (mut w, mut k) =
+        const { ([Lanes([0.0; LANES]); MAX_ORDER + 1], [Lanes([0.0; LANES]); MAX_ORDER + 1]) };
     w[0] = cosine;
     // Nearer to zero than this, sin x is x. NaN is not less.
     k[0] = Lanes::select(x.less(Lanes::splat(1e-8)), half, half * (sine / x));
@@ -290,10 +304,10 @@ pub(super) fn exp_series_lane_by_lane<const FUSED: bool>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
     let mut series = const { [Lanes([0.0; LANES]); MAX_ORDER + 1] };
-    let y = ((Lanes::splat(1.0) - c) * Lanes::splat(0.5)).kept();
-    series[0] = polynomial(&LONG_LOG_0, y).kept();
+    let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);
+    series[0] = polynomial(&LONG_LOG_0, y);
     if order > 0 {
-        series[1] = polynomial(&LONG_LOG_1, y).kept();
+        series[1] = polynomial(&LONG_LOG_1, y);
     }
     if order > 1 {
         series[2] = polynomial(&LONG_LOG_2, y - Lanes::splat(0.25));
