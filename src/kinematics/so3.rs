@@ -551,7 +551,14 @@ fn beyond_half_a_turn<S: Scalar>(q: Quaternion<S>, reference: Vector<S::Real>) -
         let sine = S::Real::either(zero.less(lateral), lateral, one);
         let series = shifted_series(q0[0], sine, whole, S::ORDER);
         // Both without a closure, which the compiler would leave a function of its own, for the baseline processor.
-        let beyond = times([q[1], q[2], q[3]], q[0].lift(&series));
+        let mut beyond = times([q[1], q[2], q[3]], q[0].lift(&series));
+        // Of the value alone: K s is the principal angle, to which 2πk is added without the rounding of 2π.
+        let of_principal = S::Real::log_series(q0[0], 0)[0];
+        let shifted = S::Real::with_turns(of_principal * sine, k) / sine;
+        let factor = S::Real::either(is_principal, of_principal, shifted);
+        for i in 0..3 {
+            beyond[i] = beyond[i].with_real(v[i] * factor);
+        }
         let beside = beside_whole_turns(reference_direction, whole, on_principal_sheet);
         let is_beyond = zero.less(lateral + S::Real::either(is_principal, one, zero));
         let phi = S::Real::either(is_beyond, beyond, beside);
@@ -621,7 +628,7 @@ fn shifted_series<R: Real>(c: R, sine: R, whole: R, order: usize) -> Series<R> {
     let mut series = R::log_series(c, order);
     let inverse = R::integer(1) / sine;
     let square = inverse * inverse;
-    let (mut before, mut shift) = (R::ZERO, whole * inverse);
+    let (mut before, mut shift) = (R::ZERO, whole / sine);
     series[0] = series[0] + shift;
     for n in 0..order {
         let m = n as i32;

@@ -287,6 +287,99 @@ fn arrays_lie_as_they_do() {
     }
 }
 
+/// What turns a node in one state changes no bit of others in its tile, and [`States::pair`] has the bits of the rows: quaternions of any
+/// length, of zero, which is no turn, and rotation vectors that are huge or no numbers.
+#[test]
+fn turns_stay_in_their_states() {
+    let draw = &mut Draw::new("rows, turns");
+    let connection = ConnectionType::named("CARTESIAN", Some("CARDAN")).unwrap();
+    let case = case(&connection, draw, 32).unwrap();
+    let expected = case.expected();
+    let (each, width) = (case.batch.rows(), case.batch.width(Columns::Twelve));
+    let triads = case.flat(|s| nine(&case.pairs[s].a.triad));
+    let places =
+        [0, 1].map(|end: usize| case.flat(|s| [&case.pairs[s].a, &case.pairs[s].b][end].displacement));
+    let rows_of = |what: &str, orientation: Orientation<'_>| {
+        let node = |end: usize, orientation| Nodes { displacement: Array::new(&places[end], 3), orientation };
+        let states = States {
+            count: 32,
+            reference: Array::shared(&case.pairs[0].reference),
+            nodes: [node(0, Orientation::Triad(Array::new(&triads, 9))), node(1, orientation)],
+            sections: &case.sections,
+            histories: &case.histories,
+        };
+        let (mut values, mut rows) = (vec![0.0; 32 * each], vec![0.0; 32 * width]);
+        case.batch.rows_of_states(&states, Columns::Twelve, &mut values, &mut rows).unwrap();
+        // The same by the nodes of each state.
+        for s in 0..32 {
+            let triad = states.pair(s).b.triad;
+            let alone = Orientation::Triad(Array::shared(triad.as_flattened()));
+            let mut one = States { count: 1, ..states };
+            one.nodes[0] = Nodes {
+                displacement: Array::new(&places[0][3 * s..], 3),
+                orientation: Orientation::Triad(Array::new(&triads[9 * s..], 9)),
+            };
+            one.nodes[1] = Nodes { displacement: Array::new(&places[1][3 * s..], 3), orientation: alone };
+            let (mut own_values, mut own_rows) = (vec![0.0; each], vec![0.0; width]);
+            case.batch.rows_of_states(&one, Columns::Twelve, &mut own_values, &mut own_rows).unwrap();
+            let is_nan = own_values.iter().any(|x| x.is_nan());
+            let found = &rows[s * width..(s + 1) * width];
+            let apart = own_rows.iter().zip(found).position(|(own, found)| own != found);
+            assert!(
+                is_nan || apart.is_none(),
+                "{what}, state {s}: {apart:?} {:?}",
+                apart.map(|k| (own_rows[k], found[k]))
+            );
+        }
+        (values, rows)
+    };
+    let quaternion = |s: usize| so3::exp_quaternion(case.turns[s][1]);
+    let usual = rows_of(
+        "quaternions",
+        Orientation::Quaternion(Array::new(&case.flat(quaternion), 4), case.initial[1]),
+    );
+    // In each tile another lane is not usual.
+    let odd = |s: usize| s % 4 == s / 4 % 4;
+    let mut compared = 0;
+    for length in [-3.0, 1e-170, 1e-300, 1e200, 1e300, 0.0] {
+        let scaled = case.flat(|s| quaternion(s).map(|part| if odd(s) { length * part } else { part }));
+        let (values, rows) = rows_of(
+            &format!("length {length}"),
+            Orientation::Quaternion(Array::new(&scaled, 4), case.initial[1]),
+        );
+        for s in 0..32 {
+            let numbers = s * width..(s + 1) * width;
+            if !odd(s) {
+                assert_eq!(rows[numbers.clone()], usual.1[numbers], "state {s}, beside length {length}");
+            } else if length == 0.0 {
+                let values = &values[s * each..(s + 1) * each];
+                assert!(values[3..].iter().all(|angle| angle.is_nan()), "state {s}: {values:?}");
+            } else {
+                let pairs = rows[numbers].chunks(12).zip(&expected[s]);
+                pairs.flat_map(|(row, of)| row.iter().zip(of.1)).for_each(|(found, expected)| {
+                    assert!(is_near(*found, expected, 1e-13), "state {s}, length {length}");
+                });
+            }
+            compared += 1;
+        }
+    }
+    let vectors = case.flat(|s| case.turns[s][1]);
+    let usual = rows_of("vectors", Orientation::RotationVector(Array::new(&vectors, 3), case.initial[1]));
+    for strange in [0.0, 3e5, 1e17, f64::NAN, f64::INFINITY] {
+        let some = case.flat(|s| if odd(s) { [strange, 0.0, 0.0] } else { case.turns[s][1] });
+        let (_, rows) = rows_of(
+            &format!("vectors, {strange}"),
+            Orientation::RotationVector(Array::new(&some, 3), case.initial[1]),
+        );
+        for s in (0..32).filter(|s| !odd(*s)) {
+            let numbers = s * width..(s + 1) * width;
+            assert_eq!(rows[numbers.clone()], usual.1[numbers], "state {s}, beside {strange}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 6 * 32 + 5 * 24);
+}
+
 /// The sum of no rows is zero, whatever was there.
 #[test]
 fn no_rows_have_no_stiffness() {

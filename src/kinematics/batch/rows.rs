@@ -567,21 +567,26 @@ fn nines<U: Unit>(unit: U, of: &[[f64; 9]; LANES]) -> [[Four; 3]; 3] {
 fn unit_quaternion(q: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
     const SMALL: f64 = 1e-200;
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    let (small, large) = (Lanes::splat(SMALL), Lanes::splat(1.0 / SMALL));
-    if !Lanes::shortcut_where_positive(|| (square - small).lesser(large - square)) {
-        return of_any_length(q);
-    }
     let inverse = Lanes::splat(1.0) / square.square_root();
-    [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse]
+    let unit = [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse];
+    // Negative where the square is no number, or has lost digits.
+    let usual = (square - Lanes::splat(SMALL)).lesser(Lanes::splat(1.0 / SMALL) - square);
+    if Lanes::shortcut_where_positive(|| usual) { unit } else { of_any_length(q, usual, unit) }
 }
 
-/// The same of lengths whose squares are no numbers, or lose digits.
+/// The same where not all lengths are usual ones.
 #[cold]
 #[inline(never)]
-fn of_any_length(q: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
+fn of_any_length(q: [Lanes<false>; 4], usual: Lanes<false>, unit: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
+    let zero = Lanes::splat(0.0);
     let (length, direction) = norm_and_direction(q);
-    let has_length = Lanes::splat(0.0).less(length);
-    direction.map(|part| Lanes::select(has_length, part, Lanes::splat(f64::NAN)))
+    let (is_usual, has_length) = (zero.less(usual), zero.less(length));
+    let mut found = unit;
+    for k in 0..4 {
+        let scaled = Lanes::select(has_length, direction[k], Lanes::splat(f64::NAN));
+        found[k] = Lanes::select(is_usual, unit[k], scaled);
+    }
+    found
 }
 
 /// R T₀ of four.

@@ -38,8 +38,8 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side, or four in x⁴ of long ones, the largest
-/// added last. Of longer chains the compiler makes no vectors.
+/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side, or four in x⁴ of long ones: of
+/// longer chains the compiler makes no vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
     const { assert!(4 <= N && N <= 32, "not as many coefficients as are written out") };
@@ -48,8 +48,9 @@ fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) 
         return part::<FUSED, N, 1, 2>(c, square).multiply_add(x, part::<FUSED, N, 0, 2>(c, square));
     }
     let fourth = square * square;
+    let low = part::<FUSED, N, 1, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 0, 4>(c, fourth));
     let high = part::<FUSED, N, 3, 4>(c, fourth).multiply_add(x, part::<FUSED, N, 2, 4>(c, fourth));
-    high.multiply_add(square, part::<FUSED, N, 1, 4>(c, fourth) * x) + part::<FUSED, N, 0, 4>(c, fourth)
+    high.multiply_add(square, low)
 }
 
 /// Σ c_i yʲ over i = FIRST + j STEP.
@@ -300,12 +301,23 @@ pub(super) fn exp_series_lane_by_lane<const FUSED: bool>(
     (part(0), part(1))
 }
 
+/// Those of (K − 2)/y: 2 is added last, and leaves nothing but its own rounding.
+const LONG_LOG_BEYOND_TWO: [f64; LONG_LOG_0.len() - 1] = {
+    let mut c = [0.0; LONG_LOG_0.len() - 1];
+    let mut i = 0;
+    while i < c.len() {
+        c[i] = LONG_LOG_0[i + 1];
+        i += 1;
+    }
+    c
+};
+
 /// The coefficients of K at c in [0, 1], to the second.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
     let mut series = const { [Lanes([0.0; LANES]); MAX_ORDER + 1] };
     let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);
-    series[0] = polynomial(&LONG_LOG_0, y);
+    series[0] = polynomial(&LONG_LOG_BEYOND_TWO, y).multiply_add(y, Lanes::splat(LONG_LOG_0[0]));
     if order > 0 {
         series[1] = polynomial(&LONG_LOG_1, y);
     }
