@@ -565,26 +565,30 @@ fn nines<U: Unit>(unit: U, of: &[[f64; 9]; LANES]) -> [[Four; 3]; 3] {
 /// q/‖q‖; NaN of zero.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unit_quaternion(q: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
+    let (unit, usual) = of_usual_length(q);
+    if Lanes::shortcut_where_positive(|| usual) { unit } else { of_any_length(q) }
+}
+
+/// The same of usual lengths, and what is negative where the square of a length is no number, or has lost digits.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn of_usual_length(q: [Lanes<false>; 4]) -> ([Lanes<false>; 4], Lanes<false>) {
     const SMALL: f64 = 1e-200;
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     let inverse = Lanes::splat(1.0) / square.square_root();
     let unit = [q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse];
-    // Negative where the square is no number, or has lost digits.
-    let usual = (square - Lanes::splat(SMALL)).lesser(Lanes::splat(1.0 / SMALL) - square);
-    if Lanes::shortcut_where_positive(|| usual) { unit } else { of_any_length(q, usual, unit) }
+    (unit, (square - Lanes::splat(SMALL)).lesser(Lanes::splat(1.0 / SMALL) - square))
 }
 
-/// The same where not all lengths are usual ones.
+/// Both, by lanes.
 #[cold]
 #[inline(never)]
-fn of_any_length(q: [Lanes<false>; 4], usual: Lanes<false>, unit: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
+fn of_any_length(q: [Lanes<false>; 4]) -> [Lanes<false>; 4] {
     let zero = Lanes::splat(0.0);
-    let (length, direction) = norm_and_direction(q);
+    let ((mut found, usual), (length, direction)) = (of_usual_length(q), norm_and_direction(q));
     let (is_usual, has_length) = (zero.less(usual), zero.less(length));
-    let mut found = unit;
     for k in 0..4 {
         let scaled = Lanes::select(has_length, direction[k], Lanes::splat(f64::NAN));
-        found[k] = Lanes::select(is_usual, unit[k], scaled);
+        found[k] = Lanes::select(is_usual, found[k], scaled);
     }
     found
 }
