@@ -495,7 +495,7 @@ impl Moves for FillSeparations<'_> {
             for k in 0..3 {
                 apart[k] = unit.separation(reference[i][k], a[i][k], b[i][k]);
             }
-            self.tiles[i].reference = unit.from_threes(apart);
+            self.tiles[i].reference = unit.lanes_of_threes(apart);
         }
     }
 }
@@ -536,7 +536,7 @@ impl Moves for FillTriads<'_> {
             Turned::Vectors(of, initial) => {
                 let of = threes(of);
                 for i in 0..tiles.len().min(of.len()) {
-                    let [x, y, z] = unit.from_threes(of[i]);
+                    let [x, y, z] = unit.lanes_of_threes(of[i]);
                     let turn = so3::exp([Lanes(x), Lanes(y), Lanes(z)]);
                     place(&turn, &initial, &mut tiles[i].triad[end]);
                 }
@@ -556,7 +556,7 @@ fn threes(of: &[[f64; 3]]) -> &[[Four; 3]] {
 fn nines<U: Unit>(unit: U, of: &[[f64; 9]; LANES]) -> [[Four; 3]; 3] {
     let at = |k: usize| {
         let half = |lane: usize| [of[lane][k], of[lane][k + 1]];
-        unit.from_pairs([half(0), half(1), half(2), half(3)])
+        unit.lanes_of_pairs([half(0), half(1), half(2), half(3)])
     };
     let ([a, b], [c, d], [e, f], [g, h], [_, i]) = (at(0), at(2), at(4), at(6), at(7));
     [[a, b, c], [d, e, f], [g, h, i]]

@@ -12,13 +12,13 @@ pub(super) trait Unit: Copy {
     fn transposed(self, rows: [Four; 4]) -> [Four; 4];
 
     /// The first numbers of four pairs, and the second ones.
-    fn from_pairs(self, pairs: [[f64; 2]; 4]) -> [Four; 2];
+    fn lanes_of_pairs(self, pairs: [[f64; 2]; 4]) -> [Four; 2];
 
     /// The pairs of four first numbers and four second ones.
     fn to_pairs(self, of: [Four; 2]) -> [[f64; 2]; 4];
 
     /// The first, second and third numbers of four triples that stand one after the other.
-    fn from_threes(self, of: [Four; 3]) -> [Four; 3];
+    fn lanes_of_threes(self, of: [Four; 3]) -> [Four; 3];
 
     /// X + (b − a) of each.
     fn separation(self, reference: Four, a: Four, b: Four) -> Four;
@@ -38,7 +38,7 @@ impl Unit for Any {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_pairs(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
+    fn lanes_of_pairs(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
         [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]]]
     }
 
@@ -48,7 +48,7 @@ impl Unit for Any {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_threes(self, [a, b, c]: [Four; 3]) -> [Four; 3] {
+    fn lanes_of_threes(self, [a, b, c]: [Four; 3]) -> [Four; 3] {
         [[a[0], a[3], b[2], c[1]], [a[1], b[0], b[3], c[2]], [a[2], b[1], c[0], c[3]]]
     }
 
@@ -82,7 +82,7 @@ impl Unit for pulp::x86::V3 {
 
     /// Halves of a register come from memory as they are, so that two shuffles do what four would.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_pairs(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
+    fn lanes_of_pairs(self, [a, b, c, d]: [[f64; 2]; 4]) -> [Four; 2] {
         let avx = self.avx;
         let both = |low: [f64; 2], high: [f64; 2]| {
             avx._mm256_insertf128_pd::<1>(avx._mm256_castpd128_pd256(cast(low)), cast(high))
@@ -107,7 +107,7 @@ impl Unit for pulp::x86::V3 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_threes(self, [a, b, c]: [Four; 3]) -> [Four; 3] {
+    fn lanes_of_threes(self, [a, b, c]: [Four; 3]) -> [Four; 3] {
         let avx = self.avx;
         let (a, b, c): (__m256d, __m256d, __m256d) = (cast(a), cast(b), cast(c));
         let ab = avx._mm256_blend_pd::<0b1100>(a, b);
