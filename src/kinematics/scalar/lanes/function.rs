@@ -316,10 +316,10 @@ const LONG_LOG_BEYOND_TWO: [f64; LONG_LOG_0.len() - 1] = {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log_series<const FUSED: bool>(c: Lanes<FUSED>, order: usize) -> Series<Lanes<FUSED>> {
     let mut series = const { [Lanes([0.0; LANES]); MAX_ORDER + 1] };
-    let y = (Lanes::splat(1.0) - c) * Lanes::splat(0.5);
-    series[0] = polynomial(&LONG_LOG_BEYOND_TWO, y).multiply_add(y, Lanes::splat(LONG_LOG_0[0]));
+    let y = ((Lanes::splat(1.0) - c) * Lanes::splat(0.5)).kept();
+    series[0] = polynomial(&LONG_LOG_BEYOND_TWO, y).multiply_add(y, Lanes::splat(LONG_LOG_0[0])).kept();
     if order > 0 {
-        series[1] = polynomial(&LONG_LOG_1, y);
+        series[1] = polynomial(&LONG_LOG_1, y).kept();
     }
     if order > 1 {
         series[2] = polynomial(&LONG_LOG_2, y - Lanes::splat(0.25));

@@ -20,6 +20,8 @@ use crate::scalar::{MAX_ORDER, Real, Scalar, Series};
 use pulp::bytemuck::cast;
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::__m256d;
+#[cfg(target_arch = "x86_64")]
+use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The number of lanes.
@@ -74,6 +76,16 @@ impl<const FUSED: bool> Lanes<FUSED> {
         {
             *to = self.0;
         }
+    }
+
+    /// The same, by way of memory. Where a long computation is narrow, the compiler makes vectors of what is before and of what is behind it;
+    /// of all at once it does not.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kept(self) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        return Self(cast(*black_box(&cast::<_, __m256d>(self.0))));
+        #[cfg(not(target_arch = "x86_64"))]
+        self
     }
 
     /// `function` of each lane.
