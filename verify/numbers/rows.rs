@@ -287,8 +287,10 @@ fn arrays_lie_as_they_do() {
     }
 }
 
-/// What turns a node in one state changes no bit of others in its tile, and [`States::pair`] has the bits of the rows: quaternions of any
-/// length, of zero, which is no turn, and rotation vectors that are huge or no numbers.
+/// What turns a node in one state changes no bit of others in its tile, and [`States::pair`] has the bits of the rows.
+///
+/// - quaternions of any length, and of zero, which is no turn
+/// - rotation vectors that are huge or no numbers
 #[test]
 fn turns_stay_in_their_states() {
     let draw = &mut Draw::new("rows, turns");

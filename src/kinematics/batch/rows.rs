@@ -74,8 +74,8 @@ pub enum Orientation<'a> {
     Triad(Array<'a>),
     /// The local directions one after the other: nine numbers, the rows of Tᵀ.
     Directions(Array<'a>),
-    /// The turn since the initial state as a quaternion w, x, y, z of any length but zero, which gives NaN, and the initial triad T₀:
-    /// T = R(q/‖q‖) T₀.
+    /// The turn since the initial state as a quaternion w, x, y, z, and the initial triad T₀: T = R(q/‖q‖) T₀. Any length will do
+    /// between 1e−300 and 1e300; zero gives NaN.
     Quaternion(Array<'a>, Matrix<f64>),
     /// The turn as a rotation vector (rad), and the initial triad T₀: T = exp(φ^) T₀.
     RotationVector(Array<'a>, Matrix<f64>),

@@ -38,8 +38,8 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Σ c_i xⁱ as two interleaved polynomials in x², which the processor evaluates side by side, or four in x⁴ of long ones: of
-/// longer chains the compiler makes no vectors.
+/// Σ c_i xⁱ as interleaved polynomials, which the processor evaluates side by side: two in x², of long ones four in x⁴. Of longer
+/// chains the compiler makes no vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn polynomial<const FUSED: bool, const N: usize>(c: &[f64; N], x: Lanes<FUSED>) -> Lanes<FUSED> {
     const { assert!(4 <= N && N <= 32, "not as many coefficients as are written out") };
